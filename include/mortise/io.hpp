@@ -1,0 +1,26 @@
+// Mesh files and pictures.
+#pragma once
+
+#include <string>
+
+#include "mortise/mesh.hpp"
+
+namespace mortise {
+
+/// Writes a mesh; the format follows from the extension: .vtu (VTK XML, appended, zlib-compressed), .msh
+/// (Gmsh 4.1, binary). Written to a temporary name beside `path` and renamed at the end, so a file of that
+/// name is always whole. Throws Error(kUsage) for an unknown extension, Error(kFiles) with the cause.
+void write_mesh(const Mesh& mesh, const std::string& path);
+
+/// Throws what write_mesh(mesh, path) would throw for the name alone: unknown extension, missing or
+/// unwritable folder. Called before the work starts.
+void check_writable(const std::string& path);
+
+/// Reads a file that write_mesh made. Throws Error(kFiles) or Error(kInput) with the cause; never crashes on
+/// damaged bytes. A .vtu carries facets and names too, so that a round trip is exact.
+Mesh read_mesh(const std::string& path);
+
+/// Draws the boundary facets (flat shading, element edges, colour by surface) into a PNG picture.
+void write_picture(const Mesh& mesh, const std::string& path, int width = 1200, int height = 900);
+
+}  // namespace mortise

@@ -1,0 +1,101 @@
+// The finished mesh: plain arrays, shared by the mesher, the checks and the file formats.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace mortise {
+
+using NodeId = std::uint32_t;
+
+/// Element types in the order in which Mesh::elements holds them and files list them. Append-only.
+enum class ElementType : std::uint8_t { kHexahedron = 0, kWedge = 1, kPyramid = 2, kTetrahedron = 3 };
+
+inline constexpr int kElementTypes = 4;
+inline constexpr std::array<int, kElementTypes> kElementNodes = {8, 6, 5, 4};
+
+/// How an element was made: the cell array `kind` of output files. Append-only.
+enum class ElementKind : std::uint8_t {
+    kIn = 0,    ///< an IN cell
+    kSnio = 1,  ///< a template of a cell with one simple surface
+    kCnio = 2,  ///< the certificate of a complex cell
+};
+
+/// All elements of one type. Order: Morton order of the leaf that made them.
+struct ElementBlock {
+    std::vector<NodeId> nodes;          ///< length: count × kElementNodes[type]; node order below
+    std::vector<std::uint16_t> region;  ///< length: count; 1-based index: region_names[region - 1]
+    std::vector<std::uint8_t> kind;     ///< length: count; ElementKind
+    std::size_t size() const { return region.size(); }
+};
+
+/// Boundary and interface facets: three or four nodes each.
+///
+/// A facet is listed once. Seen from `outside`, its nodes run counter-clockwise, that is, the normal by
+/// the right-hand rule points from region `inside` to region `outside`.
+struct FacetBlock {
+    std::vector<NodeId> nodes;           ///< length: 4 × count; a triangle repeats its last node
+    std::vector<std::uint32_t> surface;  ///< length: count; 0-based index into surface_names
+    std::vector<std::uint16_t> inside;   ///< length: count; region on the back of the facet, >= 1
+    std::vector<std::uint16_t> outside;  ///< length: count; region in front, 0: none (outer boundary)
+    std::size_t size() const { return surface.size(); }
+};
+
+/// A conforming mesh of hexahedra, wedges, pyramids and tetrahedra.
+///
+/// Node order of elements (VTK's for hexahedra, pyramids and tetrahedra), all right-handed:
+/// - hexahedron: 0-3 counter-clockwise seen from inside looking from face 4-7, i.e. 0 (0,0,0), 1 (1,0,0),
+///   2 (1,1,0), 3 (0,1,0), 4-7 the same with z = 1.
+/// - wedge: triangle 0 (0,0,0), 1 (1,0,0), 2 (0,1,0), and 3-5 above them with z = 1 (Gmsh's order; VTK_WEDGE
+///   is documented with the opposite winding: host/io/formats states the permutation of each format).
+/// - pyramid: base 0 (0,0,0), 1 (1,0,0), 2 (1,1,0), 3 (0,1,0), apex 4 with z > 0.
+/// - tetrahedron: 0 (0,0,0), 1 (1,0,0), 2 (0,1,0), 3 (0,0,1).
+///
+/// Guarantees of a mesh that the mesher returns: every element's Jacobian is positive everywhere; every
+/// facet of an element is shared by exactly one other element with the same nodes or lies on the boundary;
+/// no two nodes, and no two elements, coincide; every node is used.
+struct Mesh {
+    std::vector<double> points;  ///< length: 3 × nodes; x, y, z in model units
+    std::array<ElementBlock, kElementTypes> elements;
+    FacetBlock facets;                       ///< outer boundary and interfaces between regions
+    std::vector<std::string> region_names;   ///< region r is region_names[r - 1]
+    std::vector<std::string> surface_names;  ///< unique, file-safe
+
+    std::size_t node_count() const { return points.size() / 3; }
+    std::size_t element_count() const {
+        std::size_t count = 0;
+        for (const ElementBlock& block : elements) count += block.size();
+        return count;
+    }
+    ElementBlock& block(ElementType type) { return elements[static_cast<std::size_t>(type)]; }
+    const ElementBlock& block(ElementType type) const { return elements[static_cast<std::size_t>(type)]; }
+};
+
+/// Local faces of each element type, outward (right-hand rule), -1-padded to four nodes.
+using LocalFace = std::array<int, 4>;
+inline constexpr std::array<LocalFace, 6> kHexahedronFaces = {
+    {{0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4}, {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}}};
+inline constexpr std::array<LocalFace, 5> kWedgeFaces = {
+    {{0, 2, 1, -1}, {3, 4, 5, -1}, {0, 1, 4, 3}, {1, 2, 5, 4}, {2, 0, 3, 5}}};
+inline constexpr std::array<LocalFace, 5> kPyramidFaces = {
+    {{0, 3, 2, 1}, {0, 1, 4, -1}, {1, 2, 4, -1}, {2, 3, 4, -1}, {3, 0, 4, -1}}};
+inline constexpr std::array<LocalFace, 4> kTetrahedronFaces = {
+    {{0, 2, 1, -1}, {0, 1, 3, -1}, {1, 2, 3, -1}, {2, 0, 3, -1}}};
+
+/// Faces of a type as pointer and count.
+struct LocalFaces {
+    const LocalFace* faces;
+    int count;
+};
+inline LocalFaces local_faces(ElementType type) {
+    switch (type) {
+        case ElementType::kHexahedron: return {kHexahedronFaces.data(), 6};
+        case ElementType::kWedge: return {kWedgeFaces.data(), 5};
+        case ElementType::kPyramid: return {kPyramidFaces.data(), 5};
+        default: return {kTetrahedronFaces.data(), 4};
+    }
+}
+
+}  // namespace mortise

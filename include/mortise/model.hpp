@@ -1,0 +1,119 @@
+// The model: regularised CSG trees over primitives, with regions and named surfaces.
+//
+// A Model is plain data in one arena: children are stored before their parents, so a loop over
+// `nodes` visits every node after its children, whatever the depth of the tree (no recursion).
+// Nodes may be shared (a Netgen solid that is used twice is one node with two parents).
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "mortise/error.hpp"
+
+namespace mortise {
+
+using Vec3 = std::array<double, 3>;
+
+/// Affine map x -> M x + t, row-major 3×4: {m00, m01, m02, t0, m10, ...}. Maps local to parent space.
+using Affine = std::array<double, 12>;
+
+inline constexpr Affine kIdentity = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
+
+/// Half-space { x : normal·x <= offset }. `normal` points outwards and need not have unit length.
+struct Plane {
+    Vec3 normal{};
+    double offset = 0;
+    std::string name;  ///< suffix of the surface's name, e.g. "xmin"; may be empty
+};
+
+/// One primitive in its own local frame. The region inside is { x : f(x) <= 0 }.
+struct Primitive {
+    enum class Kind : std::uint8_t {
+        kConvex,      ///< intersection of `planes` (half-space: one; box: six; wedge: five; prisms)
+        kSphere,      ///< x² + y² + z² <= radius²
+        kCylinder,    ///< x² + y² <= radius², infinite along z
+        kCone,        ///< single nappe: sqrt(x² + y²) <= radius + slope·z  (z beyond the apex: outside)
+        kDoubleCone,  ///< both nappes: x² + y² <= (radius + slope·z)²
+        kTorus,       ///< (sqrt(x² + y²) - major)² + z² <= radius²; axis z
+        kExpression,  ///< expression <= 0; see `expression`
+    };
+    Kind kind = Kind::kConvex;
+    std::vector<Plane> planes;  ///< kConvex only, at least one
+    double radius = 0;          ///< sphere, cylinder, torus (minor); cone: radius at z = 0
+    double slope = 0;           ///< cones: change of radius per unit of z
+    double major = 0;           ///< torus: distance from the axis to the tube's centre line
+    std::string expression;     ///< kExpression: formula in x, y, z (grammar: docs/expressions.md)
+};
+
+/// A node of the CSG tree.
+struct CsgNode {
+    enum class Op : std::uint8_t {
+        kPrimitive,     ///< no children
+        kUnion,         ///< any number of children; none: the empty set
+        kIntersection,  ///< any number of children; none: all of space
+        kDifference,    ///< the first child minus all others; none: the empty set
+        kComplement,    ///< exactly one child
+        kTransform,     ///< exactly one child, mapped by `map` (regular: |det| > 0; mirrors allowed)
+    };
+    Op op = Op::kPrimitive;
+    std::vector<std::uint32_t> children;  ///< indices into Model::nodes, each less than this node's own
+    Primitive primitive;                  ///< kPrimitive only
+    Affine map = kIdentity;               ///< kTransform only
+    std::string name;  ///< names the surfaces of the primitives below; the innermost non-empty name wins
+    double max_size = 0;  ///< element size wanted on the surfaces below and inside; 0: none
+    SourceLocation where;
+};
+
+/// One material. Regions are tried in order; a point belongs to the first whose solid holds it.
+struct Region {
+    std::string name;
+    std::uint32_t root = 0;  ///< index into Model::nodes
+    double max_size = 0;     ///< element size wanted inside; 0: none
+    std::string metadata;    ///< text that the file attached to the region, verbatim
+};
+
+/// Axis-aligned box in model units.
+struct Box3 {
+    Vec3 min{};
+    Vec3 max{};
+};
+
+/// A whole model as read from a file or built in code.
+struct Model {
+    std::vector<CsgNode> nodes;
+    std::vector<Region> regions;  ///< at least one
+    std::optional<Box3> clip;     ///< the file's own bounding box: the solid ends there, its faces are boundaries
+    std::vector<std::string> warnings;  ///< one line each
+    std::string source;                 ///< path or description, for messages
+
+    /// Appends a node and returns its index. Throws kInput if a child index is not an earlier node.
+    std::uint32_t add(CsgNode node);
+    std::uint32_t add_primitive(Primitive primitive, std::string name = {}, SourceLocation where = {});
+    std::uint32_t add_operation(CsgNode::Op op, std::vector<std::uint32_t> children, std::string name = {});
+    std::uint32_t add_transform(const Affine& map, std::uint32_t child);
+};
+
+// Ready-made primitives, each in the frame that its name suggests. Sizes are checked: a radius or
+// edge that is not positive and finite throws Error(kInput).
+Primitive half_space(const Vec3& point, const Vec3& outward_normal);
+Primitive box(const Vec3& min, const Vec3& max);      ///< planes xmin, xmax, ymin, ymax, zmin, zmax
+Primitive wedge(double dx, double dy, double dz);     ///< right triangle (0,0) (dx,0) (0,dy) in xy, 0 <= z <= dz
+Primitive sphere(double radius);
+Primitive infinite_cylinder(double radius);
+Primitive cone(double radius, double slope);
+Primitive double_cone(double radius, double slope);
+Primitive torus(double major, double minor);
+
+/// Reads a model; the format follows from the file's extension (.csg, .geo).
+///
+/// Throws Error(kFiles) if the file cannot be read and Error(kInput), with file:line:column, what was
+/// expected and what to do, for anything that is not understood. Nothing is skipped silently.
+Model read_model(const std::string& path);
+
+/// The same for a text in memory; `source` is used in messages, `format` is "csg" or "geo".
+Model parse_model(const std::string& text, const std::string& format, const std::string& source);
+
+}  // namespace mortise
