@@ -1,0 +1,29 @@
+// Facets of the certificate's cells: between regions inside a cell, and where the two sides of a cell face
+// differ.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "host/assembly/nodes.hpp"
+
+namespace mortise::assembly {
+
+/// One boundary or interface facet, ready for Mesh::facets.
+struct AssembledFacet {
+    std::array<NodeId, 4> node;  ///< outward from `inside`; a triangle repeats its last node
+    std::uint32_t surface;       ///< surface of the bound model
+    std::uint16_t inside;
+    std::uint16_t outside;
+};
+
+/// Facets that leaf `nio` (a CNIO leaf) contributes; each facet of the mesh is contributed by one leaf.
+///
+/// A face between two CNIO cells belongs to the one on its lower side; any other face to the CNIO cell. Both
+/// sides list the facets of their common face in the same order, so they are compared one by one.
+void facets_of(const Input& input, const CnioCells& cells, const NodeLookup& lookup,
+               std::uint16_t single_in_region, const std::vector<std::uint16_t>& in_regions,
+               std::uint32_t nio, std::vector<AssembledFacet>& out);
+
+}  // namespace mortise::assembly

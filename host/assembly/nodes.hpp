@@ -1,0 +1,81 @@
+// Node numbers of the certificate's cells: ownership of their extra nodes, and lookup of any local code.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "host/assembly/assembly.hpp"
+
+namespace mortise::assembly {
+
+inline constexpr std::uint32_t kNotCnio = 0xffffffffu;
+
+/// Read access to the certificate's cells by NIO leaf.
+class CnioCells {
+  public:
+    CnioCells(const octree::Octree& tree, const snio::Classification& classification,
+              const cnio::Extraction& extraction);
+
+    /// Record of an NIO leaf, or null if a template meshes it.
+    const cnio::CellRecord* record(std::uint32_t nio) const {
+        const std::uint32_t index = index_[nio];
+        return index == kNotCnio ? nullptr : &extraction_.records[index];
+    }
+    const cnio::CellArena& arena(const cnio::CellRecord& r) const { return extraction_.arenas[r.arena]; }
+
+    /// Owner of an extra node of leaf `nio`: the Morton-first cell around it that uses it, and its place
+    /// there.
+    struct Owner {
+        std::uint32_t nio;
+        std::uint32_t place;  ///< index among the owner's extras
+    };
+    Owner owner(std::uint32_t nio, std::uint32_t place) const;
+
+  private:
+    const octree::Octree& tree_;
+    const cnio::Extraction& extraction_;
+    std::vector<std::uint32_t> index_;
+};
+
+/// Ownership of all extra nodes, by arena: rank among the owner's owned extras, or kNotOwned.
+struct ExtraRanks {
+    static constexpr std::uint32_t kNotOwned = 0xffffffffu;
+    std::vector<std::vector<std::uint32_t>> rank;  ///< [arena][extra]
+    std::vector<std::uint32_t> owned_count;        ///< per NIO leaf
+};
+ExtraRanks rank_extras(const Input& input, const CnioCells& cells);
+
+/// Numbering of all nodes, for host lookups.
+struct Numbering {
+    std::vector<std::uint32_t> used;   ///< per NIO leaf
+    std::vector<std::uint32_t> owned;  ///< per meshed leaf
+    std::vector<std::uint32_t> base;   ///< per meshed leaf, one more at the end: the number of nodes
+};
+
+class NodeLookup {
+  public:
+    NodeLookup(const octree::Octree& tree, const CnioCells& cells, const ExtraRanks& extras,
+               const Numbering& numbering)
+        : tree_(tree), cells_(cells), extras_(extras), numbering_(numbering) {}
+
+    /// Node of a corner (code 0–7) or single root (8–19) of the cell at `morton`, whoever uses it.
+    NodeId grid_node(std::uint64_t morton, std::uint16_t code) const;
+
+    /// Node of any code of a CNIO leaf.
+    NodeId node(std::uint32_t nio, const cnio::CellRecord& record, std::uint16_t code) const;
+
+    /// Number of the leaf's first owned extra node.
+    NodeId first_extra(std::uint32_t nio) const;
+
+    std::uint32_t meshed_rank(std::uint64_t morton) const {
+        return tree_.in_index(morton) + tree_.nio_index(morton);
+    }
+
+  private:
+    const octree::Octree& tree_;
+    const CnioCells& cells_;
+    const ExtraRanks& extras_;
+    const Numbering& numbering_;
+};
+
+}  // namespace mortise::assembly

@@ -1,0 +1,231 @@
+#include "host/cnio/certificate.hpp"
+
+#include <algorithm>
+
+#include "host/tape/reference.hpp"
+
+namespace mortise::cnio {
+namespace {
+
+constexpr int kCapHalvings =
+    16;  ///< the last cap is 5e-6 of a cell high: below it no sign changes (kSignTolerance)
+
+/// Nodes of a face facet seen from outside the cell: the face's frame is left-handed for three of the six
+/// faces.
+bool frame_points_outward(int f) {
+    const bool right_handed = f / 2 != 1;  // (y, z), (x, z), (x, y)
+    return right_handed == ((f & 1) != 0);
+}
+
+}  // namespace
+
+CellRecord Certificate::run(const TreeNode& leaf, CellArena& arena) {
+    cell_.load(leaf);
+    simplices_.clear();
+    pyramids_.clear();
+    quads_.clear();
+    simplex_region_.clear();
+    pyramid_region_.clear();
+    hexahedron_ = false;
+    std::int32_t region = kUnknown;
+    if (is_uniform(&region)) {
+        hexahedron_ = region > 0;
+    } else {
+        cone();
+        bool again = true;
+        for (int round = 0; round < kBisectionRounds && again; ++round) {
+            again = false;
+            for (std::size_t p = 0; p < cell_.surface_count(); ++p) again = bisect(p, round) || again;
+        }
+        const std::size_t n = cell_.surface_count();
+        simplex_signs_.resize(simplices_.size() * n);
+        pyramid_signs_.resize(pyramids_.size() * n);
+        for (std::size_t i = 0; i < simplices_.size(); ++i) {
+            simplex_region_.push_back(label(simplices_[i].node.data(), 4, simplex_signs_.data() + i * n));
+        }
+        for (std::size_t i = 0; i < pyramids_.size(); ++i) {
+            pyramid_region_.push_back(label(pyramids_[i].node.data(), 5, pyramid_signs_.data() + i * n));
+        }
+    }
+    CellRecord record;
+    collect(record, arena);
+    return record;
+}
+
+bool Certificate::is_uniform(std::int32_t* region) const {
+    for (int f = 0; f < 6; ++f) {
+        if (cell_.mode(f) != FaceMode::kWhole) return false;
+    }
+    const LatticePoint centre = {kCellUnits / 2, kCellUnits / 2, kCellUnits / 2};
+    std::vector<std::int8_t> signs(cell_.surface_count());
+    for (std::size_t s = 0; s < cell_.surface_count(); ++s) {
+        bool negative = false;
+        bool positive = false;
+        for (std::size_t c = 0; c < 8; ++c) {
+            negative = negative || cell_.sign(c, s) < 0;
+            positive = positive || cell_.sign(c, s) > 0;
+        }
+        const int middle = cell_.pure_sign(s, centre);
+        negative = negative || middle < 0;
+        positive = positive || middle > 0;
+        if (negative && positive) return false;
+        signs[s] = static_cast<std::int8_t>(positive ? 1 : negative ? -1 : 0);
+    }
+    *region = tape::evaluate_signs(cell_.tape(), cell_.leaf().tape_length, cell_.surfaces().data(),
+                                   cell_.surface_count(), signs.data());
+    return *region != kUnknown;
+}
+
+void Certificate::cone() {
+    const LatticePoint centre = {kCellUnits / 2, kCellUnits / 2, kCellUnits / 2};
+    const LocalNode apex = cell_.add_node(centre, 0);
+    for (int f = 0; f < 6; ++f) {
+        const bool outward = frame_points_outward(f);
+        for (Facet facet : cell_.face(f)) {
+            // Turn the facet so that it is counter-clockwise seen from the apex.
+            if (outward) std::reverse(facet.node, facet.node + facet.count);
+            const LocalNode* v = facet.node;
+            if (facet.count == 3) {
+                simplices_.push_back({{v[0], v[1], v[2], apex}});
+                continue;
+            }
+            const LocalNode cap = add_cap(facet, centre);
+            pyramids_.push_back({{v[0], v[1], v[2], v[3], cap}});
+            for (int i = 0; i < 4; ++i) simplices_.push_back({{v[i], v[(i + 1) % 4], cap, apex}});
+        }
+    }
+}
+
+LocalNode Certificate::add_cap(const Facet& quad, const LatticePoint& apex) {
+    const std::size_t n = cell_.surface_count();
+    LatticePoint middle{};
+    for (std::size_t j = 0; j < 3; ++j) {
+        std::int64_t sum = 0;
+        for (int i = 0; i < 4; ++i) sum += cell_.nodes()[quad.node[i]].point[j];
+        middle[j] = static_cast<std::int32_t>(sum / 4);
+    }
+    double fraction = 0.3;
+    for (int halving = 0;; ++halving, fraction *= 0.5) {
+        LatticePoint at;
+        for (std::size_t j = 0; j < 3; ++j) {
+            at[j] = middle[j] + static_cast<std::int32_t>(std::rint(fraction * (apex[j] - middle[j])));
+        }
+        const LocalNode cap = cell_.add_node(at, 0);
+        bool agrees = true;
+        for (std::size_t s = 0; s < n; ++s) {
+            bool negative = false;
+            bool positive = false;
+            for (int i = 0; i < 4; ++i) {
+                negative = negative || cell_.sign(quad.node[i], s) < 0;
+                positive = positive || cell_.sign(quad.node[i], s) > 0;
+            }
+            if (negative == positive) continue;
+            const int wanted = positive ? 1 : -1;
+            if (cell_.sign(cap, s) == wanted) continue;
+            agrees = false;
+            if (halving == kCapHalvings) cell_.set_sign(cap, s, wanted);
+        }
+        if (agrees || halving == kCapHalvings) {
+            if (!agrees) ++cell_.counters.forced_caps;
+            cell_.set_cap(cap, static_cast<std::uint16_t>(quads_.size()));
+            quads_.push_back(quad);
+            return cap;
+        }
+        cell_.remove_last_node();
+    }
+}
+
+bool Certificate::locked(LocalNode a, LocalNode b) const {
+    for (int turn = 0; turn < 2; ++turn, std::swap(a, b)) {
+        const std::uint16_t cap = cell_.nodes()[a].cap;
+        if (cap == kNoCap) continue;
+        const LocalNode* v = quads_[cap].node;
+        if (v[0] == b || v[1] == b || v[2] == b || v[3] == b) return true;
+    }
+    return false;
+}
+
+/// Splits the inner edges that are mixed for surface p; tells whether there were any.
+bool Certificate::bisect(std::size_t p, int round) {
+    bool any = false;
+    mixed_.clear();
+    for (const Simplex& s : simplices_) {
+        for (std::size_t i = 0; i < 4; ++i) {
+            for (std::size_t k = i + 1; k < 4; ++k) {
+                const LocalNode a = std::min(s.node[i], s.node[k]);
+                const LocalNode b = std::max(s.node[i], s.node[k]);
+                if (cell_.sign(a, p) * cell_.sign(b, p) >= 0) continue;
+                if ((cell_.nodes()[a].faces & cell_.nodes()[b].faces) != 0 || locked(a, b)) continue;
+                mixed_.push_back({a, b});
+            }
+        }
+    }
+    std::sort(mixed_.begin(), mixed_.end());
+    mixed_.erase(std::unique(mixed_.begin(), mixed_.end()), mixed_.end());
+    for (const auto& [a, b] : mixed_) {
+        const LatticePoint at = cell_.root(p, a, b);
+        around_.clear();
+        bool refused = false;
+        for (std::uint32_t i = 0; i < simplices_.size() && !refused; ++i) {
+            const auto& v = simplices_[i].node;
+            const auto ia = std::find(v.begin(), v.end(), a);
+            const auto ib = std::find(v.begin(), v.end(), b);
+            if (ia == v.end() || ib == v.end()) continue;
+            around_.push_back(i);
+            for (const auto replaced : {ia, ib}) {
+                LatticePoint q[4];
+                for (std::size_t k = 0; k < 4; ++k) q[k] = cell_.nodes()[v[k]].point;
+                q[replaced - v.begin()] = at;
+                refused = refused || !is_solid(q[0], q[1], q[2], q[3]);
+            }
+        }
+        if (refused) {
+            ++cell_.counters.refused;
+            continue;
+        }
+        const LocalNode m = cell_.split_node(p, a, b, at, round, nullptr);
+        any = true;
+        for (const std::uint32_t i : around_) {
+            Simplex second = simplices_[i];
+            std::replace(simplices_[i].node.begin(), simplices_[i].node.end(), b, m);
+            std::replace(second.node.begin(), second.node.end(), a, m);
+            simplices_.push_back(second);
+        }
+    }
+    return any;
+}
+
+std::int32_t Certificate::label(const LocalNode* node, std::size_t count, std::int8_t* signs) {
+    const std::size_t n = cell_.surface_count();
+    LatticePoint centroid{};
+    for (std::size_t j = 0; j < 3; ++j) {
+        std::int64_t sum = 0;
+        for (std::size_t i = 0; i < count; ++i) sum += cell_.nodes()[node[i]].point[j];
+        centroid[j] = static_cast<std::int32_t>(sum / static_cast<std::int64_t>(count));
+    }
+    bool mixed_any = false;
+    for (std::size_t s = 0; s < n; ++s) {
+        bool negative = false;
+        bool positive = false;
+        for (std::size_t i = 0; i < count; ++i) {
+            negative = negative || cell_.sign(node[i], s) < 0;
+            positive = positive || cell_.sign(node[i], s) > 0;
+        }
+        const bool mixed = negative && positive;
+        mixed_any = mixed_any || mixed;
+        signs[s] = static_cast<std::int8_t>(mixed      ? 0
+                                            : negative ? -1
+                                            : positive ? 1
+                                                       : cell_.value_sign(s, centroid));
+    }
+    std::int32_t region =
+        tape::evaluate_signs(cell_.tape(), cell_.leaf().tape_length, cell_.surfaces().data(), n, signs);
+    if (region != kUnknown) return region;
+    ++cell_.counters.unresolved;
+    for (std::size_t s = 0; s < n; ++s) {
+        if (signs[s] == 0) signs[s] = static_cast<std::int8_t>(cell_.value_sign(s, centroid));
+    }
+    return tape::evaluate_signs(cell_.tape(), cell_.leaf().tape_length, cell_.surfaces().data(), n, signs);
+}
+
+}  // namespace mortise::cnio

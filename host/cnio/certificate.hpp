@@ -1,0 +1,125 @@
+// The certificate: a conforming mesh of any boundary cell, that always ends (algorithms.md §5).
+//
+// 1. Cone: every triangle of the face meshes becomes a tetrahedron to the cell's centre; every quadrilateral
+//    becomes a pyramid with an apex of its own, and four tetrahedra join that apex to the centre.
+// 2. Bisection: for each active surface in turn, every edge inside the cell whose ends lie on different sides
+// is
+//    split at the root; new nodes inherit their signs for the surfaces already done.
+// 3. Labels: each simplex has one sign per surface, and the pruned tape turns these into its region.
+// All positions are on the lattice and every simplex is exactly positive. A split that would make one too
+// flat is refused and counted; the cell stays valid and conforming.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "host/cnio/cell.hpp"
+#include "mortise/mesh.hpp"
+
+namespace mortise::cnio {
+
+/// Position of a node on the lattice of the whole root box: its identity across cells.
+struct NodeKey {
+    std::int64_t x, y, z;
+    friend bool operator==(const NodeKey& a, const NodeKey& b) {
+        return a.x == b.x && a.y == b.y && a.z == b.z;
+    }
+    friend bool operator<(const NodeKey& a, const NodeKey& b) {
+        return a.x != b.x ? a.x < b.x : a.y != b.y ? a.y < b.y : a.z < b.z;
+    }
+};
+
+inline constexpr std::uint32_t kNoSurface = 0xffffffffu;
+
+/// A facet between two regions (or a region and the outside) inside one cell, outward from `inside`.
+struct InnerFacet {
+    std::array<std::uint16_t, 4> node;  ///< codes; a triangle repeats the last
+    std::uint32_t surface;
+    std::uint16_t inside;
+    std::uint16_t outside;
+};
+
+/// A facet on a face of the cell, in the order of the face mesh, which both cells share.
+struct FaceFacet {
+    std::array<std::uint16_t, 4> node;  ///< codes, counter-clockwise in the face's frame
+    std::uint16_t region;               ///< of the element behind it in this cell; 0: none
+    std::uint32_t surface;              ///< a surface that holds all its nodes, or kNoSurface
+};
+
+/// Meshes of many cells, appended one after another. Node codes: 0–7 corners, 8–19 the single root on that
+/// edge, 20 + i the cell's i-th extra node.
+struct CellArena {
+    std::vector<NodeKey> extras;  ///< per cell in ascending order
+    std::vector<std::int32_t>
+        edge_roots;  ///< lattice units from the low end, per used edge in ascending order
+    std::array<std::vector<std::uint16_t>, kElementTypes> nodes;
+    std::array<std::vector<std::uint16_t>, kElementTypes> regions;
+    std::vector<InnerFacet> facets;
+    std::vector<FaceFacet> face_facets;
+};
+
+/// One cell's part of an arena.
+struct CellRecord {
+    std::uint32_t arena = 0;
+    std::uint32_t used = 0;  ///< mask of kernels/shared/tree.h, bits 0–19
+    std::uint32_t first_edge_root = 0;
+    std::uint32_t first_extra = 0;
+    std::uint32_t extra_count = 0;
+    std::array<std::uint32_t, kElementTypes> first_element{};
+    std::array<std::uint32_t, kElementTypes> element_count{};
+    std::uint32_t first_facet = 0;
+    std::uint32_t facet_count = 0;
+    std::array<std::uint32_t, 7> first_face_facet{};  ///< face f: [f] … [f + 1]
+};
+
+/// Meshes cells one at a time; keeps its scratch memory. One per thread.
+class Certificate {
+  public:
+    Certificate(const tape::BoundModel& model, const octree::Octree& tree)
+        : cell_(model, tree), tree_(tree) {}
+
+    /// Meshes one NIO leaf and appends the result to `arena`.
+    CellRecord run(const TreeNode& leaf, CellArena& arena);
+
+    const CellCounters& counters() const { return cell_.counters; }
+
+  private:
+    struct Simplex {
+        std::array<LocalNode, 4> node;
+    };
+    struct Pyramid {
+        std::array<LocalNode, 5> node;
+    };
+
+    bool is_uniform(std::int32_t* region) const;
+    void cone();
+    LocalNode add_cap(const Facet& quad, const LatticePoint& apex);
+    bool bisect(std::size_t p, int round);
+    bool locked(LocalNode a, LocalNode b) const;
+    std::int32_t label(const LocalNode* node, std::size_t count, std::int8_t* signs);
+    void collect(CellRecord& record, CellArena& arena);
+    void collect_face_facets(CellRecord& record, CellArena& arena);
+    void collect_inner_facets(CellRecord& record, CellArena& arena);
+    std::uint32_t facet_surface(const LocalNode* node, std::size_t count, const std::int8_t* a,
+                                const std::int8_t* b) const;
+    void assign_codes(CellRecord& record, CellArena& arena);
+    void use(LocalNode node) { used_[node] = 1; }
+
+    Cell cell_;
+    const octree::Octree& tree_;
+    std::vector<Simplex> simplices_;
+    std::vector<Pyramid> pyramids_;
+    std::vector<Facet> quads_;  ///< by cap index
+    std::vector<std::int32_t> simplex_region_;
+    std::vector<std::int32_t> pyramid_region_;
+    std::vector<std::int8_t> simplex_signs_;  ///< simplices × surfaces
+    std::vector<std::int8_t> pyramid_signs_;
+    std::vector<std::uint8_t> used_;
+    std::vector<std::uint16_t> code_;
+    std::vector<std::pair<LocalNode, LocalNode>> mixed_;
+    std::vector<std::uint32_t> around_;
+    bool hexahedron_ = false;  ///< the cell is one whole hexahedron
+};
+
+}  // namespace mortise::cnio

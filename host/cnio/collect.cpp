@@ -1,0 +1,242 @@
+// Results of the certificate: elements, facets and node codes of one cell.
+#include <algorithm>
+#include <array>
+
+#include "host/cnio/certificate.hpp"
+
+namespace mortise::cnio {
+namespace {
+
+/// VTK's node order of a whole cell.
+constexpr std::array<LocalNode, 8> kHexahedronCorners = {0, 1, 3, 2, 4, 5, 7, 6};
+
+struct Side {
+    std::array<LocalNode, 4> key;   ///< ascending; a triangle ends with 0xffff
+    std::array<LocalNode, 4> node;  ///< outward from its simplex
+    std::uint32_t owner;            ///< simplex, or pyramid behind the simplices
+};
+
+}  // namespace
+
+std::uint32_t Certificate::facet_surface(const LocalNode* node, std::size_t count, const std::int8_t* a,
+                                         const std::int8_t* b) const {
+    std::uint32_t found = kNoSurface;
+    for (std::size_t s = 0; s < cell_.surface_count(); ++s) {
+        bool on = true;
+        for (std::size_t i = 0; i < count; ++i) on = on && cell_.sign(node[i], s) == 0;
+        if (!on) continue;
+        // The surface that parts the two sides, if one of several is known to.
+        if (a != nullptr && b != nullptr && a[s] * b[s] < 0) return cell_.surfaces()[s];
+        if (found == kNoSurface) found = cell_.surfaces()[s];
+    }
+    if (found == kNoSurface && a != nullptr && b != nullptr) {
+        for (std::size_t s = 0; s < cell_.surface_count(); ++s) {
+            if (a[s] != b[s]) return cell_.surfaces()[s];
+        }
+    }
+    return found;
+}
+
+void Certificate::collect(CellRecord& record, CellArena& arena) {
+    used_.assign(cell_.nodes().size(), 0);
+    if (hexahedron_) {
+        for (const LocalNode corner : kHexahedronCorners) use(corner);
+    }
+    for (std::size_t i = 0; i < simplices_.size(); ++i) {
+        if (simplex_region_[i] <= 0) continue;
+        for (const LocalNode node : simplices_[i].node) use(node);
+    }
+    for (std::size_t i = 0; i < pyramids_.size(); ++i) {
+        if (pyramid_region_[i] <= 0) continue;
+        for (const LocalNode node : pyramids_[i].node) use(node);
+    }
+    assign_codes(record, arena);
+    for (std::size_t t = 0; t < kElementTypes; ++t) {
+        record.first_element[t] = static_cast<std::uint32_t>(arena.regions[t].size());
+    }
+    const auto add = [&](ElementType type, const LocalNode* node, std::int32_t region) {
+        const auto t = static_cast<std::size_t>(type);
+        for (int i = 0; i < kElementNodes[t]; ++i) arena.nodes[t].push_back(code_[node[i]]);
+        arena.regions[t].push_back(static_cast<std::uint16_t>(region));
+    };
+    if (hexahedron_) {
+        std::int32_t region = kUnknown;
+        is_uniform(&region);
+        add(ElementType::kHexahedron, kHexahedronCorners.data(), region);
+    }
+    for (std::size_t i = 0; i < pyramids_.size(); ++i) {
+        if (pyramid_region_[i] > 0) add(ElementType::kPyramid, pyramids_[i].node.data(), pyramid_region_[i]);
+    }
+    for (std::size_t i = 0; i < simplices_.size(); ++i) {
+        if (simplex_region_[i] > 0)
+            add(ElementType::kTetrahedron, simplices_[i].node.data(), simplex_region_[i]);
+    }
+    for (std::size_t t = 0; t < kElementTypes; ++t) {
+        record.element_count[t] =
+            static_cast<std::uint32_t>(arena.regions[t].size()) - record.first_element[t];
+    }
+    collect_face_facets(record, arena);
+    collect_inner_facets(record, arena);
+}
+
+void Certificate::assign_codes(CellRecord& record, CellArena& arena) {
+    const auto& nodes = cell_.nodes();
+    code_.assign(nodes.size(), 0xffff);
+    std::vector<std::pair<NodeKey, LocalNode>> extras;
+    record.first_edge_root = static_cast<std::uint32_t>(arena.edge_roots.size());
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+        if (nodes[i].code < kExtraCode) {
+            // Corners and edges have codes even if only a neighbour uses them. Nodes are in the order of
+            // edges.
+            code_[i] = nodes[i].code;
+            if (used_[i] == 0) continue;
+            record.used |= 1u << nodes[i].code;
+            if (nodes[i].code >= 8) {
+                arena.edge_roots.push_back(nodes[i].point[static_cast<std::size_t>((nodes[i].code - 8) / 4)]);
+            }
+            continue;
+        }
+        if (used_[i] == 0) continue;
+        std::array<std::int64_t, 3> at{};
+        for (std::size_t j = 0; j < 3; ++j) {
+            at[j] = (static_cast<std::int64_t>(cell_.coordinate(static_cast<int>(j))) << kCellUnitBits) +
+                    nodes[i].point[j];
+        }
+        extras.push_back({{at[0], at[1], at[2]}, static_cast<LocalNode>(i)});
+    }
+    std::sort(extras.begin(), extras.end());
+    record.first_extra = static_cast<std::uint32_t>(arena.extras.size());
+    record.extra_count = static_cast<std::uint32_t>(extras.size());
+    for (std::size_t i = 0; i < extras.size(); ++i) {
+        code_[extras[i].second] = static_cast<std::uint16_t>(kExtraCode + i);
+        arena.extras.push_back(extras[i].first);
+    }
+}
+
+void Certificate::collect_face_facets(CellRecord& record, CellArena& arena) {
+    const auto& nodes = cell_.nodes();
+    // Region behind each facet: the simplex or pyramid whose side it is.
+    struct Behind {
+        std::array<LocalNode, 4> key;
+        std::int32_t region;
+        bool operator<(const Behind& other) const { return key < other.key; }
+    };
+    std::vector<Behind> behind[6];
+    const auto face_of = [&](const LocalNode* v, std::size_t count) {
+        std::uint8_t common = 0x3f;
+        for (std::size_t i = 0; i < count; ++i) common &= nodes[v[i]].faces;
+        return common;
+    };
+    for (std::size_t i = 0; i < simplices_.size(); ++i) {
+        for (std::size_t skip = 0; skip < 4; ++skip) {
+            std::array<LocalNode, 4> key{};
+            std::size_t at = 0;
+            for (std::size_t k = 0; k < 4; ++k) {
+                if (k != skip) key[at++] = simplices_[i].node[k];
+            }
+            const std::uint8_t common = face_of(key.data(), 3);
+            if (common == 0) continue;
+            std::sort(key.begin(), key.begin() + 3);
+            key[3] = 0xffff;
+            behind[__builtin_ctz(common)].push_back({key, simplex_region_[i]});
+        }
+    }
+    for (std::size_t i = 0; i < pyramids_.size(); ++i) {
+        std::array<LocalNode, 4> key = {pyramids_[i].node[0], pyramids_[i].node[1], pyramids_[i].node[2],
+                                        pyramids_[i].node[3]};
+        const std::uint8_t common = face_of(key.data(), 4);
+        std::sort(key.begin(), key.end());
+        behind[__builtin_ctz(common)].push_back({key, pyramid_region_[i]});
+    }
+    std::int32_t whole = 0;
+    if (hexahedron_) is_uniform(&whole);
+    for (int f = 0; f < 6; ++f) {
+        record.first_face_facet[static_cast<std::size_t>(f)] =
+            static_cast<std::uint32_t>(arena.face_facets.size());
+        std::sort(behind[f].begin(), behind[f].end());
+        for (const Facet& facet : cell_.face(f)) {
+            FaceFacet out{};
+            std::array<LocalNode, 4> key = {facet.node[0], facet.node[1], facet.node[2],
+                                            facet.count == 4 ? facet.node[3] : LocalNode{0xffff}};
+            std::sort(key.begin(), key.end());
+            const auto found = std::lower_bound(behind[f].begin(), behind[f].end(), Behind{key, 0});
+            std::int32_t region = whole;
+            if (found != behind[f].end() && found->key == key) region = found->region;
+            out.region = static_cast<std::uint16_t>(region);
+            for (std::size_t i = 0; i < 4; ++i) out.node[i] = code_[facet.node[i]];
+            out.surface = facet_surface(facet.node, facet.count, nullptr, nullptr);
+            arena.face_facets.push_back(out);
+        }
+    }
+    record.first_face_facet[6] = static_cast<std::uint32_t>(arena.face_facets.size());
+}
+
+void Certificate::collect_inner_facets(CellRecord& record, CellArena& arena) {
+    record.first_facet = static_cast<std::uint32_t>(arena.facets.size());
+    std::int32_t low = 0x7fffffff;
+    std::int32_t high = -1;
+    for (const std::int32_t region : simplex_region_) {
+        low = std::min(low, region);
+        high = std::max(high, region);
+    }
+    for (const std::int32_t region : pyramid_region_) {
+        low = std::min(low, region);
+        high = std::max(high, region);
+    }
+    if (low >= high) return;  // one region, or nothing
+    const auto& nodes = cell_.nodes();
+    std::vector<Side> sides;
+    const auto add_side = [&](LocalNode a, LocalNode b, LocalNode c, std::uint32_t owner) {
+        if ((nodes[a].faces & nodes[b].faces & nodes[c].faces) != 0) return;  // on a face of the cell
+        Side side{{a, b, c, 0xffff}, {a, b, c, c}, owner};
+        std::sort(side.key.begin(), side.key.begin() + 3);
+        sides.push_back(side);
+    };
+    for (std::uint32_t i = 0; i < simplices_.size(); ++i) {
+        const auto& v = simplices_[i].node;
+        for (const LocalFace& face : kTetrahedronFaces) {
+            add_side(v[static_cast<std::size_t>(face[0])], v[static_cast<std::size_t>(face[1])],
+                     v[static_cast<std::size_t>(face[2])], i);
+        }
+    }
+    for (std::uint32_t i = 0; i < pyramids_.size(); ++i) {
+        const auto& v = pyramids_[i].node;
+        for (std::size_t f = 1; f < kPyramidFaces.size(); ++f) {
+            const LocalFace& face = kPyramidFaces[f];
+            add_side(v[static_cast<std::size_t>(face[0])], v[static_cast<std::size_t>(face[1])],
+                     v[static_cast<std::size_t>(face[2])], static_cast<std::uint32_t>(simplices_.size()) + i);
+        }
+    }
+    std::sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) {
+        return a.key != b.key ? a.key < b.key : a.owner < b.owner;
+    });
+    const std::size_t n = cell_.surface_count();
+    const auto region_of = [&](std::uint32_t owner) {
+        return owner < simplices_.size() ? simplex_region_[owner]
+                                         : pyramid_region_[owner - simplices_.size()];
+    };
+    const auto signs_of = [&](std::uint32_t owner) {
+        return owner < simplices_.size() ? simplex_signs_.data() + owner * n
+                                         : pyramid_signs_.data() + (owner - simplices_.size()) * n;
+    };
+    for (std::size_t i = 0; i + 1 < sides.size(); ++i) {
+        if (sides[i].key != sides[i + 1].key) continue;
+        const Side* inner = &sides[i];
+        const Side* outer = &sides[i + 1];
+        if (region_of(inner->owner) == region_of(outer->owner)) continue;
+        // The outward side is that of the region listed as `inside`: the one that exists, or the lower
+        // number.
+        const std::int32_t a = region_of(inner->owner);
+        const std::int32_t b = region_of(outer->owner);
+        if (a == 0 || (b != 0 && b < a)) std::swap(inner, outer);
+        InnerFacet facet{};
+        for (std::size_t k = 0; k < 4; ++k) facet.node[k] = code_[inner->node[k]];
+        facet.surface = facet_surface(inner->node.data(), 3, signs_of(inner->owner), signs_of(outer->owner));
+        facet.inside = static_cast<std::uint16_t>(region_of(inner->owner));
+        facet.outside = static_cast<std::uint16_t>(region_of(outer->owner));
+        arena.facets.push_back(facet);
+    }
+    record.facet_count = static_cast<std::uint32_t>(arena.facets.size()) - record.first_facet;
+}
+
+}  // namespace mortise::cnio

@@ -1,0 +1,43 @@
+#include "host/cnio/extract.hpp"
+
+#include <memory>
+#include <mutex>
+
+#include "host/common/parallel.hpp"
+
+namespace mortise::cnio {
+
+Extraction extract(const tape::BoundModel& model, const octree::Octree& tree,
+                   const std::vector<std::uint32_t>& leaves, int threads) {
+    constexpr std::size_t kChunk = 64;
+    const int workers = thread_count(threads);
+    Extraction result;
+    result.records.resize(leaves.size());
+    result.arenas.resize(static_cast<std::size_t>(workers));
+    std::vector<std::unique_ptr<Certificate>> certificates(static_cast<std::size_t>(workers));
+    std::vector<std::uint64_t> troubled(static_cast<std::size_t>(workers), 0);
+    parallel_chunks(leaves.size(), kChunk, workers, [&](std::size_t begin, std::size_t end, int thread) {
+        const auto t = static_cast<std::size_t>(thread);
+        if (!certificates[t]) certificates[t] = std::make_unique<Certificate>(model, tree);
+        Certificate& certificate = *certificates[t];
+        for (std::size_t i = begin; i < end; ++i) {
+            const CellCounters before = certificate.counters();
+            result.records[i] = certificate.run(tree.nio[leaves[i]], result.arenas[t]);
+            result.records[i].arena = static_cast<std::uint32_t>(thread);
+            if (certificate.counters().refused != before.refused ||
+                certificate.counters().unresolved != before.unresolved) {
+                ++troubled[t];
+            }
+        }
+    });
+    for (std::size_t t = 0; t < certificates.size(); ++t) {
+        if (!certificates[t]) continue;
+        result.counters.refused += certificates[t]->counters().refused;
+        result.counters.unresolved += certificates[t]->counters().unresolved;
+        result.counters.forced_caps += certificates[t]->counters().forced_caps;
+        result.troubled += troubled[t];
+    }
+    return result;
+}
+
+}  // namespace mortise::cnio

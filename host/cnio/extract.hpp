@@ -1,0 +1,24 @@
+// Extraction of all complex cells by the certificate, on host threads.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "host/cnio/certificate.hpp"
+
+namespace mortise::cnio {
+
+/// Meshes of the CNIO leaves. records[i] belongs to the i-th leaf of the list given; its data lies in one
+/// arena.
+struct Extraction {
+    std::vector<CellRecord> records;
+    std::vector<CellArena> arenas;  ///< one per thread; which one a cell is in does not matter to anyone
+    CellCounters counters;
+    std::uint64_t troubled = 0;  ///< cells with a refused split or a simplex labelled by its centroid
+};
+
+/// Runs the certificate on the leaves tree.nio[leaves[i]]. Cells do not depend on each other.
+Extraction extract(const tape::BoundModel& model, const octree::Octree& tree,
+                   const std::vector<std::uint32_t>& leaves, int threads);
+
+}  // namespace mortise::cnio

@@ -1,0 +1,56 @@
+// See build_options.hpp. Never a fast-math option: results must equal the host's bit for bit.
+#include "host/device/build_options.hpp"
+
+#include "host/device/environment.hpp"
+#include "mortise/error.hpp"
+
+namespace mortise::device {
+
+std::string build_options(const FoundDevice& device, int lanes, int work_group_size,
+                          const std::string& defines) {
+    std::string options = "-cl-std=CL1.2";
+    // Other vendors' compilers warn about things that are none of the kernels' fault.
+    if (device.is_pocl) options += " -Werror";
+    if (device.has_exact_float) options += " -cl-fp32-correctly-rounded-divide-sqrt";
+    options += " -DLANES=" + std::to_string(lanes);
+    options += " -DMORTISE_WORK_GROUP=" + std::to_string(work_group_size);
+    if (!defines.empty()) options += " " + defines;
+    return options;
+}
+
+std::string with_prelude(const std::string& source) {
+    return "#pragma OPENCL FP_CONTRACT OFF\n"
+           "#define MORTISE_KERNEL __kernel __attribute__((reqd_work_group_size(MORTISE_WORK_GROUP, 1, "
+           "1)))\n" +
+           source;
+}
+
+std::string binary_key(const FoundDevice& device, const std::string& options) {
+    const DeviceInfo& info = device.info;
+    std::string key;
+    for (const std::string& part :
+         {info.platform, device.platform_version, info.name, info.version, info.driver, options}) {
+        key += part + "\n";
+    }
+    return key;
+}
+
+std::string build_failure(const FoundDevice& device, const std::string& file, const std::string& options,
+                          const std::string& log) {
+    std::string text =
+        "kernels/" + file + " does not build on " + device.info.name + " (options: " + options + ")";
+    text += log.empty() ? "; the compiler gave no reason" : ":\n" + log;
+    while (!text.empty() && text.back() == '\n') text.pop_back();
+    return text;
+}
+
+void require_linker(const FoundDevice& device) {
+    if (device.is_pocl && find_on_path("ld").empty()) {
+        throw Error(
+            ExitCode::kDevice,
+            "no linker `ld` on PATH, which PoCL needs to build kernels: `apt-get install binutils`, or add "
+            "its folder to PATH");
+    }
+}
+
+}  // namespace mortise::device

@@ -1,0 +1,106 @@
+// See disk_cache.hpp. File: "MORTISE1", the key's length (8 bytes) and text, the hash of the content (32
+// digits), the content. The whole key is compared, so that a collision of names costs time only.
+#include "host/device/disk_cache.hpp"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <utility>
+#include <vector>
+
+namespace mortise::device {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr char kMagic[] = "MORTISE1";
+constexpr std::size_t kMagicSize = 8;
+constexpr std::size_t kHashSize = 32;
+
+std::string header(const std::string& key) {
+    const std::uint64_t size = key.size();
+    std::array<char, sizeof size> bytes;
+    std::memcpy(bytes.data(), &size, sizeof size);
+    return std::string(kMagic, kMagicSize) + std::string(bytes.data(), bytes.size()) + key;
+}
+
+/// Removes the oldest cache files beyond the limit; a file that vanishes meanwhile is another run's doing.
+void trim(const std::string& folder) {
+    std::error_code error;
+    std::vector<std::pair<fs::file_time_type, fs::path>> files;
+    for (const auto& entry : fs::directory_iterator(folder, error)) {
+        if (entry.path().extension() == ".bin")
+            files.emplace_back(entry.last_write_time(error), entry.path());
+    }
+    if (files.size() <= DiskCache::kMaxFiles) return;
+    std::sort(files.begin(), files.end());
+    for (std::size_t i = 0; i + DiskCache::kMaxFiles < files.size(); ++i) fs::remove(files[i].second, error);
+}
+
+}  // namespace
+
+std::string hash_text(const std::string& text) {
+    // FNV-1a, twice, with different starts and the second one over mixed bits.
+    std::uint64_t first = 14695981039346656037ull;
+    std::uint64_t second = 0x9e3779b97f4a7c15ull;
+    for (const char letter : text) {
+        const auto byte = static_cast<unsigned char>(letter);
+        first = (first ^ byte) * 1099511628211ull;
+        second = (second ^ (byte + (second >> 47))) * 0xff51afd7ed558ccdull;
+    }
+    static const char digits[] = "0123456789abcdef";
+    std::string name;
+    for (const std::uint64_t half : {first, second}) {
+        for (int shift = 60; shift >= 0; shift -= 4) name += digits[(half >> shift) & 15u];
+    }
+    return name;
+}
+
+std::string DiskCache::file_name(const std::string& key) const {
+    return folder_ + "/" + hash_text(key) + ".bin";
+}
+
+std::optional<std::string> DiskCache::load(const std::string& key) const {
+    if (folder_.empty()) return std::nullopt;
+    std::ifstream file(file_name(key), std::ios::binary);
+    if (!file) return std::nullopt;
+    std::ostringstream all;
+    all << file.rdbuf();
+    const std::string bytes = all.str();
+    const std::string expected = header(key);
+    if (bytes.size() < expected.size() + kHashSize || bytes.compare(0, expected.size(), expected) != 0) {
+        return std::nullopt;
+    }
+    std::string content = bytes.substr(expected.size() + kHashSize);
+    if (bytes.compare(expected.size(), kHashSize, hash_text(content)) != 0) return std::nullopt;
+    return content;
+}
+
+void DiskCache::store(const std::string& key, const std::string& bytes) const {
+    if (folder_.empty()) return;
+    std::error_code error;
+    fs::create_directories(folder_, error);
+    std::string temporary = folder_ + "/new-XXXXXX";
+    const int handle = mkstemp(temporary.data());
+    if (handle < 0) return;
+    close(handle);
+    std::ofstream file(temporary, std::ios::binary);
+    file << header(key) << hash_text(bytes) << bytes;
+    file.close();
+    if (file) {
+        fs::rename(temporary, file_name(key), error);
+    }
+    if (!file || error) {
+        fs::remove(temporary, error);
+        return;
+    }
+    trim(folder_);
+}
+
+}  // namespace mortise::device

@@ -1,0 +1,27 @@
+// Internal to host/device: the surroundings of an OpenCL driver. PoCL aborts, or hides its device, when its
+// cache folder or the linker is not what it expects; each case is answered here before the first OpenCL call.
+#pragma once
+
+#include <string>
+
+namespace mortise::device {
+
+/// Makes PoCL's surroundings sound, once per process, before the first OpenCL call: an empty POCL_CACHE_DIR
+/// is unset, and a cache folder that cannot be written is replaced by a private temporary one. Changes the
+/// environment, so no other thread may read it meanwhile.
+void prepare_environment();
+
+/// Where PoCL keeps its compiled kernels; empty if neither HOME nor XDG_CACHE_HOME says.
+std::string pocl_cache_folder();
+
+/// Full path of a program on PATH, or empty.
+std::string find_on_path(const std::string& program);
+
+/// $MORTISE_CACHE, else $XDG_CACHE_HOME/mortise, else ~/.cache/mortise; empty if none is set. The folder
+/// need not exist.
+std::string cache_folder();
+
+/// Creates the folder if need be and a file in it; false if that fails.
+bool is_writable_folder(const std::string& folder);
+
+}  // namespace mortise::device

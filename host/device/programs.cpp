@@ -1,0 +1,97 @@
+// Programs and kernels: a program is looked for in memory, then as a binary in the cache folder, then built
+// from its text. Limits that would make a launch abort are checked when a kernel is made.
+#include <boost/compute/exception/program_build_failure.hpp>
+
+#include "host/device/build_options.hpp"
+#include "host/device/device_state.hpp"
+#include "host/device/disk_cache.hpp"
+#include "host/device/kernel_source.hpp"
+
+namespace mortise::device {
+
+const compute::program& Device::Implementation::program(const std::string& file, const std::string& defines) {
+    const std::string key = file + "\n" + defines;
+    auto known = programs.find(key);
+    if (known == programs.end()) known = programs.emplace(key, build(file, defines)).first;
+    return known->second;
+}
+
+compute::program Device::Implementation::build(const std::string& file, const std::string& defines) const {
+    const std::string source = with_prelude(kernel_source(file, kernels_folder));
+    const std::string build_flags = build_options(found, lanes(), work_group_size(), defines);
+    const std::string key = binary_key(found, build_flags) + source;
+    const DiskCache cache(cache_folder);
+    if (const auto binary = cache.load(key)) {
+        try {
+            auto program = compute::program::create_with_binary(
+                reinterpret_cast<const unsigned char*>(binary->data()), binary->size(), context);
+            program.build(build_flags);
+            return program;
+        } catch (const compute::opencl_error&) {
+            // The driver refuses its own binary (an update, say): build from the text.
+        }
+    }
+    compute::program program;
+    try {
+        program = compute::program::create_with_source(source, context);
+        program.build(build_flags);
+    } catch (const compute::program_build_failure& error) {
+        misuse(build_failure(found, file, build_flags, error.build_log()));
+    } catch (const compute::opencl_error& error) {
+        fail(error.error_code(), "clBuildProgram", "kernels/" + file + " with options " + build_flags);
+    }
+    if (!cache_folder.empty()) {
+        try {
+            const std::vector<unsigned char> bytes = program.binary();
+            cache.store(key, std::string(bytes.begin(), bytes.end()));
+        } catch (const compute::opencl_error&) {
+            // No binary to be had: the next run builds again.
+        }
+    }
+    return program;
+}
+
+Kernel Device::kernel(const std::string& file, const std::string& entry, const std::string& defines) {
+    Implementation& self = *implementation_;
+    Kernel& kernel = self.kernels[file + "\n" + defines + "\n" + entry];
+    if (kernel.implementation_) return kernel;
+    const compute::program& program = self.program(file, defines);
+    auto made = std::make_shared<Kernel::Implementation>();
+    guarded("clCreateKernel", "kernel " + entry + " of kernels/" + file,
+            [&] { made->handle = compute::kernel(program, entry); });
+    made->file = file;
+    made->entry = entry;
+    const cl_kernel handle = made->handle.get();
+    cl_uint arguments = 0;
+    check(clGetKernelInfo(handle, CL_KERNEL_NUM_ARGS, sizeof arguments, &arguments, nullptr),
+          "clGetKernelInfo", "kernel " + entry);
+    made->arguments = arguments;
+    std::size_t group = 0;
+    cl_ulong local_bytes = 0;
+    check(clGetKernelWorkGroupInfo(handle, self.found.id, CL_KERNEL_WORK_GROUP_SIZE, sizeof group, &group,
+                                   nullptr),
+          "clGetKernelWorkGroupInfo", "kernel " + entry);
+    check(clGetKernelWorkGroupInfo(handle, self.found.id, CL_KERNEL_LOCAL_MEM_SIZE, sizeof local_bytes,
+                                   &local_bytes, nullptr),
+          "clGetKernelWorkGroupInfo", "kernel " + entry);
+    if (group < static_cast<std::size_t>(work_group_size())) {
+        misuse("kernel " + entry + " runs in work-groups of at most " + std::to_string(group) + " on " +
+               info().name + ", not " + std::to_string(work_group_size()) +
+               "; choose a smaller work-group size");
+    }
+    if (local_bytes > info().local_bytes) {  // PoCL would abort at the launch
+        misuse("kernel " + entry + " needs " + amount(local_bytes) + " of local memory, " + info().name +
+               " has " + amount(info().local_bytes) + "; choose a smaller work-group size");
+    }
+    const auto same_entry = std::find_if(self.times.begin(), self.times.end(),
+                                         [&](const KernelTime& time) { return time.entry == entry; });
+    made->time_index = static_cast<std::size_t>(same_entry - self.times.begin());
+    if (same_entry == self.times.end()) {
+        self.times.emplace_back();
+        self.times.back().entry = entry;
+    }
+    kernel.implementation_ = std::move(made);
+    return kernel;
+}
+
+}  // namespace mortise::device

@@ -1,0 +1,117 @@
+// Block-wise zlib compression and decompression on all cores.
+#include "host/io/compressed_array.hpp"
+
+#include <zlib.h>
+
+#include <algorithm>
+#include <memory>
+#include <thread>
+
+#include "host/quality/parallel.hpp"
+#include "mortise/error.hpp"
+
+namespace mortise::io {
+namespace {
+
+/// zlib's own bound: 1032 bytes from each compressed byte.
+constexpr std::uint64_t kMaxExpansion = 1040;
+
+/// A sample of the block that shrinks by less than this many percent is not worth compressing.
+constexpr std::size_t kSampleSize = std::size_t{1} << 14;
+constexpr std::size_t kWorthPercent = 15;
+
+struct Scratch {
+    Scratch() : space(kBlockSize / sizeof(std::uint64_t)), packed(compressBound(kBlockSize)) {}
+    char* bytes() { return reinterpret_cast<char*>(space.data()); }
+    std::vector<std::uint64_t> space;  ///< 64-bit for alignment
+    std::vector<unsigned char> packed;
+    std::size_t packed_size = 0;
+};
+
+std::size_t deflate_block(const char* data, std::size_t size, int level, Scratch& scratch) {
+    uLongf packed_size = scratch.packed.size();
+    const int status =
+        compress2(scratch.packed.data(), &packed_size, reinterpret_cast<const Bytef*>(data), size, level);
+    if (status != Z_OK) throw Error(ExitCode::kFiles, "zlib cannot compress: out of memory");
+    return packed_size;
+}
+
+/// Level 1, or level 0 (stored) where a sample from the middle hardly shrinks: coordinates off a grid.
+void compress_block(const char* data, std::size_t size, Scratch& scratch) {
+    int level = Z_BEST_SPEED;
+    if (size > 2 * kSampleSize) {
+        const std::size_t sample = deflate_block(data + size / 2, kSampleSize, Z_BEST_SPEED, scratch);
+        if (sample * 100 > kSampleSize * (100 - kWorthPercent)) level = Z_NO_COMPRESSION;
+    }
+    scratch.packed_size = deflate_block(data, size, level, scratch);
+}
+
+}  // namespace
+
+ByteSource memory_source(const void* data) {
+    const char* bytes = static_cast<const char*>(data);
+    return [bytes](std::size_t begin, std::size_t, char*) { return bytes + begin; };
+}
+
+void write_compressed(TemporaryFile& file, std::size_t size, const ByteSource& source) {
+    const std::size_t blocks = quality::chunk_count(size, kBlockSize);
+    std::vector<std::uint64_t> header(3 + blocks, 0);
+    header[0] = blocks;
+    header[1] = kBlockSize;
+    header[2] = size % kBlockSize;
+    const std::uint64_t header_at = file.size();
+    file.write(header.data(), header.size() * sizeof header[0]);  // sizes follow at the end
+    const std::size_t wave = 4 * std::max(1u, std::thread::hardware_concurrency());
+    std::vector<Scratch> scratch(std::min(wave, blocks));
+    for (std::size_t first = 0; first < blocks; first += wave) {
+        const std::size_t count = std::min(wave, blocks - first);
+        quality::parallel_chunks(count, 1, [&](std::size_t i, std::size_t, std::size_t) {
+            const std::size_t begin = (first + i) * kBlockSize, end = std::min(size, begin + kBlockSize);
+            compress_block(source(begin, end, scratch[i].bytes()), end - begin, scratch[i]);
+        });
+        for (std::size_t i = 0; i < count; ++i) {
+            file.write(scratch[i].packed.data(), scratch[i].packed_size);
+            header[3 + first + i] = scratch[i].packed_size;
+        }
+    }
+    if (blocks > 0) file.write_at(header_at, header.data(), header.size() * sizeof header[0]);
+}
+
+std::vector<char> read_compressed(const FileReader& file, std::uint64_t offset) {
+    std::uint64_t head[3];
+    file.read_at(offset, head, sizeof head);
+    const std::uint64_t blocks = head[0], block_size = head[1], last_size = head[2];
+    const std::uint64_t after_head = offset + sizeof head;
+    if (blocks == 0) return {};
+    if (blocks > (file.size() - after_head) / sizeof(std::uint64_t) || block_size != kBlockSize ||
+        last_size >= block_size)
+        file.damaged("the header of a compressed array makes no sense");
+    std::vector<std::uint64_t> starts(static_cast<std::size_t>(blocks) + 1);
+    file.read_at(after_head, starts.data() + 1, static_cast<std::size_t>(blocks) * sizeof starts[0]);
+    starts[0] = after_head + blocks * sizeof starts[0];
+    for (std::size_t i = 1; i < starts.size(); ++i) {
+        if (starts[i] > file.size() - starts[i - 1]) file.damaged("a compressed array ends too late");
+        starts[i] += starts[i - 1];
+    }
+    const std::uint64_t packed_total = starts.back() - starts.front();
+    const std::uint64_t full_blocks = last_size == 0 ? blocks : blocks - 1;
+    const std::uint64_t total = full_blocks * block_size + last_size;
+    if (total > kMaxExpansion * packed_total)
+        file.damaged("a compressed array is larger than its bytes can hold");
+    std::vector<char> bytes(static_cast<std::size_t>(total));
+    quality::parallel_chunks(
+        static_cast<std::size_t>(blocks), 1, [&](std::size_t i, std::size_t, std::size_t) {
+            std::vector<unsigned char> packed(static_cast<std::size_t>(starts[i + 1] - starts[i]));
+            file.read_at(starts[i], packed.data(), packed.size());
+            const std::size_t begin = i * static_cast<std::size_t>(block_size);
+            const std::size_t expected =
+                std::min<std::size_t>(static_cast<std::size_t>(block_size), bytes.size() - begin);
+            uLongf size = expected;
+            const int status = uncompress(reinterpret_cast<Bytef*>(bytes.data() + begin), &size,
+                                          packed.data(), packed.size());
+            if (status != Z_OK || size != expected) file.damaged("a compressed array does not unpack");
+        });
+    return bytes;
+}
+
+}  // namespace mortise::io

@@ -1,0 +1,35 @@
+// Arrays in VTK's compressed binary layout: a header of UInt64, then zlib streams of equal uncompressed size.
+//
+// Header: number of blocks, uncompressed block size, uncompressed size of the last block if it is shorter
+// (else 0), compressed size of each block. Blocks are made and compressed by all cores and written in order,
+// so the bytes do not depend on the number of threads. Source: VTK file formats, "compressed appended data".
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "host/io/file_reader.hpp"
+#include "host/io/temporary_file.hpp"
+
+namespace mortise::io {
+
+inline constexpr std::size_t kBlockSize = std::size_t{1} << 20;
+
+/// Gives the bytes [begin, end) of an array; both are multiples of the value size (a power of two) or the
+/// array's end. Either fills `space` (kBlockSize bytes, aligned for any value) and returns it, or returns a
+/// pointer to bytes that exist already. Called from several threads at once.
+using ByteSource = std::function<const char*(std::size_t begin, std::size_t end, char* space)>;
+
+/// Appends an array of `size` bytes to the file.
+void write_compressed(TemporaryFile& file, std::size_t size, const ByteSource& source);
+
+/// Source of an array that lies in memory as it is to be stored.
+ByteSource memory_source(const void* data);
+
+/// Reads an array that starts at `offset`. Throws Error(kInput) for anything that does not fit together;
+/// never allocates more than about a thousand times what the file holds (the most that zlib can expand).
+std::vector<char> read_compressed(const FileReader& file, std::uint64_t offset);
+
+}  // namespace mortise::io

@@ -1,0 +1,21 @@
+// Readers and writers, one pair per file format; write_mesh and read_mesh choose by extension.
+//
+// Writers take a mesh whose indices are in range (write_mesh has checked); readers return such a mesh.
+#pragma once
+
+#include "host/io/file_reader.hpp"
+#include "host/io/temporary_file.hpp"
+#include "mortise/mesh.hpp"
+
+namespace mortise::io {
+
+void write_vtu(const Mesh& mesh, TemporaryFile& file);
+Mesh read_vtu(const FileReader& file);
+
+void write_msh(const Mesh& mesh, TemporaryFile& file);
+Mesh read_msh(const FileReader& file);
+
+/// The first thing wrong with a mesh's array lengths, indices or regions; empty if all is in range.
+std::string find_range_error(const Mesh& mesh);
+
+}  // namespace mortise::io

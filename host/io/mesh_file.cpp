@@ -1,0 +1,109 @@
+// write_mesh, read_mesh and check_writable: what all mesh formats have in common.
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <new>
+#include <string>
+
+#include "host/io/element_table.hpp"
+#include "host/io/formats.hpp"
+#include "mortise/error.hpp"
+#include "mortise/io.hpp"
+
+namespace mortise {
+namespace {
+
+enum class Format { kVtu, kMsh };
+
+Format format_of(const std::string& path) {
+    const std::size_t slash = path.find_last_of('/');
+    const std::string name = slash == std::string::npos ? path : path.substr(slash + 1);
+    const std::size_t dot = name.find_last_of('.');
+    // A name that begins with its only dot has no extension.
+    const std::string extension = dot == std::string::npos || dot == 0 ? "" : name.substr(dot);
+    if (extension == ".vtu") return Format::kVtu;
+    if (extension == ".msh") return Format::kMsh;
+    throw Error(ExitCode::kUsage,
+                "'" + path + "': unknown mesh format '" + extension + "', expected .vtu or .msh");
+}
+
+[[noreturn]] void refuse(const std::string& path, const std::string& cause) {
+    throw Error(ExitCode::kFiles, "cannot write '" + path + "': " + cause);
+}
+
+template <class Value>
+bool all_below(const std::vector<Value>& values, std::uint64_t limit) {
+    return std::all_of(values.begin(), values.end(), [limit](Value value) { return value < limit; });
+}
+
+template <class Value>
+bool none_zero(const std::vector<Value>& values) {
+    return std::find(values.begin(), values.end(), Value{0}) == values.end();
+}
+
+}  // namespace
+
+std::string io::find_range_error(const Mesh& mesh) {
+    const std::size_t nodes = mesh.node_count(), regions = mesh.region_names.size();
+    if (mesh.points.size() % 3 != 0) return "number of coordinates not a multiple of three";
+    for (std::size_t t = 0; t < kElementTypes; ++t) {
+        const ElementBlock& block = mesh.elements[t];
+        if (block.nodes.size() != block.size() * nodes_per_element(t) || block.kind.size() != block.size())
+            return "element arrays of unequal length";
+        if (!all_below(block.nodes, nodes)) return "element with a node index out of range";
+        if (!all_below(block.region, regions + 1) || !none_zero(block.region))
+            return "element with a region out of range";
+    }
+    const FacetBlock& facets = mesh.facets;
+    const std::size_t count = facets.size();
+    if (facets.nodes.size() != 4 * count || facets.inside.size() != count || facets.outside.size() != count)
+        return "facet arrays of unequal length";
+    if (!all_below(facets.nodes, nodes)) return "facet with a node index out of range";
+    if (!all_below(facets.surface, mesh.surface_names.size())) return "facet with a surface out of range";
+    if (!all_below(facets.inside, regions + 1) || !none_zero(facets.inside) ||
+        !all_below(facets.outside, regions + 1))
+        return "facet with a region out of range";
+    return {};
+}
+
+void write_mesh(const Mesh& mesh, const std::string& path) {
+    const Format format = format_of(path);
+    const std::string error = io::find_range_error(mesh);
+    if (!error.empty())
+        throw Error(ExitCode::kMeshing,
+                    "cannot write '" + path + "': invalid mesh: " + error + "; see check_mesh");
+    io::TemporaryFile file(path);
+    format == Format::kVtu ? io::write_vtu(mesh, file) : io::write_msh(mesh, file);
+    file.commit();
+}
+
+void check_writable(const std::string& path) {
+    format_of(path);
+    struct stat status;
+    if (stat(path.c_str(), &status) == 0 && S_ISDIR(status.st_mode)) refuse(path, std::strerror(EISDIR));
+    const std::size_t slash = path.find_last_of('/');
+    const std::string folder = slash == std::string::npos ? "." : path.substr(0, slash + 1);
+    if (stat(folder.c_str(), &status) != 0)
+        refuse(path, "folder '" + folder + "': " + std::strerror(errno) + "; create it first");
+    if (!S_ISDIR(status.st_mode)) refuse(path, "'" + folder + "' is not a folder");
+    if (access(folder.c_str(), W_OK | X_OK) != 0)
+        refuse(path, "folder '" + folder + "': " + std::strerror(errno));
+}
+
+Mesh read_mesh(const std::string& path) {
+    const Format format = format_of(path);
+    try {
+        const io::FileReader file(path);
+        Mesh mesh = format == Format::kVtu ? io::read_vtu(file) : io::read_msh(file);
+        const std::string error = io::find_range_error(mesh);
+        if (!error.empty()) file.damaged(error);
+        return mesh;
+    } catch (const std::bad_alloc&) {
+        throw Error(ExitCode::kDevice, "cannot read '" + path + "': out of memory");
+    }
+}
+
+}  // namespace mortise

@@ -1,0 +1,279 @@
+// Writes .msh: Gmsh 4.1, binary.
+//
+// Volume entity r and physical volume r are region r. Facets with the same surface and regions form a surface
+// entity and a physical surface of its own, named like the model's surface; where a surface has facets
+// between several pairs of regions, ":inside" or ":inside|outside" follows. A volume lists the surface
+// entities around it, negative where it lies in front of them. All nodes belong to the first volume entity:
+// Gmsh accepts any classification, and ours has no curves or points.
+//
+// Element tags number facets, then elements, in mesh order, so that the grouping by entities loses nothing.
+// What Gmsh has no place for stands in a $Comments section: names as they are, and each surface entity's
+// surface and regions. The `kind` of elements is not stored.
+#include <algorithm>
+#include <limits>
+#include <map>
+#include <numeric>
+#include <set>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "host/io/element_table.hpp"
+#include "host/io/formats.hpp"
+#include "host/io/msh_format.hpp"
+
+namespace mortise::io {
+namespace {
+
+/// Elements or facets of one entity and one Gmsh type.
+struct Block {
+    int dimension;
+    int entity;
+    int type;
+    std::vector<std::size_t> items;
+};
+
+struct Box {
+    double low[3] = {0, 0, 0};
+    double high[3] = {0, 0, 0};
+    bool empty = true;
+    void add(const double* p) {
+        for (int axis = 0; axis < 3; ++axis) {
+            low[axis] = empty ? p[axis] : std::min(low[axis], p[axis]);
+            high[axis] = empty ? p[axis] : std::max(high[axis], p[axis]);
+        }
+        empty = false;
+    }
+};
+
+class MshWriter {
+  public:
+    MshWriter(const Mesh& mesh, TemporaryFile& file) : mesh_(mesh), file_(file) {}
+
+    void write() {
+        group_facets();
+        file_.write("$MeshFormat\n4.1 1 8\n");
+        file_.put<int>(1);
+        file_.write("\n$EndMeshFormat\n");
+        write_comments();
+        write_physical_names();
+        write_entities();
+        write_nodes();
+        write_elements();
+    }
+
+  private:
+    int regions() const { return static_cast<int>(mesh_.region_names.size()); }
+
+    void group_facets() {
+        const FacetBlock& facets = mesh_.facets;
+        std::map<std::tuple<std::uint32_t, std::uint16_t, std::uint16_t>, int> entities;
+        for (std::size_t i = 0; i < facets.size(); ++i)
+            entities[{facets.surface[i], facets.inside[i], facets.outside[i]}] = 0;
+        for (auto& [key, entity] : entities) {
+            groups_.push_back({std::get<0>(key), std::get<1>(key), std::get<2>(key)});
+            entity = static_cast<int>(groups_.size());
+            blocks_.push_back({2, entity, kGmshTriangle, {}});
+            blocks_.push_back({2, entity, kGmshQuadrilateral, {}});
+        }
+        for (std::size_t i = 0; i < facets.size(); ++i) {
+            const int entity = entities[{facets.surface[i], facets.inside[i], facets.outside[i]}];
+            const bool triangle = facets.nodes[4 * i + 2] == facets.nodes[4 * i + 3];
+            blocks_[2 * static_cast<std::size_t>(entity - 1) + (triangle ? 0 : 1)].items.push_back(i);
+        }
+    }
+
+    void write_comments() {
+        std::string text = "$Comments\n" + std::string(kMshSignature) + "\n";
+        text += "regions " + std::to_string(mesh_.region_names.size()) + "\n";
+        for (const std::string& name : mesh_.region_names) text += "name " + encode_name(name) + "\n";
+        text += "surfaces " + std::to_string(mesh_.surface_names.size()) + "\n";
+        for (const std::string& name : mesh_.surface_names) text += "name " + encode_name(name) + "\n";
+        text += "groups " + std::to_string(groups_.size()) + "\n";
+        for (const FacetGroup& group : groups_)
+            text += std::to_string(group.surface) + " " + std::to_string(group.inside) + " " +
+                    std::to_string(group.outside) + "\n";
+        text += "counts " + std::to_string(mesh_.facets.size());
+        for (const ElementBlock& block : mesh_.elements) text += " " + std::to_string(block.size());
+        file_.write(text + "\n$EndComments\n");
+    }
+
+    /// The name without what would end it early in a file, made unique by a number.
+    static std::string physical_name(std::string name, std::set<std::string>& used) {
+        for (char& c : name) {
+            if (c == '"' || static_cast<unsigned char>(c) < 0x20) c = '_';
+        }
+        std::string unique = name;
+        for (int number = 2; !used.insert(unique).second; ++number)
+            unique = name + "_" + std::to_string(number);
+        return unique;
+    }
+
+    void write_physical_names() {
+        std::vector<int> groups_of_surface(mesh_.surface_names.size(), 0);
+        for (const FacetGroup& group : groups_) ++groups_of_surface[group.surface];
+        std::string text =
+            "$PhysicalNames\n" + std::to_string(groups_.size() + mesh_.region_names.size()) + "\n";
+        std::set<std::string> used;
+        for (std::size_t i = 0; i < groups_.size(); ++i) {
+            const FacetGroup& group = groups_[i];
+            std::string name = mesh_.surface_names[group.surface];
+            if (groups_of_surface[group.surface] > 1) {
+                name += ":" + mesh_.region_names[group.inside - 1u];
+                if (group.outside != 0) name += "|" + mesh_.region_names[group.outside - 1u];
+            }
+            text += "2 " + std::to_string(i + 1) + " \"" + physical_name(name, used) + "\"\n";
+        }
+        used.clear();
+        for (std::size_t i = 0; i < mesh_.region_names.size(); ++i)
+            text +=
+                "3 " + std::to_string(i + 1) + " \"" + physical_name(mesh_.region_names[i], used) + "\"\n";
+        file_.write(text + "$EndPhysicalNames\n");
+    }
+
+    void put_entity(int tag, const Box& box, const std::vector<int>& bounding) {
+        file_.put<int>(tag);
+        file_.write(box.low, sizeof box.low);
+        file_.write(box.high, sizeof box.high);
+        file_.put<std::uint64_t>(1);  // physical groups: the one of the same number
+        file_.put<int>(tag);
+        file_.put<std::uint64_t>(bounding.size());
+        file_.write(bounding.data(), bounding.size() * sizeof(int));
+    }
+
+    const double* point(NodeId node) const {
+        return mesh_.points.data() + 3 * static_cast<std::size_t>(node);
+    }
+
+    void write_entities() {
+        std::vector<Box> surface_boxes(groups_.size()), volume_boxes(mesh_.region_names.size());
+        for (const Block& block : blocks_) {
+            for (const std::size_t i : block.items) {
+                for (std::size_t k = 4 * i; k < 4 * i + 4; ++k)
+                    surface_boxes[static_cast<std::size_t>(block.entity - 1)].add(
+                        point(mesh_.facets.nodes[k]));
+            }
+        }
+        for (std::size_t t = 0; t < kElementTypes; ++t) {
+            const ElementBlock& block = mesh_.elements[t];
+            for (std::size_t i = 0; i < block.nodes.size(); ++i)
+                volume_boxes[block.region[i / nodes_per_element(t)] - 1u].add(point(block.nodes[i]));
+        }
+        std::vector<std::vector<int>> bounding(mesh_.region_names.size());
+        for (std::size_t i = 0; i < groups_.size(); ++i) {
+            const int tag = static_cast<int>(i + 1);
+            bounding[groups_[i].inside - 1u].push_back(tag);
+            if (groups_[i].outside != 0) bounding[groups_[i].outside - 1u].push_back(-tag);
+        }
+        file_.write("$Entities\n");
+        for (const std::size_t count :
+             {std::size_t{0}, std::size_t{0}, groups_.size(), mesh_.region_names.size()})
+            file_.put<std::uint64_t>(count);
+        for (std::size_t i = 0; i < groups_.size(); ++i)
+            put_entity(static_cast<int>(i + 1), surface_boxes[i], {});
+        for (std::size_t i = 0; i < volume_boxes.size(); ++i)
+            put_entity(static_cast<int>(i + 1), volume_boxes[i], bounding[i]);
+        file_.write("\n$EndEntities\n");
+    }
+
+    void write_nodes() {
+        const std::uint64_t count = mesh_.node_count();
+        file_.write("$Nodes\n");
+        for (const std::uint64_t value : {std::uint64_t{count > 0}, count, std::uint64_t{count > 0}, count})
+            file_.put(value);
+        if (count > 0) {
+            file_.put<int>(3);
+            file_.put<int>(1);
+            file_.put<int>(0);  // no parameters
+            file_.put(count);
+            for (std::uint64_t tag = 1; tag <= count; ++tag) file_.put(tag);
+            file_.write(mesh_.points.data(), mesh_.points.size() * sizeof(double));
+        }
+        file_.write("\n$EndNodes\n");
+    }
+
+    void write_elements() {
+        // Which elements each region has, by type, in mesh order.
+        std::vector<std::size_t> counts(kElementTypes * static_cast<std::size_t>(regions()), 0);
+        const auto slot = [this](std::size_t t, std::size_t region) {
+            return t * static_cast<std::size_t>(regions()) + region - 1;
+        };
+        for (std::size_t t = 0; t < kElementTypes; ++t) {
+            for (const std::uint16_t region : mesh_.elements[t].region) ++counts[slot(t, region)];
+        }
+        std::uint64_t entity_blocks = 0;
+        for (const Block& block : blocks_) entity_blocks += !block.items.empty();
+        for (const std::size_t count : counts) entity_blocks += count != 0;
+        const std::uint64_t total = mesh_.facets.size() + mesh_.element_count();
+        file_.write("$Elements\n");
+        for (const std::uint64_t value : {entity_blocks, total, std::uint64_t{total > 0}, total})
+            file_.put(value);
+        for (const Block& block : blocks_) {
+            if (block.items.empty()) continue;
+            put_block_header(block.dimension, block.entity, block.type, block.items.size());
+            for (const std::size_t i : block.items)
+                put_element(i + 1, mesh_.facets.nodes.data() + 4 * i, block.type == kGmshTriangle ? 3 : 4);
+        }
+        std::uint64_t first_tag = mesh_.facets.size() + 1;
+        for (std::size_t t = 0; t < kElementTypes; ++t) {
+            write_type(t, first_tag, counts.data() + (regions() > 0 ? slot(t, 1) : 0));
+            first_tag += mesh_.elements[t].size();
+        }
+        file_.write("\n$EndElements\n");
+    }
+
+    /// One block per region that has elements of type t; `counts` says how many, by region.
+    void write_type(std::size_t t, std::uint64_t first_tag, const std::size_t* counts) {
+        const ElementBlock& block = mesh_.elements[t];
+        const FormatElement& format = kElementTable[t].gmsh;
+        const std::size_t per_element = nodes_per_element(t);
+        const auto put = [&](std::size_t i) {
+            NodeId nodes[8];
+            for (std::size_t k = 0; k < per_element; ++k)
+                nodes[k] = block.nodes[per_element * i + static_cast<std::size_t>(format.nodes[k])];
+            put_element(first_tag + i, nodes, per_element);
+        };
+        // With one region the elements are in order already; else a stable counting sort brings them there.
+        std::vector<std::size_t> order;
+        if (regions() > 1) {
+            std::vector<std::size_t> cursor(static_cast<std::size_t>(regions()) + 1, 0);
+            for (std::size_t r = 0; r < static_cast<std::size_t>(regions()); ++r)
+                cursor[r + 1] = cursor[r] + counts[r];
+            order.resize(block.size());
+            for (std::size_t i = 0; i < block.size(); ++i) order[cursor[block.region[i] - 1u]++] = i;
+        }
+        std::size_t next = 0;
+        for (int region = 1; region <= regions(); ++region) {
+            const std::size_t count = counts[region - 1];
+            if (count == 0) continue;
+            put_block_header(3, region, format.type, count);
+            for (const std::size_t end = next + count; next < end; ++next)
+                put(order.empty() ? next : order[next]);
+        }
+    }
+
+    void put_block_header(int dimension, int entity, int type, std::uint64_t count) {
+        file_.put(dimension);
+        file_.put(entity);
+        file_.put(type);
+        file_.put(count);
+    }
+
+    void put_element(std::uint64_t tag, const NodeId* nodes, std::size_t count) {
+        std::uint64_t line[9];
+        line[0] = tag;
+        for (std::size_t k = 0; k < count; ++k) line[k + 1] = std::uint64_t{nodes[k]} + 1;
+        file_.write(line, (count + 1) * sizeof line[0]);
+    }
+
+    const Mesh& mesh_;
+    TemporaryFile& file_;
+    std::vector<FacetGroup> groups_;  ///< surface entity i + 1
+    std::vector<Block> blocks_;       ///< triangles and quadrilaterals of each group
+};
+
+}  // namespace
+
+void write_msh(const Mesh& mesh, TemporaryFile& file) { MshWriter(mesh, file).write(); }
+
+}  // namespace mortise::io

@@ -1,0 +1,124 @@
+// Temporary files and the list of their names for signal handlers (POSIX).
+#include "host/io/temporary_file.hpp"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cerrno>
+#include <cstring>
+
+#include "mortise/error.hpp"
+
+namespace mortise::io {
+namespace {
+
+constexpr std::size_t kBufferSize = std::size_t{1} << 22;
+constexpr int kSlots = 64;
+constexpr std::size_t kNameSize = 4096;
+
+/// A name is written while its slot is kTaken and visible to the handler only while kNamed.
+enum SlotState : int { kFree, kTaken, kNamed };
+struct Slot {
+    std::atomic<int> state{kFree};
+    char name[kNameSize];
+};
+Slot slots[kSlots];
+std::atomic<unsigned> next_number{0};
+static_assert(std::atomic<int>::is_always_lock_free, "remove_temporary_files runs in signal handlers");
+
+int take_slot(const std::string& name) {
+    for (int i = 0; i < kSlots; ++i) {
+        int expected = kFree;
+        if (!slots[i].state.compare_exchange_strong(expected, kTaken)) continue;
+        std::memcpy(slots[i].name, name.c_str(), name.size() + 1);
+        slots[i].state = kNamed;
+        return i;
+    }
+    return -1;
+}
+
+}  // namespace
+
+void remove_temporary_files() noexcept {
+    for (Slot& slot : slots) {
+        if (slot.state == kNamed) unlink(slot.name);
+    }
+}
+
+TemporaryFile::TemporaryFile(const std::string& path) : path_(path) {
+    temporary_ = path + "." + std::to_string(getpid()) + "-" + std::to_string(next_number++) + ".tmp";
+    if (temporary_.size() >= kNameSize) fail("create", ENAMETOOLONG);
+    buffer_.reserve(kBufferSize);
+    slot_ = take_slot(temporary_);
+    if (slot_ < 0) fail("create", EMFILE);
+    // A file of that name can only be left over from a dead process with our number.
+    unlink(temporary_.c_str());
+    descriptor_ = open(temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (descriptor_ < 0) {
+        const int error = errno;
+        slots[slot_].state = kFree;
+        fail("create", error);
+    }
+}
+
+TemporaryFile::~TemporaryFile() {
+    if (descriptor_ >= 0) {
+        close(descriptor_);
+        unlink(temporary_.c_str());
+    }
+    if (slot_ >= 0) slots[slot_].state = kFree;
+}
+
+void TemporaryFile::write(const void* data, std::size_t size) {
+    const char* bytes = static_cast<const char*>(data);
+    if (buffer_.size() + size > kBufferSize) flush();
+    if (size > kBufferSize) {
+        write_all(bytes, size, flushed_);
+        flushed_ += size;
+        return;
+    }
+    buffer_.insert(buffer_.end(), bytes, bytes + size);
+}
+
+void TemporaryFile::write_at(std::uint64_t offset, const void* data, std::size_t size) {
+    flush();
+    write_all(static_cast<const char*>(data), size, offset);
+}
+
+void TemporaryFile::commit() {
+    flush();
+    const int descriptor = descriptor_;
+    descriptor_ = -1;
+    // close() reports delayed write errors of network file systems.
+    if (close(descriptor) != 0 || rename(temporary_.c_str(), path_.c_str()) != 0) {
+        const int error = errno;
+        unlink(temporary_.c_str());
+        fail("write", error);
+    }
+}
+
+void TemporaryFile::flush() {
+    write_all(buffer_.data(), buffer_.size(), flushed_);
+    flushed_ += buffer_.size();
+    buffer_.clear();
+}
+
+void TemporaryFile::write_all(const char* data, std::size_t size, std::uint64_t offset) {
+    while (size > 0) {
+        const ssize_t written = pwrite(descriptor_, data, size, static_cast<off_t>(offset));
+        if (written < 0 && errno == EINTR) continue;
+        if (written <= 0) fail("write", written < 0 ? errno : ENOSPC);
+        data += written;
+        size -= static_cast<std::size_t>(written);
+        offset += static_cast<std::uint64_t>(written);
+    }
+}
+
+void TemporaryFile::fail(const char* action, int error) const {
+    throw Error(ExitCode::kFiles,
+                "cannot " + std::string(action) + " '" + path_ + "': " + std::strerror(error));
+}
+
+}  // namespace mortise::io

@@ -1,0 +1,54 @@
+// Files that appear whole or not at all: written under a temporary name beside the target, then renamed.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace mortise::io {
+
+/// Removes every temporary file that is open now. Async-signal-safe: for handlers of signals that end the
+/// process; the TemporaryFile objects are of no use afterwards.
+void remove_temporary_files() noexcept;
+
+/// A file being written. Every failure throws Error(kFiles) with the target's path and the cause, and the
+/// destructor removes the temporary file unless commit() succeeded.
+class TemporaryFile {
+  public:
+    explicit TemporaryFile(const std::string& path);
+    ~TemporaryFile();
+    TemporaryFile(const TemporaryFile&) = delete;
+    TemporaryFile& operator=(const TemporaryFile&) = delete;
+
+    /// Appends.
+    void write(const void* data, std::size_t size);
+    void write(const std::string& text) { write(text.data(), text.size()); }
+    template <class Value>
+    void put(const Value& value) {
+        write(&value, sizeof value);
+    }
+
+    /// Overwrites bytes that have been appended before.
+    void write_at(std::uint64_t offset, const void* data, std::size_t size);
+
+    /// Bytes appended so far.
+    std::uint64_t size() const { return flushed_ + buffer_.size(); }
+
+    /// Ends the writing and gives the file its name.
+    void commit();
+
+  private:
+    void flush();
+    void write_all(const char* data, std::size_t size, std::uint64_t offset);
+    [[noreturn]] void fail(const char* action, int error) const;
+
+    std::string path_;
+    std::string temporary_;
+    std::vector<char> buffer_;
+    std::uint64_t flushed_ = 0;
+    int descriptor_ = -1;
+    int slot_ = -1;  ///< in the list of names for remove_temporary_files
+};
+
+}  // namespace mortise::io

@@ -1,0 +1,215 @@
+// The model arena and the ready-made primitives: every node that enters a Model is checked here.
+#include "mortise/model.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "host/model/affine.hpp"
+#include "host/model/text.hpp"
+
+namespace mortise {
+namespace {
+
+using model_reader::number_text;
+
+[[noreturn]] void refuse(const std::string& message) { throw Error(ExitCode::kInput, message); }
+
+void require_positive(const char* primitive, const char* quantity, double value) {
+    if (!(value > 0) || !std::isfinite(value)) {
+        refuse(std::string(primitive) + ": " + quantity + " is " + number_text(value) +
+               "; expected a positive, finite number");
+    }
+}
+
+void require_finite(const char* primitive, const char* quantity, double value) {
+    if (!std::isfinite(value)) {
+        refuse(std::string(primitive) + ": " + quantity + " is " + number_text(value) +
+               "; expected a finite number");
+    }
+}
+
+void require_finite(const char* primitive, const char* quantity, const Vec3& value) {
+    for (const double component : value) require_finite(primitive, quantity, component);
+}
+
+void require_normal(const char* primitive, const Vec3& normal) {
+    require_finite(primitive, "normal", normal);
+    if (!(model_reader::length(normal) > 0)) {
+        refuse(std::string(primitive) + ": the normal is (0, 0, 0); expected a direction");
+    }
+}
+
+/// A cone's radius may be zero or negative at z = 0 in a node (its apex is then elsewhere on the axis),
+/// as long as it is not zero everywhere.
+void require_cone(const char* primitive, const Primitive& cone) {
+    require_finite(primitive, "radius", cone.radius);
+    require_finite(primitive, "slope", cone.slope);
+    if (cone.slope == 0) require_positive(primitive, "radius of a cone without slope", cone.radius);
+}
+
+void check_primitive(const Primitive& primitive) {
+    switch (primitive.kind) {
+        case Primitive::Kind::kConvex:
+            if (primitive.planes.empty()) refuse("convex primitive: it has no planes; expected at least one");
+            for (const Plane& plane : primitive.planes) {
+                require_normal("convex primitive", plane.normal);
+                require_finite("convex primitive", "offset of a plane", plane.offset);
+            }
+            return;
+        case Primitive::Kind::kSphere: require_positive("sphere", "radius", primitive.radius); return;
+        case Primitive::Kind::kCylinder: require_positive("cylinder", "radius", primitive.radius); return;
+        case Primitive::Kind::kCone: require_cone("cone", primitive); return;
+        case Primitive::Kind::kDoubleCone: require_cone("double cone", primitive); return;
+        case Primitive::Kind::kTorus:
+            require_positive("torus", "major radius", primitive.major);
+            require_positive("torus", "minor radius", primitive.radius);
+            return;
+        case Primitive::Kind::kExpression:
+            if (primitive.expression.empty()) refuse("expression primitive: the formula is empty");
+            return;
+    }
+    refuse("primitive: unknown kind " + std::to_string(static_cast<int>(primitive.kind)));
+}
+
+void check_node(const CsgNode& node, std::size_t index) {
+    for (const std::uint32_t child : node.children) {
+        if (child >= index) {
+            refuse("model node " + std::to_string(index) + ": child " + std::to_string(child) +
+                   " is not an earlier node; add children before their parents");
+        }
+    }
+    const std::size_t count = node.children.size();
+    switch (node.op) {
+        case CsgNode::Op::kPrimitive:
+            if (count != 0) refuse("model node " + std::to_string(index) + ": a primitive has no children");
+            check_primitive(node.primitive);
+            return;
+        case CsgNode::Op::kUnion:
+        case CsgNode::Op::kIntersection:
+        case CsgNode::Op::kDifference: return;
+        case CsgNode::Op::kTransform:
+        case CsgNode::Op::kComplement: break;
+    }
+    if (count != 1) {
+        refuse("model node " + std::to_string(index) + ": it has " + std::to_string(count) +
+               " children; expected exactly one");
+    }
+    if (node.op == CsgNode::Op::kComplement) return;
+    for (const double entry : node.map) require_finite("transform", "an entry of the matrix", entry);
+    if (std::fabs(model_reader::relative_determinant(node.map)) <= model_reader::kSingular) {
+        refuse(
+            "transform: the matrix is singular, it would flatten the solid; expected a determinant other "
+            "than 0");
+    }
+}
+
+Primitive with_radius(Primitive::Kind kind, double radius, double slope = 0) {
+    Primitive result;
+    result.kind = kind;
+    result.radius = radius;
+    result.slope = slope;
+    return result;
+}
+
+}  // namespace
+
+std::uint32_t Model::add(CsgNode node) {
+    if (nodes.size() >= 0xffffffffU) refuse("model: more than 4294967295 nodes");
+    check_node(node, nodes.size());
+    nodes.push_back(std::move(node));
+    return static_cast<std::uint32_t>(nodes.size() - 1);
+}
+
+std::uint32_t Model::add_primitive(Primitive primitive, std::string name, SourceLocation where) {
+    CsgNode node;
+    node.primitive = std::move(primitive);
+    node.name = std::move(name);
+    node.where = where;
+    return add(std::move(node));
+}
+
+std::uint32_t Model::add_operation(CsgNode::Op op, std::vector<std::uint32_t> children, std::string name) {
+    CsgNode node;
+    node.op = op;
+    node.children = std::move(children);
+    node.name = std::move(name);
+    return add(std::move(node));
+}
+
+std::uint32_t Model::add_transform(const Affine& map, std::uint32_t child) {
+    CsgNode node;
+    node.op = CsgNode::Op::kTransform;
+    node.children = {child};
+    node.map = map;
+    return add(std::move(node));
+}
+
+Primitive half_space(const Vec3& point, const Vec3& outward_normal) {
+    require_finite("half-space", "point", point);
+    require_normal("half-space", outward_normal);
+    Primitive result;
+    result.planes = {{outward_normal, model_reader::dot(outward_normal, point), ""}};
+    require_finite("half-space", "offset", result.planes[0].offset);
+    return result;
+}
+
+Primitive box(const Vec3& min, const Vec3& max) {
+    require_finite("box", "corner", min);
+    require_finite("box", "corner", max);
+    static constexpr std::array<const char*, 3> kEdges = {"edge along x", "edge along y", "edge along z"};
+    for (std::size_t k = 0; k < 3; ++k) require_positive("box", kEdges[k], max[k] - min[k]);
+    Primitive result;
+    result.planes = {{{-1, 0, 0}, -min[0], "xmin"}, {{1, 0, 0}, max[0], "xmax"},
+                     {{0, -1, 0}, -min[1], "ymin"}, {{0, 1, 0}, max[1], "ymax"},
+                     {{0, 0, -1}, -min[2], "zmin"}, {{0, 0, 1}, max[2], "zmax"}};
+    return result;
+}
+
+Primitive wedge(double dx, double dy, double dz) {
+    require_positive("wedge", "edge along x", dx);
+    require_positive("wedge", "edge along y", dy);
+    require_positive("wedge", "edge along z", dz);
+    // x/dx + y/dy <= 1, scaled so that the larger component of the normal is 1.
+    const double larger = std::max(dx, dy);
+    const Vec3 slant = {dy / larger, dx / larger, 0};
+    Primitive result;
+    result.planes = {{{-1, 0, 0}, 0, "xmin"},
+                     {{0, -1, 0}, 0, "ymin"},
+                     {slant, std::min(dx, dy), "slant"},
+                     {{0, 0, -1}, 0, "zmin"},
+                     {{0, 0, 1}, dz, "zmax"}};
+    return result;
+}
+
+Primitive sphere(double radius) {
+    require_positive("sphere", "radius", radius);
+    return with_radius(Primitive::Kind::kSphere, radius);
+}
+
+Primitive infinite_cylinder(double radius) {
+    require_positive("cylinder", "radius", radius);
+    return with_radius(Primitive::Kind::kCylinder, radius);
+}
+
+Primitive cone(double radius, double slope) {
+    require_positive("cone", "radius", radius);
+    require_finite("cone", "slope", slope);
+    return with_radius(Primitive::Kind::kCone, radius, slope);
+}
+
+Primitive double_cone(double radius, double slope) {
+    require_positive("double cone", "radius", radius);
+    require_finite("double cone", "slope", slope);
+    return with_radius(Primitive::Kind::kDoubleCone, radius, slope);
+}
+
+Primitive torus(double major, double minor) {
+    require_positive("torus", "major radius", major);
+    require_positive("torus", "minor radius", minor);
+    Primitive result = with_radius(Primitive::Kind::kTorus, minor);
+    result.major = major;
+    return result;
+}
+
+}  // namespace mortise

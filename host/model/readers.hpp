@@ -1,0 +1,16 @@
+// The readers that read_model and parse_model choose from.
+#pragma once
+
+#include <string>
+
+#include "mortise/model.hpp"
+
+namespace mortise::model_reader {
+
+/// OpenSCAD's .csg text (csg_reader.cpp). The one region is called `region`.
+Model read_csg(const std::string& text, const std::string& source, const std::string& region);
+
+/// Netgen's .geo text (geo_reader.cpp).
+Model read_geo(const std::string& text, const std::string& source);
+
+}  // namespace mortise::model_reader

@@ -1,0 +1,188 @@
+// The order of the stages: the only code that knows two of them.
+#include "mortise/mesher.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <ctime>
+
+#include "host/assembly/assembly.hpp"
+#include "host/cnio/extract.hpp"
+#include "host/device/device.hpp"
+#include "host/octree/octree.hpp"
+#include "host/snio/classify.hpp"
+#include "host/tape/compile.hpp"
+
+namespace mortise {
+namespace {
+
+constexpr int kDefaultLevel = 6;
+
+double process_seconds() {
+    timespec now{};
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+    return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+/// Times the stages of one run and reports progress.
+class Stages {
+  public:
+    Stages(const MeshOptions& options, MeshReport& report) : options_(options), report_(report) {}
+
+    void begin(const char* stage, double progress) {
+        end(0);
+        if (options_.progress && !options_.progress(stage, progress)) {
+            throw Error(ExitCode::kMeshing, "interrupted");
+        }
+        stage_ = stage;
+        wall_ = std::chrono::steady_clock::now();
+        cpu_ = process_seconds();
+    }
+
+    void end(std::uint64_t items) {
+        if (stage_ == nullptr) return;
+        const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - wall_;
+        report_.stages.push_back({stage_, wall.count(), process_seconds() - cpu_, items});
+        stage_ = nullptr;
+    }
+
+  private:
+    const MeshOptions& options_;
+    MeshReport& report_;
+    const char* stage_ = nullptr;
+    std::chrono::steady_clock::time_point wall_;
+    double cpu_ = 0;
+};
+
+/// Root box: a cube about the bounds with one finest cell of margin on each side, so that the faces of the
+/// longest extent fall on grid planes.
+struct Root {
+    Vec3 origin;
+    double side;
+    int level;
+};
+
+Root choose_root(const Box3& bounds, const MeshOptions& options) {
+    double extent = 0;
+    for (std::size_t j = 0; j < 3; ++j) extent = std::max(extent, bounds.max[j] - bounds.min[j]);
+    Root root{};
+    root.level = options.level > 0 ? options.level : kDefaultLevel;
+    if (options.size > 0 && options.level == 0) {
+        root.level = 1;
+        while (root.level < kMaxLevel && std::ldexp(options.size, root.level) < extent + 2 * options.size)
+            ++root.level;
+        root.side = std::ldexp(options.size, root.level);
+    } else {
+        const double cells = std::ldexp(1.0, root.level);
+        root.side = root.level >= 3 ? extent * (cells / (cells - 2)) : 1.25 * extent;
+    }
+    for (std::size_t j = 0; j < 3; ++j) root.origin[j] = 0.5 * (bounds.min[j] + bounds.max[j] - root.side);
+    return root;
+}
+
+void check_options(const MeshOptions& options) {
+    if (options.level < 0 || options.level > octree::kMaxUniformLevel) {
+        throw Error(ExitCode::kUsage, "level " + std::to_string(options.level) +
+                                          " is out of range; use 1 to " +
+                                          std::to_string(octree::kMaxUniformLevel));
+    }
+    if (!(options.size >= 0) || !std::isfinite(options.size)) {
+        throw Error(ExitCode::kUsage,
+                    "cell size " + std::to_string(options.size) + " is out of range; use a positive length");
+    }
+    if (!options.box) return;
+    for (std::size_t j = 0; j < 3; ++j) {
+        if (!(options.box->min[j] < options.box->max[j]) ||
+            !std::isfinite(options.box->max[j] - options.box->min[j])) {
+            throw Error(ExitCode::kUsage, std::string("the box is empty along ") + "xyz"[j] +
+                                              "; give its minimum corner, then its maximum corner");
+        }
+    }
+}
+
+/// Facets carry bound surfaces; the mesh lists names, each once and only those in use.
+void name_surfaces(const tape::CompiledModel& compiled, const tape::BoundModel& model, Mesh& mesh) {
+    std::vector<std::uint32_t> place(compiled.surface_names.size(), 0xffffffffu);
+    std::vector<bool> present(compiled.surface_names.size(), false);
+    for (const std::uint32_t surface : mesh.facets.surface) present[model.surface_name[surface]] = true;
+    for (std::size_t i = 0; i < present.size(); ++i) {
+        if (!present[i]) continue;
+        place[i] = static_cast<std::uint32_t>(mesh.surface_names.size());
+        mesh.surface_names.push_back(compiled.surface_names[i]);
+    }
+    for (std::uint32_t& surface : mesh.facets.surface) surface = place[model.surface_name[surface]];
+}
+
+}  // namespace
+
+Mesh generate_mesh(const Model& model, const MeshOptions& options, MeshReport* report) {
+    MeshReport local;
+    MeshReport& out = report != nullptr ? *report : local;
+    out = MeshReport{};
+    check_options(options);
+    Stages stages(options, out);
+
+    stages.begin("compile", 0);
+    const tape::CompiledModel compiled = tape::compile(model, options.box ? &*options.box : nullptr);
+    const Root root = choose_root(tape::find_bounds(compiled, model.source), options);
+    if (root.level > octree::kMaxUniformLevel) {
+        throw Error(ExitCode::kUsage, "cells of size " + std::to_string(options.size) + " need level " +
+                                          std::to_string(root.level) + "; a uniform tree has at most level " +
+                                          std::to_string(octree::kMaxUniformLevel));
+    }
+    const tape::BoundModel bound = tape::bind(compiled, root.origin, root.side);
+    stages.end(bound.surfaces.size());
+
+    stages.begin("device", 0.02);
+    device::DeviceOptions device_options;
+    device_options.work_group_size = options.work_group_size;
+    device::Device device(options.device, device_options);
+    out.device = device.info().name;
+    stages.end(1);
+
+    stages.begin("octree", 0.05);
+    octree::DeviceTree on_device;
+    const octree::Octree tree = octree::build(device, bound, root.level, &on_device);
+    stages.end(tree.cells_evaluated);
+
+    stages.begin("classify", 0.3);
+    const snio::Classification classification = snio::classify(device, tree, on_device, options.templates);
+    stages.end(tree.nio.size());
+
+    stages.begin("extract", 0.4);
+    const cnio::Extraction extraction = cnio::extract(bound, tree, classification.cnio, options.threads);
+    stages.end(classification.cnio.size());
+
+    stages.begin("assemble", 0.7);
+    Mesh mesh =
+        assembly::assemble(device, {bound, tree, on_device, classification, extraction, options.threads});
+    mesh.region_names = compiled.region_names;
+    name_surfaces(compiled, bound, mesh);
+    stages.end(mesh.element_count());
+    if (mesh.element_count() == 0) {
+        throw Error(ExitCode::kInput, model.source +
+                                          ": the solid is empty, or smaller than the cells everywhere; "
+                                          "raise --level if it is not");
+    }
+
+    out.level = root.level;
+    out.cell_size = std::ldexp(root.side, -root.level);
+    out.root = {root.origin,
+                {root.origin[0] + root.side, root.origin[1] + root.side, root.origin[2] + root.side}};
+    out.cells_evaluated = tree.cells_evaluated;
+    out.in_cells = tree.in_count;
+    out.nio_cells = tree.nio.size();
+    out.cnio_cells = classification.cnio.size();
+    out.snio_cells = out.nio_cells - out.cnio_cells;
+    out.refused_splits = extraction.counters.refused;
+    out.unresolved = extraction.counters.unresolved;
+    out.dropped_features = extraction.troubled;
+    out.warnings = model.warnings;
+    if (extraction.troubled > 0) {
+        out.warnings.push_back(std::to_string(extraction.troubled) + " of " + std::to_string(out.cnio_cells) +
+                               " complex cells hold features that were too fine to keep exactly");
+    }
+    return mesh;
+}
+
+}  // namespace mortise

@@ -1,0 +1,36 @@
+// The passes of check_mesh, in the order in which it runs them.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "host/quality/defects.hpp"
+#include "mortise/check.hpp"
+
+namespace mortise::quality {
+
+/// Array lengths, index ranges, names. False: indices cannot be trusted, so no other pass may run.
+bool check_structure(const Mesh& mesh, DefectLog& log);
+
+/// Coordinates finite, every node used, no two nodes within 1e-12 of the bounding box's diagonal.
+void check_nodes(const Mesh& mesh, DefectLog& log);
+
+/// Repeated nodes and Jacobians; fills volumes, scaled Jacobians and dihedral angles of the report.
+void check_elements(const Mesh& mesh, DefectLog& log, CheckReport& report);
+
+/// A facet that belongs to one element only, in that element's outward order.
+struct BoundaryFacet {
+    NodeId nodes[4];  ///< a triangle repeats its last node
+    int count() const { return nodes[2] == nodes[3] ? 3 : 4; }
+};
+
+/// Matches the facets of all elements with each other and with the mesh's facet list; also finds duplicate
+/// elements. Fills facet counts and components of the report. Returns the boundary, in order of smallest
+/// node.
+std::vector<BoundaryFacet> check_facets(const Mesh& mesh, DefectLog& log, CheckReport& report);
+
+/// Closedness, quadrilaterals against triangles; fills area, Euler characteristic and non-manifold edges.
+void check_boundary(const Mesh& mesh, const std::vector<BoundaryFacet>& boundary, DefectLog& log,
+                    CheckReport& report);
+
+}  // namespace mortise::quality

@@ -1,0 +1,223 @@
+// Binding a compiled model to its root box: box-local surfaces, merged where equal, with float copies.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "host/tape/compile.hpp"
+#include "host/tape/reference.hpp"
+
+namespace mortise::tape {
+namespace {
+
+// Two surfaces whose normalised coefficients differ by less are one. Coordinates are in units of the root
+// box.
+constexpr double kMergeTolerance = 1e-10;
+
+Surface to_local(Surface s, const Vec3& origin, double side) {
+    const int rows = s.kind == kSurfacePlane ? 1 : 3;
+    for (int i = 0; i < rows; ++i) {
+        double* row = s.map + 4 * i;
+        row[3] += row[0] * origin[0] + row[1] * origin[1] + row[2] * origin[2];
+        for (int j = 0; j < 3; ++j) row[j] *= side;
+    }
+    if (s.kind == kSurfacePlane) {
+        const double length = std::sqrt(s.map[0] * s.map[0] + s.map[1] * s.map[1] + s.map[2] * s.map[2]);
+        for (int j = 0; j < 4; ++j) s.map[j] /= length;
+    }
+    return s;
+}
+
+/// What identifies a surface up to a factor: numbers to compare, scaled to unit size.
+std::array<double, 16> signature(const Surface& s) {
+    std::array<double, 16> g{};
+    if (s.kind == kSurfacePlane) {
+        std::copy(s.map, s.map + 4, g.begin());
+        return g;
+    }
+    if (s.kind == kSurfaceTorus || s.kind == kSurfaceExpression) {
+        std::copy(s.map, s.map + 12, g.begin());
+        std::copy(s.form, s.form + 4, g.begin() + 12);
+    } else {
+        // Quadric in homogeneous coordinates: Σ form_i row_i row_iᵀ. A cone's nappe is told by row 2.
+        const double form[3] = {s.kind == kSurfaceCone ? 1 : s.form[0],
+                                s.kind == kSurfaceCone ? 1 : s.form[1],
+                                s.kind == kSurfaceCone ? -1 : s.form[2]};
+        std::size_t at = 0;
+        for (int a = 0; a < 4; ++a) {
+            for (int b = a; b < 4; ++b) {
+                double sum = a == 3 && b == 3 ? s.form[3] : 0;
+                for (int i = 0; i < 3; ++i) sum += form[i] * s.map[4 * i + a] * s.map[4 * i + b];
+                g[at++] = sum;
+            }
+        }
+        if (s.kind == kSurfaceCone) std::copy(s.map + 8, s.map + 12, g.begin() + 10);
+    }
+    double norm = 0;
+    const std::size_t scaled = s.kind == kSurfaceTorus || s.kind == kSurfaceExpression ? 0 : 10;
+    for (std::size_t i = 0; i < scaled; ++i) norm += g[i] * g[i];
+    norm = std::sqrt(norm);
+    for (std::size_t i = 0; i < scaled && norm > 0; ++i) g[i] /= norm;
+    return g;
+}
+
+/// +1 equal, -1 equal with the other sign, 0 different.
+int compare(const Surface& a, const std::array<double, 16>& ga, const Surface& b,
+            const std::array<double, 16>& gb, const std::vector<ExpressionOp>& ops) {
+    if (a.kind != b.kind) return 0;
+    bool same = true;
+    bool opposite = a.kind == kSurfacePlane || a.kind == kSurfaceQuadric;
+    for (std::size_t i = 0; i < ga.size() && (same || opposite); ++i) {
+        const double tolerance = kMergeTolerance * std::max(1.0, std::fabs(ga[i]));
+        same = same && std::fabs(ga[i] - gb[i]) <= tolerance;
+        opposite = opposite && std::fabs(ga[i] + gb[i]) <= tolerance;
+    }
+    if (a.kind == kSurfaceExpression && same) {
+        if (a.op_count != b.op_count) return 0;
+        for (std::uint32_t i = 0; i < a.op_count; ++i) {
+            const ExpressionOp& p = ops[a.first_op + i];
+            const ExpressionOp& q = ops[b.first_op + i];
+            if (p.operation != q.operation || p.out != q.out || p.a != q.a || p.b != q.b ||
+                p.literal != q.literal) {
+                return 0;
+            }
+        }
+    }
+    return same ? 1 : opposite ? -1 : 0;
+}
+
+SurfaceBounds make_bounds(const Surface& s) {
+    SurfaceBounds b{};
+    for (int i = 0; i < 12; ++i) b.map[i] = static_cast<float>(s.map[i]);
+    for (int i = 0; i < 4; ++i) b.form[i] = static_cast<float>(s.form[i]);
+    for (int i = 0; i < 3; ++i) {
+        const double size = std::fabs(s.map[4 * i]) + std::fabs(s.map[4 * i + 1]) +
+                            std::fabs(s.map[4 * i + 2]) + std::fabs(s.map[4 * i + 3]);
+        // Rounding of the coefficients and of three products and sums: at most 5 · 2^-24 of the size.
+        b.error[i] = static_cast<float>(size * std::ldexp(1.0, -21));
+    }
+    b.kind = s.kind;
+    b.first_op = s.first_op;
+    b.op_count = s.op_count;
+    return b;
+}
+
+}  // namespace
+
+BoundModel bind(const CompiledModel& compiled, const Vec3& origin, double side) {
+    BoundModel bound;
+    bound.origin = origin;
+    bound.side = side;
+    bound.expression_ops = compiled.expression_ops;
+    if (bound.expression_ops.empty()) bound.expression_ops.push_back({});
+    std::vector<std::array<double, 16>> signatures;
+    std::vector<std::uint32_t> target(compiled.surfaces.size());
+    std::vector<std::uint32_t> flipped(compiled.surfaces.size(), 0);
+    for (std::size_t i = 0; i < compiled.surfaces.size(); ++i) {
+        const Surface local = to_local(compiled.surfaces[i].surface, origin, side);
+        const auto mine = signature(local);
+        std::size_t found = bound.surfaces.size();
+        for (std::size_t k = 0; k < bound.surfaces.size(); ++k) {
+            const int equal = compare(bound.surfaces[k], signatures[k], local, mine, bound.expression_ops);
+            if (equal == 0) continue;
+            found = k;
+            flipped[i] = equal < 0 ? 1 : 0;
+            break;
+        }
+        target[i] = static_cast<std::uint32_t>(found);
+        if (found < bound.surfaces.size()) continue;
+        bound.surfaces.push_back(local);
+        bound.bounds.push_back(make_bounds(local));
+        bound.surface_name.push_back(compiled.surfaces[i].name);
+        signatures.push_back(mine);
+    }
+    bound.tape = compiled.tape;
+    for (std::uint32_t& word : bound.tape) {
+        if (tape_operation(word) != kTapeLiteral) continue;
+        const std::uint32_t surface = tape_surface(word);
+        word = make_literal(target[surface], tape_negated(word) ^ flipped[surface]);
+    }
+    return bound;
+}
+
+Box3 find_bounds(const CompiledModel& compiled, const std::string& source) {
+    constexpr double kFar = 1e4;             // unbounded directions are searched this many model scales wide
+    constexpr std::size_t kMaxCells = 8192;  // cells that a round may hold
+    Box3 box = compiled.bounds;
+    if (!(box.min[0] < box.max[0] && box.min[1] < box.max[1] && box.min[2] < box.max[2])) {
+        throw Error(ExitCode::kInput, source + ": the solid is empty");
+    }
+    bool finite = true;
+    for (std::size_t j = 0; j < 3; ++j)
+        finite = finite && std::isfinite(box.min[j]) && std::isfinite(box.max[j]);
+    if (finite) return box;
+    std::array<bool, 6> open{};
+    for (std::size_t j = 0; j < 3; ++j) {
+        open[2 * j] = !std::isfinite(box.min[j]);
+        open[2 * j + 1] = !std::isfinite(box.max[j]);
+        box.min[j] = std::max(box.min[j], -kFar * compiled.scale);
+        box.max[j] = std::min(box.max[j], kFar * compiled.scale);
+    }
+    for (int round = 0; round < 60; ++round) {
+        Vec3 extent{};
+        double side = 0;
+        for (std::size_t j = 0; j < 3; ++j) side = std::max(side, extent[j] = box.max[j] - box.min[j]);
+        const BoundModel model = bind(compiled, box.min, side);
+        struct Node {
+            Cell cell;
+            std::vector<std::uint32_t> tape;
+        };
+        std::vector<Node> cells = {{{{0.5, 0.5, 0.5}, 0.5}, model.tape}};
+        for (int level = 0; level < 6 && cells.size() * 8 <= kMaxCells; ++level) {
+            std::vector<Node> next;
+            for (const Node& node : cells) {
+                for (int c = 0; c < 8; ++c) {
+                    Cell child = node.cell;
+                    child.half *= 0.5;
+                    bool outside = false;
+                    for (int j = 0; j < 3; ++j) {
+                        child.centre[j] += ((c >> j) & 1) != 0 ? child.half : -child.half;
+                        outside = outside || (child.centre[j] - child.half) * side >=
+                                                 extent[static_cast<std::size_t>(j)];
+                    }
+                    std::vector<std::uint32_t> pruned;
+                    if (outside) continue;
+                    const std::int32_t region = classify_cell(model, node.tape, child, &pruned);
+                    if (region == 0) continue;
+                    next.push_back({child, region == kUnknown ? std::move(pruned) : node.tape});
+                }
+            }
+            cells = std::move(next);
+        }
+        if (cells.empty()) throw Error(ExitCode::kInput, source + ": the solid is empty");
+        Box3 shrunk{{1e300, 1e300, 1e300}, {-1e300, -1e300, -1e300}};
+        for (const Node& node : cells) {
+            for (std::size_t j = 0; j < 3; ++j) {
+                const double low = box.min[j] + (node.cell.centre[j] - node.cell.half) * side;
+                const double high = box.min[j] + (node.cell.centre[j] + node.cell.half) * side;
+                shrunk.min[j] = std::min(shrunk.min[j], std::max(low, box.min[j]));
+                shrunk.max[j] = std::max(shrunk.max[j], std::min(high, box.max[j]));
+            }
+        }
+        if (round == 0) {
+            for (std::size_t j = 0; j < 3; ++j) {
+                if ((open[2 * j] && shrunk.min[j] <= box.min[j]) ||
+                    (open[2 * j + 1] && shrunk.max[j] >= box.max[j])) {
+                    throw Error(
+                        ExitCode::kInput,
+                        source + ": the solid is unbounded along " + "xyz"[j] +
+                            "; cut it with --box x0 y0 z0 x1 y1 z1 or intersect it with a bounded solid");
+                }
+            }
+        }
+        bool settled = true;
+        for (std::size_t j = 0; j < 3; ++j) {
+            settled = settled && shrunk.max[j] - shrunk.min[j] > 0.9 * (box.max[j] - box.min[j]);
+        }
+        box = shrunk;
+        if (settled) break;
+    }
+    return box;
+}
+
+}  // namespace mortise::tape

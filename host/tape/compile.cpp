@@ -1,0 +1,461 @@
+#include "host/tape/compile.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/glm.hpp>
+#include <limits>
+#include <map>
+#include <numeric>
+
+#include "host/tape/expression_parser.hpp"
+
+namespace mortise::tape {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr std::size_t kMaxTerms = 1u << 24;
+
+/// A monotone formula over signed surfaces; children come before their users.
+struct Term {
+    enum class Type : std::uint8_t { kFalse, kTrue, kLiteral, kAnd, kOr };
+    Type type = Type::kFalse;
+    bool negated = false;
+    std::uint32_t surface = 0;
+    std::vector<std::uint32_t> children;
+};
+
+/// Affine map as 3×3 matrix and offset, in double precision.
+struct Map {
+    glm::dmat3 matrix{1.0};  ///< column-major, as GLM has it
+    glm::dvec3 offset{0.0};
+};
+
+Map to_map(const Affine& a) {
+    Map map;
+    for (int row = 0; row < 3; ++row) {
+        for (int column = 0; column < 3; ++column) map.matrix[column][row] = a[4 * row + column];
+        map.offset[row] = a[4 * row + 3];
+    }
+    return map;
+}
+
+Map compose(const Map& outer, const Map& inner) {
+    return {outer.matrix * inner.matrix, outer.matrix * inner.offset + outer.offset};
+}
+
+class Compiler {
+  public:
+    explicit Compiler(const Model& model) : model_(model) {}
+
+    CompiledModel run(const Box3* clip) {
+        if (model_.regions.empty()) throw Error(ExitCode::kInput, model_.source + ": the model has no solid");
+        if (model_.regions.size() > kMaxRegions) {
+            throw Error(ExitCode::kInput, model_.source + ": " + std::to_string(model_.regions.size()) +
+                                              " regions, at most " + std::to_string(kMaxRegions) +
+                                              " are possible");
+        }
+        std::vector<std::uint32_t> roots;
+        for (const Region& region : model_.regions) {
+            std::vector<std::uint32_t> parts = {expand(region.root)};
+            if (model_.clip) parts.push_back(box_term(*model_.clip));
+            if (clip != nullptr) parts.push_back(box_term(*clip));
+            roots.push_back(add_operation(Term::Type::kAnd, std::move(parts)));
+            out_.region_names.push_back(region.name);
+        }
+        compute_needs();
+        compute_bounds(roots);
+        // Regions are tried in order: the first is the outermost select, so it is emitted last.
+        bool started = false;
+        for (std::size_t i = roots.size(); i-- > 0;) {
+            const Term& root = terms_[roots[i]];
+            if (root.type == Term::Type::kFalse) continue;
+            if (root.type == Term::Type::kTrue) {
+                throw Error(ExitCode::kInput,
+                            model_.source + ": region '" + out_.region_names[i] +
+                                "' is unbounded; cut it with --box or with a bounded solid");
+            }
+            emit(roots[i]);
+            const i32 region = static_cast<i32>(i + 1);
+            out_.tape.push_back(make_operation(started ? kTapeSelect : kTapeSelectConst, region, 0));
+            started = true;
+        }
+        if (!started) throw Error(ExitCode::kInput, model_.source + ": the solid is empty");
+        return std::move(out_);
+    }
+
+  private:
+    struct Frame {
+        std::uint32_t node;
+        Map map;
+        bool negate;
+        const std::string* name;
+        std::size_t next = 0;
+        std::vector<std::uint32_t> terms;
+    };
+
+    std::uint32_t add(Term term) {
+        if (terms_.size() >= kMaxTerms) {
+            throw Error(ExitCode::kInput, model_.source + ": the tree expands to more than " +
+                                              std::to_string(kMaxTerms) + " operations");
+        }
+        terms_.push_back(std::move(term));
+        return static_cast<std::uint32_t>(terms_.size() - 1);
+    }
+
+    std::uint32_t add_constant(bool value) {
+        return add({value ? Term::Type::kTrue : Term::Type::kFalse, false, 0, {}});
+    }
+
+    /// And / or of any number of terms, constants removed.
+    std::uint32_t add_operation(Term::Type type, std::vector<std::uint32_t> children) {
+        const bool is_and = type == Term::Type::kAnd;
+        const Term::Type neutral = is_and ? Term::Type::kTrue : Term::Type::kFalse;
+        const Term::Type absorbing = is_and ? Term::Type::kFalse : Term::Type::kTrue;
+        std::vector<std::uint32_t> kept;
+        for (const std::uint32_t child : children) {
+            if (terms_[child].type == absorbing) return child;
+            if (terms_[child].type != neutral) kept.push_back(child);
+        }
+        if (kept.empty()) return add_constant(is_and);
+        if (kept.size() == 1) return kept[0];
+        return add({type, false, 0, std::move(kept)});
+    }
+
+    /// The formula of the subtree at `root`, by an explicit stack: any depth of tree.
+    std::uint32_t expand(std::uint32_t root) {
+        static const std::string kNoName;
+        std::vector<Frame> stack;
+        stack.push_back({root, Map{}, false, &kNoName, 0, {}});
+        for (;;) {
+            Frame& frame = stack.back();
+            const CsgNode& node = model_.nodes[frame.node];
+            if (!node.name.empty()) frame.name = &node.name;
+            if (node.op != CsgNode::Op::kPrimitive && frame.next < node.children.size()) {
+                const std::size_t i = frame.next++;
+                Frame child{node.children[i], frame.map, frame.negate, frame.name, 0, {}};
+                if (node.op == CsgNode::Op::kTransform) child.map = compose(frame.map, to_map(node.map));
+                if (node.op == CsgNode::Op::kComplement) child.negate = !frame.negate;
+                if (node.op == CsgNode::Op::kDifference && i > 0) child.negate = !frame.negate;
+                stack.push_back(std::move(child));
+                continue;
+            }
+            const std::uint32_t term = finish(frame, node);
+            stack.pop_back();
+            if (stack.empty()) return term;
+            stack.back().terms.push_back(term);
+        }
+    }
+
+    std::uint32_t finish(Frame& frame, const CsgNode& node) {
+        switch (node.op) {
+            case CsgNode::Op::kPrimitive: return primitive(node.primitive, frame);
+            case CsgNode::Op::kUnion:
+                return add_operation(frame.negate ? Term::Type::kAnd : Term::Type::kOr,
+                                     std::move(frame.terms));
+            case CsgNode::Op::kIntersection:
+                return add_operation(frame.negate ? Term::Type::kOr : Term::Type::kAnd,
+                                     std::move(frame.terms));
+            case CsgNode::Op::kDifference:
+                if (frame.terms.empty()) return add_constant(frame.negate);
+                return add_operation(frame.negate ? Term::Type::kOr : Term::Type::kAnd,
+                                     std::move(frame.terms));
+            case CsgNode::Op::kComplement:
+            case CsgNode::Op::kTransform: return frame.terms.at(0);
+        }
+        return add_constant(false);
+    }
+
+    std::uint32_t literal(std::uint32_t surface, bool negated) {
+        return add({Term::Type::kLiteral, negated, surface, {}});
+    }
+
+    std::uint32_t primitive(const Primitive& p, const Frame& frame) {
+        static const char* const kNames[] = {"convex", "sphere", "cylinder", "cone",
+                                             "cone",   "torus",  "formula"};
+        const std::size_t kind = static_cast<std::size_t>(p.kind);
+        // An unnamed primitive counts once however often its frame is expanded: names stay short and stable.
+        std::string base = *frame.name;
+        if (base.empty()) {
+            const auto found = ordinals_.find(frame.node);
+            int ordinal = 0;
+            if (found == ordinals_.end())
+                ordinals_[frame.node] = ordinal = ++counts_[kNames[kind]];
+            else
+                ordinal = found->second;
+            base = kNames[kind] + std::to_string(ordinal);
+        }
+        const glm::dmat3 inverse = glm::inverse(frame.map.matrix);
+        const glm::dvec3 offset = -(inverse * frame.map.offset);
+        if (p.kind == Primitive::Kind::kConvex) {
+            std::vector<std::uint32_t> faces;
+            for (const Plane& plane : p.planes) {
+                // normal·(inverse x + offset) - plane.offset, scaled to a unit normal in model coordinates.
+                const glm::dvec3 local(plane.normal[0], plane.normal[1], plane.normal[2]);
+                const glm::dvec3 normal = glm::transpose(inverse) * local;
+                const double length = std::sqrt(glm::dot(normal, normal));
+                if (!(length > 0) || !std::isfinite(length)) {
+                    throw Error(ExitCode::kInput,
+                                model_.source + ": a half-space of '" + base + "' has no normal");
+                }
+                Surface s{};
+                s.kind = kSurfacePlane;
+                for (int j = 0; j < 3; ++j) s.map[j] = normal[j] / length;
+                s.map[3] = (glm::dot(local, offset) - plane.offset) / length;
+                const std::string name = plane.name.empty() ? base : base + "_" + plane.name;
+                faces.push_back(literal(add_surface(s, name), frame.negate));
+            }
+            return add_operation(frame.negate ? Term::Type::kOr : Term::Type::kAnd, std::move(faces));
+        }
+        Surface s{};
+        for (int i = 0; i < 3; ++i) {
+            for (int j = 0; j < 3; ++j) s.map[4 * i + j] = inverse[j][i];
+            s.map[4 * i + 3] = offset[i];
+        }
+        const auto scale_row = [&s](int row, double factor) {
+            for (int j = 0; j < 4; ++j) s.map[4 * row + j] *= factor;
+        };
+        switch (p.kind) {
+            case Primitive::Kind::kSphere:
+            case Primitive::Kind::kCylinder:
+                s.kind = kSurfaceQuadric;
+                for (int i = 0; i < 3; ++i) scale_row(i, 1 / p.radius);
+                s.form[0] = s.form[1] = 1;
+                s.form[2] = p.kind == Primitive::Kind::kSphere ? 1 : 0;
+                s.form[3] = -1;
+                break;
+            case Primitive::Kind::kDoubleCone:
+                s.kind = kSurfaceQuadric;
+                scale_row(2, p.slope);
+                s.map[11] += p.radius;
+                s.form[0] = s.form[1] = 1;
+                s.form[2] = -1;
+                break;
+            case Primitive::Kind::kCone:
+                s.kind = kSurfaceCone;
+                scale_row(2, -p.slope);
+                s.map[11] -= p.radius;
+                break;
+            case Primitive::Kind::kTorus:
+                s.kind = kSurfaceTorus;
+                s.form[0] = p.major;
+                s.form[3] = -p.radius * p.radius;
+                break;
+            default: return formula(p.expression, s, base, frame.negate);
+        }
+        return literal(add_surface(s, base), frame.negate);
+    }
+
+    /// min, max and neg that are reached from the root through each other only become set operations.
+    std::uint32_t formula(const std::string& text, const Surface& frame, const std::string& base,
+                          bool negate) {
+        const Formula parsed = parse_formula(text);
+        struct Entry {
+            std::uint32_t node;
+            bool flipped;  ///< the sign of f is flipped, not the set: -max(a, b) = min(-a, -b)
+            std::size_t next;
+            std::vector<std::uint32_t> terms;
+        };
+        std::vector<Entry> stack = {{parsed.root, false, 0, {}}};
+        for (;;) {
+            Entry& entry = stack.back();
+            const Formula::Node& node = parsed.nodes[entry.node];
+            const bool combines = node.operation == kExprMin || node.operation == kExprMax;
+            const std::size_t arguments = combines ? 2 : node.operation == kExprNegate ? 1 : 0;
+            if (entry.next < arguments) {
+                const std::uint32_t child = entry.next == 0 ? node.a : node.b;
+                const bool flipped = entry.flipped != (node.operation == kExprNegate);
+                ++entry.next;
+                stack.push_back({child, flipped, 0, {}});
+                continue;
+            }
+            std::uint32_t term = 0;
+            if (combines) {
+                const bool is_and = (node.operation == kExprMax) != (entry.flipped != negate);
+                term = add_operation(is_and ? Term::Type::kAnd : Term::Type::kOr, std::move(entry.terms));
+            } else if (node.operation == kExprNegate) {
+                term = entry.terms[0];
+            } else {
+                Surface s = frame;
+                s.kind = kSurfaceExpression;
+                s.first_op = static_cast<std::uint32_t>(out_.expression_ops.size());
+                s.op_count = emit_formula(parsed, entry.node, out_.expression_ops);
+                term = literal(add_surface(s, base), entry.flipped != negate);
+            }
+            stack.pop_back();
+            if (stack.empty()) return term;
+            stack.back().terms.push_back(term);
+        }
+    }
+
+    std::uint32_t add_surface(const Surface& surface, const std::string& name) {
+        const auto [entry, is_new] =
+            name_index_.try_emplace(name, static_cast<std::uint32_t>(out_.surface_names.size()));
+        if (is_new) out_.surface_names.push_back(name);
+        out_.surfaces.push_back({surface, entry->second});
+        for (int i = 0; i < 12; ++i) {
+            if (!std::isfinite(surface.map[i])) {
+                throw Error(ExitCode::kInput,
+                            model_.source + ": the map of '" + name + "' is singular or not finite");
+            }
+        }
+        return static_cast<std::uint32_t>(out_.surfaces.size() - 1);
+    }
+
+    std::uint32_t box_term(const Box3& box) {
+        std::vector<std::uint32_t> faces;
+        static const char* const kSides[] = {"box_xmin", "box_xmax", "box_ymin",
+                                             "box_ymax", "box_zmin", "box_zmax"};
+        for (int face = 0; face < 6; ++face) {
+            const int axis = face / 2;
+            const double sign = face % 2 == 0 ? -1 : 1;
+            Surface s{};
+            s.kind = kSurfacePlane;
+            s.map[axis] = sign;
+            s.map[3] = -sign * (face % 2 == 0 ? box.min : box.max)[static_cast<std::size_t>(axis)];
+            faces.push_back(literal(add_surface(s, kSides[face]), false));
+        }
+        return add_operation(Term::Type::kAnd, std::move(faces));
+    }
+
+    /// Stack entries that a term needs when its neediest child comes first (Sethi and Ullman).
+    void compute_needs() {
+        needs_.assign(terms_.size(), 1);
+        for (std::size_t i = 0; i < terms_.size(); ++i) {
+            auto& children = terms_[i].children;
+            if (children.empty()) continue;
+            std::stable_sort(children.begin(), children.end(),
+                             [this](std::uint32_t a, std::uint32_t b) { return needs_[a] > needs_[b]; });
+            needs_[i] = std::max(needs_[children[0]], 1 + needs_[children[1]]);
+        }
+    }
+
+    void emit(std::uint32_t root) {
+        std::vector<std::pair<std::uint32_t, std::size_t>> stack = {{root, 0}};
+        while (!stack.empty()) {
+            auto& [index, next] = stack.back();
+            const Term& term = terms_[index];
+            if (term.type == Term::Type::kLiteral) {
+                out_.tape.push_back(make_literal(term.surface, term.negated ? 1 : 0));
+                stack.pop_back();
+                continue;
+            }
+            if (next >= 2) {
+                out_.tape.push_back(make_operation(term.type == Term::Type::kAnd ? kTapeAnd : kTapeOr, 0, 0));
+            }
+            if (next < term.children.size()) {
+                const std::uint32_t child = term.children[next++];
+                stack.push_back({child, 0});
+            } else {
+                stack.pop_back();
+            }
+        }
+    }
+
+    Box3 literal_bounds(const Term& term) const {
+        Box3 box{{-kInfinity, -kInfinity, -kInfinity}, {kInfinity, kInfinity, kInfinity}};
+        const Surface& s = out_.surfaces[term.surface].surface;
+        if (s.kind == kSurfacePlane) {
+            for (std::size_t j = 0; j < 3; ++j) {
+                if (std::fabs(s.map[j]) != 1) continue;  // unit normal along an axis
+                const double at = -s.map[3] / s.map[j];
+                if ((s.map[j] > 0) != term.negated)
+                    box.max[j] = at;
+                else
+                    box.min[j] = at;
+            }
+            return box;
+        }
+        if (term.negated || s.kind == kSurfaceExpression || s.kind == kSurfaceCone) return box;
+        glm::dmat3 map;
+        glm::dvec3 offset;
+        for (int i = 0; i < 3; ++i) {
+            for (int j = 0; j < 3; ++j) map[j][i] = s.map[4 * i + j];
+            offset[i] = s.map[4 * i + 3];
+        }
+        const glm::dmat3 inverse = glm::inverse(map);
+        const glm::dvec3 centre = -(inverse * offset);
+        for (int j = 0; j < 3; ++j) {
+            const double a = inverse[0][j];
+            const double b = inverse[1][j];
+            const double c = inverse[2][j];
+            double extent = kInfinity;
+            if (s.kind == kSurfaceTorus) {
+                extent =
+                    s.form[0] * std::hypot(a, b) + std::sqrt(-s.form[3]) * std::sqrt(a * a + b * b + c * c);
+            } else if (s.form[2] == 1) {
+                extent = std::sqrt(a * a + b * b + c * c);
+            } else if (s.form[2] == 0 && std::fabs(c) <= 1e-12 * std::hypot(a, b)) {
+                extent = std::hypot(a, b);
+            }
+            box.min[static_cast<std::size_t>(j)] = centre[j] - extent;
+            box.max[static_cast<std::size_t>(j)] = centre[j] + extent;
+        }
+        return box;
+    }
+
+    void compute_bounds(const std::vector<std::uint32_t>& roots) {
+        const Box3 nothing{{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
+        std::vector<Box3> boxes(terms_.size(), nothing);
+        for (std::size_t i = 0; i < terms_.size(); ++i) {
+            const Term& term = terms_[i];
+            if (term.type == Term::Type::kFalse) continue;
+            if (term.type == Term::Type::kLiteral) {
+                boxes[i] = literal_bounds(term);
+                continue;
+            }
+            const bool is_or = term.type == Term::Type::kOr;
+            if (!is_or) boxes[i] = {{-kInfinity, -kInfinity, -kInfinity}, {kInfinity, kInfinity, kInfinity}};
+            for (const std::uint32_t child : term.children) {
+                for (std::size_t j = 0; j < 3; ++j) {
+                    auto& low = boxes[i].min[j];
+                    auto& high = boxes[i].max[j];
+                    low = is_or ? std::min(low, boxes[child].min[j]) : std::max(low, boxes[child].min[j]);
+                    high = is_or ? std::max(high, boxes[child].max[j]) : std::min(high, boxes[child].max[j]);
+                }
+                if (!is_or && (boxes[i].min[0] >= boxes[i].max[0] || boxes[i].min[1] >= boxes[i].max[1] ||
+                               boxes[i].min[2] >= boxes[i].max[2])) {
+                    boxes[i] = nothing;
+                    break;
+                }
+            }
+        }
+        out_.bounds = nothing;
+        for (const std::uint32_t root : roots) {
+            for (std::size_t j = 0; j < 3; ++j) {
+                out_.bounds.min[j] = std::min(out_.bounds.min[j], boxes[root].min[j]);
+                out_.bounds.max[j] = std::max(out_.bounds.max[j], boxes[root].max[j]);
+            }
+        }
+        out_.scale = 0;
+        for (const WorldSurface& world : out_.surfaces)
+            out_.scale = std::max(out_.scale, reach(world.surface));
+        if (!(out_.scale > 0)) out_.scale = 1;
+    }
+
+    /// A distance from the origin within which the surface shows its shape.
+    static double reach(const Surface& s) {
+        if (s.kind == kSurfacePlane) return std::fabs(s.map[3]);
+        double result = 0;
+        for (int i = 0; i < 3; ++i) {
+            const double row = std::sqrt(s.map[4 * i] * s.map[4 * i] + s.map[4 * i + 1] * s.map[4 * i + 1] +
+                                         s.map[4 * i + 2] * s.map[4 * i + 2]);
+            const double extent = s.kind == kSurfaceTorus ? s.form[0] + std::sqrt(-s.form[3]) : 1;
+            if (row > 0) result = std::max(result, (std::fabs(s.map[4 * i + 3]) + extent) / row);
+        }
+        return result;
+    }
+
+    const Model& model_;
+    CompiledModel out_;
+    std::vector<Term> terms_;
+    std::vector<int> needs_;
+    std::map<std::string, std::uint32_t> name_index_;
+    std::map<std::string, int> counts_;
+    std::map<std::uint32_t, int> ordinals_;
+};
+
+}  // namespace
+
+CompiledModel compile(const Model& model, const Box3* clip) { return Compiler(model).run(clip); }
+
+}  // namespace mortise::tape

@@ -1,0 +1,58 @@
+// From the CSG tree to surfaces and a tape (architecture.md, stage "compile").
+//
+// Every primitive is split into its smooth surfaces; complements are pushed down to them; what is left is a
+// monotone formula over signed surfaces, emitted as a postfix tape whose stack depth is logarithmic in its
+// length (the child that needs the deepest stack comes first). Surfaces that are equal up to sign are merged
+// when the model is bound to its root box.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "kernels/shared/bounds.h"
+#include "kernels/shared/surface.h"
+#include "kernels/shared/tape.h"
+#include "mortise/model.hpp"
+
+namespace mortise::tape {
+
+/// A surface in model coordinates: `map` takes model units to the surface's own frame.
+struct WorldSurface {
+    Surface surface{};
+    std::uint32_t name = 0;  ///< index into CompiledModel::surface_names
+};
+
+/// A model as formula over surfaces, in model units.
+struct CompiledModel {
+    std::vector<WorldSurface> surfaces;
+    std::vector<ExpressionOp> expression_ops;
+    std::vector<std::uint32_t> tape;  ///< literals index `surfaces`
+    std::vector<std::string> surface_names;
+    std::vector<std::string> region_names;
+    Box3 bounds{};     ///< holds the solid; components may be infinite
+    double scale = 1;  ///< a length that is large compared with every number in the model
+};
+
+/// A compiled model in box-local coordinates of a cube: what the octree and all later stages work on.
+struct BoundModel {
+    std::vector<Surface> surfaces;
+    std::vector<SurfaceBounds> bounds;         ///< one per surface
+    std::vector<ExpressionOp> expression_ops;  ///< never empty, so that a device buffer exists
+    std::vector<std::uint32_t> tape;
+    std::vector<std::uint32_t> surface_name;  ///< per surface, index into CompiledModel::surface_names
+    Vec3 origin{};                            ///< model coordinates of the cube's minimum corner
+    double side = 1;
+};
+
+/// Compiles a model; `clip` (if given) and Model::clip cut the solid by planes named box_xmin, ….
+/// Throws Error(kInput) for a formula that cannot be parsed and for a solid that is empty by its structure.
+CompiledModel compile(const Model& model, const Box3* clip = nullptr);
+
+/// Binds to the cube [origin, origin + side]^3 and merges equal surfaces.
+BoundModel bind(const CompiledModel& compiled, const Vec3& origin, double side);
+
+/// A box that holds the solid, each side within about 1/64 of its extent. Throws Error(kInput) if the solid
+/// is empty (as far as interval arithmetic can tell) or unbounded.
+Box3 find_bounds(const CompiledModel& compiled, const std::string& source);
+
+}  // namespace mortise::tape

@@ -1,0 +1,183 @@
+#include "host/tape/reference.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "kernels/shared/expression_bounds.h"
+
+namespace mortise::tape {
+namespace {
+
+constexpr double kSlack = 1e-12;  ///< far above the rounding of the sums below, far below a cell
+
+struct Range {
+    double low;
+    double high;
+};
+
+Range square(Range a) {
+    const double p = a.low * a.low;
+    const double q = a.high * a.high;
+    if (a.low <= 0 && a.high >= 0) return {0, std::max(p, q)};
+    return {std::min(p, q), std::max(p, q)};
+}
+
+int decide(double low, double high) {
+    const double slack = kSlack * (1 + std::fabs(low) + std::fabs(high));
+    if (low - slack > 0) return 1;
+    if (high + slack < 0) return -1;
+    return 0;
+}
+
+}  // namespace
+
+int classify_surface(const BoundModel& model, std::uint32_t index, const Cell& cell) {
+    const Surface& s = model.surfaces[index];
+    double u[3];
+    double w[3];
+    surface_frame(&s, cell.centre[0], cell.centre[1], cell.centre[2], u);
+    for (int i = 0; i < 3; ++i) {
+        w[i] =
+            cell.half * (std::fabs(s.map[4 * i]) + std::fabs(s.map[4 * i + 1]) + std::fabs(s.map[4 * i + 2]));
+    }
+    if (s.kind == kSurfacePlane) return decide(u[0] - w[0], u[0] + w[0]);
+    if (s.kind == kSurfaceQuadric || (s.kind == kSurfaceCone && u[2] + w[2] < 0)) {
+        // Exact Taylor form about the centre: the linear part and the squares are bounded apart.
+        double form[4] = {s.form[0], s.form[1], s.form[2], s.form[3]};
+        if (s.kind == kSurfaceCone) {
+            form[0] = form[1] = 1;
+            form[2] = -1;
+            form[3] = 0;
+        }
+        double value = form[3];
+        double linear[3] = {0, 0, 0};
+        double below = 0;
+        double above = 0;
+        for (int i = 0; i < 3; ++i) {
+            value += form[i] * u[i] * u[i];
+            for (int j = 0; j < 3; ++j) linear[j] += 2 * form[i] * u[i] * s.map[4 * i + j];
+            (form[i] < 0 ? below : above) += form[i] * w[i] * w[i];
+        }
+        const double spread =
+            cell.half * (std::fabs(linear[0]) + std::fabs(linear[1]) + std::fabs(linear[2]));
+        return decide(value - spread + below, value + spread + above);
+    }
+    const Range r[3] = {{u[0] - w[0], u[0] + w[0]}, {u[1] - w[1], u[1] + w[1]}, {u[2] - w[2], u[2] + w[2]}};
+    if (s.kind == kSurfaceExpression) {
+        Interval x[3];
+        for (int i = 0; i < 3; ++i) {
+            x[i] = make_interval(static_cast<float>(r[i].low), static_cast<float>(r[i].high));
+        }
+        const Interval f =
+            expression_bounds(model.expression_ops.data() + s.first_op, s.op_count, x[0], x[1], x[2]);
+        return f.low > 0 ? 1 : f.high < 0 ? -1 : 0;
+    }
+    const Range a = square(r[0]);
+    const Range b = square(r[1]);
+    const Range radial{std::sqrt(a.low + b.low), std::sqrt(a.high + b.high)};
+    if (s.kind == kSurfaceCone) return decide(radial.low + r[2].low, radial.high + r[2].high);
+    const Range ring = square({radial.low - s.form[0], radial.high - s.form[0]});
+    const Range height = square(r[2]);
+    return decide(ring.low + height.low + s.form[3], ring.high + height.high + s.form[3]);
+}
+
+std::int32_t prune(const std::vector<std::uint32_t>& tape, const std::vector<std::int32_t>& states,
+                   std::vector<std::uint32_t>* pruned) {
+    struct Entry {
+        std::int32_t value;
+        std::size_t begin;  ///< where its code starts; known values have none
+    };
+    std::vector<Entry> stack;
+    std::vector<std::uint32_t> out;
+    for (std::size_t i = 0; i < tape.size(); ++i) {
+        const std::uint32_t word = tape[i];
+        const std::uint32_t operation = tape_operation(word);
+        if (operation == kTapeLiteral) {
+            stack.push_back({states[i], out.size()});
+            if (states[i] == kUnknown) out.push_back(word);
+            continue;
+        }
+        const Entry top = stack.back();
+        stack.pop_back();
+        if (operation == kTapeSelectConst) {
+            const std::int32_t value = combine_select(tape_otherwise(word), top.value, tape_region(word));
+            if (value == kUnknown)
+                out.push_back(word);
+            else
+                out.resize(top.begin);
+            stack.push_back({value, top.begin});
+            continue;
+        }
+        Entry& first = stack.back();
+        std::int32_t value;
+        bool emits = first.value == kUnknown && top.value == kUnknown;
+        std::uint32_t emitted = word;
+        if (operation == kTapeSelect) {
+            value = combine_select(first.value, top.value, tape_region(word));
+            if (first.value != kUnknown && top.value == kUnknown) {
+                emits = true;
+                emitted = make_operation(kTapeSelectConst, tape_region(word), first.value);
+            }
+        } else {
+            value = operation == kTapeAnd ? combine_and(first.value, top.value)
+                                          : combine_or(first.value, top.value);
+        }
+        if (value != kUnknown)
+            out.resize(first.begin);
+        else if (emits)
+            out.push_back(emitted);
+        first.value = value;
+    }
+    if (pruned != nullptr) *pruned = std::move(out);
+    return stack.back().value;
+}
+
+std::int32_t classify_cell(const BoundModel& model, const std::vector<std::uint32_t>& tape, const Cell& cell,
+                           std::vector<std::uint32_t>* pruned) {
+    std::vector<std::int32_t> states(tape.size(), kUnknown);
+    for (std::size_t i = 0; i < tape.size(); ++i) {
+        if (tape_operation(tape[i]) != kTapeLiteral) continue;
+        const int sign = classify_surface(model, tape_surface(tape[i]), cell);
+        if (sign != 0) states[i] = (sign < 0) != (tape_negated(tape[i]) != 0) ? 1 : 0;
+    }
+    return prune(tape, states, pruned);
+}
+
+std::int32_t region_at(const BoundModel& model, double x, double y, double z) {
+    std::vector<std::int32_t> states(model.tape.size(), 0);
+    for (std::size_t i = 0; i < model.tape.size(); ++i) {
+        const std::uint32_t word = model.tape[i];
+        if (tape_operation(word) != kTapeLiteral) continue;
+        const double value =
+            surface_value(&model.surfaces[tape_surface(word)], model.expression_ops.data(), x, y, z);
+        states[i] = (value <= 0) != (tape_negated(word) != 0) ? 1 : 0;
+    }
+    return prune(model.tape, states, nullptr);
+}
+
+std::int32_t evaluate_signs(const std::uint32_t* tape, std::size_t length, const std::uint32_t* surfaces,
+                            std::size_t surface_count, const std::int8_t* signs) {
+    std::int32_t stack[kTapeStack];
+    int top = -1;
+    for (std::size_t i = 0; i < length; ++i) {
+        const std::uint32_t word = tape[i];
+        const std::uint32_t operation = tape_operation(word);
+        if (operation == kTapeLiteral) {
+            const std::uint32_t* found =
+                std::lower_bound(surfaces, surfaces + surface_count, tape_surface(word));
+            const std::int8_t sign = signs[found - surfaces];
+            stack[++top] = sign == 0 ? kUnknown : ((sign < 0) != (tape_negated(word) != 0) ? 1 : 0);
+        } else if (operation == kTapeSelectConst) {
+            stack[top] = combine_select(tape_otherwise(word), stack[top], tape_region(word));
+        } else {
+            const std::int32_t b = stack[top--];
+            const std::int32_t a = stack[top];
+            stack[top] = operation == kTapeAnd  ? combine_and(a, b)
+                         : operation == kTapeOr ? combine_or(a, b)
+                                                : combine_select(a, b, tape_region(word));
+        }
+    }
+    return stack[top];
+}
+
+}  // namespace mortise::tape

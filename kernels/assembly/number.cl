@@ -1,0 +1,267 @@
+// Node numbering by ownership, node positions and connectivity (algorithms.md §2; rule in shared/tree.h).
+//
+// A leaf's nodes are numbered base[leaf], base[leaf] + 1, …: first the owned bits of its mask, then (CNIO leaves)
+// its owned extra nodes. Leaves are indexed by their rank among meshed leaves: IN rank + NIO rank.
+#include "shared/bounds.h"
+#include "shared/snio.h"
+#include "shared/surface.h"
+#include "shared/template_table.h"
+#include "shared/tree.h"
+
+// The corner of a hexahedron's i-th node, and the reverse.
+__constant uchar kHexahedronCorner[8] = {0, 1, 3, 2, 4, 5, 7, 6};
+
+// Mask of the nodes that a leaf owns among those it uses.
+uint owned_mask(__global const uint* in_bits, __global const uint* nio_bits, __global const uint* nio_rank,
+                __global const uint* used, int level, ulong morton, uint mask) {
+    const uint x = gather_bits(morton);
+    const uint y = gather_bits(morton >> 1);
+    const uint z = gather_bits(morton >> 2);
+    uint owned = mask & (1u << kInteriorNodeBit);
+    uint bit;
+    for (uint c = 0; c < 8; ++c) {
+        if (((mask >> c) & 1) && vertex_owner(in_bits, nio_bits, nio_rank, used, level, x + (c & 1), y + ((c >> 1) & 1),
+                                              z + (c >> 2), &bit) == morton) {
+            owned |= 1u << c;
+        }
+    }
+    for (uint e = 0; e < 12; ++e) {
+        if ((mask >> (8 + e)) & 1) {
+            const uint c = kEdgeCorners[e][0];
+            if (edge_owner(in_bits, nio_bits, nio_rank, used, level, e / 4, x + (c & 1), y + ((c >> 1) & 1), z + (c >> 2),
+                           &bit) == morton) {
+                owned |= 1u << (8 + e);
+            }
+        }
+    }
+    return owned;
+}
+
+// Owned masks and node counts of all meshed leaves.
+//
+// Reads the tree, used, extra_counts (owned extra nodes per NIO leaf); writes owned and counts by meshed rank.
+// One work-item handles the 32 cells of one word of the bitmaps.
+MORTISE_KERNEL void own_nodes(__global const uint* in_bits, __global const uint* nio_bits, __global const uint* in_rank,
+                              __global const uint* nio_rank, __global const uint* used, __global const uint* extra_counts,
+                              __global uint* owned, __global uint* counts, int level, uint items) {
+    const uint word = get_global_id(0);
+    if (word >= items) return;
+    {
+        const uint in = in_bits[word];
+        uint rest = in | nio_bits[word];
+        uint nio = nio_rank[word];
+        uint rank = in_rank[word] + nio;
+        while (rest != 0) {
+            const uint bit = popcount((rest & -rest) - 1u);
+            const int is_in = (in >> bit) & 1;
+            const ulong morton = ((ulong)word << 5) | bit;
+            const uint mask =
+                owned_mask(in_bits, nio_bits, nio_rank, used, level, morton, is_in ? 0xffu : used[nio]);
+            owned[rank] = mask;
+            counts[rank] = popcount(mask) + (is_in ? 0 : extra_counts[nio]);
+            nio += !is_in;
+            ++rank;
+            rest &= rest - 1;
+        }
+    }
+}
+
+// Writes one point in model coordinates. Box-local coordinates are exact; the map rounds the same way everywhere.
+void store_point(__global double* points, uint id, double4 origin_side, double x, double y, double z) {
+    points[3 * (ulong)id] = origin_side.x + origin_side.w * x;
+    points[3 * (ulong)id + 1] = origin_side.y + origin_side.w * y;
+    points[3 * (ulong)id + 2] = origin_side.z + origin_side.w * z;
+}
+
+// Positions of owned grid vertices (all leaves) and of owned roots and interior nodes (SNIO leaves).
+//
+// Reads the tree, nio, leaves, surfaces, ops, owned, base; writes points (three doubles per node). The host writes the
+// other nodes of CNIO leaves. One work-item handles one word of the bitmaps.
+MORTISE_KERNEL void place_nodes(__global const uint* in_bits, __global const uint* nio_bits, __global const uint* in_rank,
+                                __global const uint* nio_rank, __global const SnioLeaf* leaves,
+                                __global const Surface* surfaces, __global const ExpressionOp* ops,
+                                __global const uint* owned, __global const uint* base, __global double* points,
+                                double4 origin_side, int level, uint items) {
+    const uint word = get_global_id(0);
+    if (word >= items) return;
+    {
+        const double cell = 1.0 / (double)(1u << level);
+        const uint in = in_bits[word];
+        uint rest = in | nio_bits[word];
+        uint nio = nio_rank[word];
+        uint rank = in_rank[word] + nio;
+        for (; rest != 0; rest &= rest - 1, ++rank) {
+            const uint bit = popcount((rest & -rest) - 1u);
+            const int is_in = (in >> bit) & 1;
+            const ulong morton = ((ulong)word << 5) | bit;
+            const uint x = gather_bits(morton);
+            const uint y = gather_bits(morton >> 1);
+            const uint z = gather_bits(morton >> 2);
+            const uint mask = owned[rank];
+            uint id = base[rank];
+            for (uint c = 0; c < 8; ++c) {
+                if ((mask >> c) & 1) {
+                    store_point(points, id++, origin_side, (x + (c & 1)) * cell, (y + ((c >> 1) & 1)) * cell,
+                                (z + (c >> 2)) * cell);
+                }
+            }
+            if (!is_in) {
+                const SnioLeaf leaf = leaves[nio];
+                ++nio;
+                if (leaf.pattern == kPatternCnio || (mask >> 8) == 0) continue;
+                {
+                    __global const Surface* surface = surfaces + leaf.surface;
+                    const uint mean = kTemplateRows[leaf.pattern].interior_mean;
+                    const uint cuts = kTemplateRows[leaf.pattern].cuts;
+                    double sum[3] = {0, 0, 0};
+                    if ((mask >> kInteriorNodeBit) & 1) {
+                        for (uint c = 0; c < 8; ++c) {
+                            if ((mean >> c) & 1) {
+                                sum[0] += c & 1;
+                                sum[1] += (c >> 1) & 1;
+                                sum[2] += c >> 2;
+                            }
+                        }
+                    }
+                    for (uint e = 0; e < 12; ++e) {
+                        if (!((cuts >> e) & 1)) continue;
+                        {
+                            const uint c = kEdgeCorners[e][0];
+                            const uint axis = e / 4;
+                            double offset[3];
+                            double a[3];
+                            double b[3];
+                            offset[0] = c & 1;
+                            offset[1] = (c >> 1) & 1;
+                            offset[2] = c >> 2;
+                            a[0] = (x + offset[0]) * cell;
+                            a[1] = (y + offset[1]) * cell;
+                            a[2] = (z + offset[2]) * cell;
+                            for (uint j = 0; j < 3; ++j) b[j] = a[j] + (axis == j ? cell : 0);
+                            offset[axis] = (double)edge_root(surface, ops, a, b) / (double)kCellUnits;
+                            if ((mask >> (8 + e)) & 1) {
+                                store_point(points, id++, origin_side, (x + offset[0]) * cell, (y + offset[1]) * cell,
+                                            (z + offset[2]) * cell);
+                            }
+                            if ((mean >> (8 + e)) & 1) {
+                                for (uint j = 0; j < 3; ++j) sum[j] += offset[j];
+                            }
+                        }
+                    }
+                    if ((mask >> kInteriorNodeBit) & 1) {
+                        const double count = (double)popcount(mean);
+                        store_point(points, id, origin_side, (x + sum[0] / count) * cell, (y + sum[1] / count) * cell,
+                                    (z + sum[2] / count) * cell);
+                    }
+                }
+            }
+        }
+    }
+}
+
+// Global number of grid vertex (x, y, z).
+uint vertex_id(__global const uint* in_bits, __global const uint* nio_bits, __global const uint* in_rank,
+               __global const uint* nio_rank, __global const uint* used, __global const uint* owned,
+               __global const uint* base, int level, uint x, uint y, uint z) {
+    uint bit = 0;
+    const ulong owner = vertex_owner(in_bits, nio_bits, nio_rank, used, level, x, y, z, &bit);
+    const uint rank = rank_of(in_bits, in_rank, owner) + rank_of(nio_bits, nio_rank, owner);
+    return base[rank] + mask_rank(owned[rank], bit);
+}
+
+// Hexahedra of IN leaves, eight node numbers each, in Morton order among the hexahedra of NIO leaves.
+//
+// Reads the tree, used, owned, base, hexahedron_offsets (scan of hexahedra per NIO leaf); writes hexahedra. One
+// work-item handles one word of the bitmaps.
+MORTISE_KERNEL void write_hexahedra(__global const uint* in_bits, __global const uint* nio_bits,
+                                    __global const uint* in_rank, __global const uint* nio_rank,
+                                    __global const uint* used, __global const uint* owned, __global const uint* base,
+                                    __global const uint* hexahedron_offsets, __global uint* hexahedra, int level,
+                                    uint items) {
+    const uint word = get_global_id(0);
+    if (word >= items) return;
+    {
+        uint rest = in_bits[word];
+        uint rank = in_rank[word];
+        for (; rest != 0; rest &= rest - 1, ++rank) {
+            const uint bit = popcount((rest & -rest) - 1u);
+            const ulong morton = ((ulong)word << 5) | bit;
+            const uint nio = nio_rank[word] + popcount(nio_bits[word] & ((1u << bit) - 1u));
+            const uint x = gather_bits(morton);
+            const uint y = gather_bits(morton >> 1);
+            const uint z = gather_bits(morton >> 2);
+            __global uint* out = hexahedra + 8 * (ulong)(rank + hexahedron_offsets[nio]);
+            for (uint i = 0; i < 8; ++i) {
+                const uint c = kHexahedronCorner[i];
+                out[i] = vertex_id(in_bits, nio_bits, in_rank, nio_rank, used, owned, base, level, x + (c & 1),
+                                   y + ((c >> 1) & 1), z + (c >> 2));
+            }
+        }
+    }
+}
+
+// Elements and surface facets of SNIO leaves from the template table, in Morton order.
+//
+// Reads the tree, nio, leaves, used, owned, base, offsets[t * stride + i] of elements of type t before leaf i and
+// facet_offsets; writes the node numbers of each type and of the facets. One work-item handles one NIO leaf.
+MORTISE_KERNEL void write_templates(__global const uint* in_bits, __global const uint* nio_bits,
+                                    __global const uint* in_rank, __global const uint* nio_rank,
+                                    __global const TreeNode* nio, __global const SnioLeaf* leaves,
+                                    __global const uint* used, __global const uint* owned, __global const uint* base,
+                                    __global const uint* offsets, __global const uint* facet_offsets,
+                                    __global uint* hexahedra, __global uint* wedges, __global uint* pyramids,
+                                    __global uint* tetrahedra, __global uint* facets, uint stride, int level, uint items) {
+    const uint item = get_global_id(0);
+    if (item >= items) return;
+    {
+        const SnioLeaf leaf = leaves[item];
+        const ulong morton = nio[item].morton;
+        const uint x = gather_bits(morton);
+        const uint y = gather_bits(morton >> 1);
+        const uint z = gather_bits(morton >> 2);
+        const uint mask = used[item];
+        uint ids[21];
+        if (leaf.pattern == kPatternCnio || leaf.pattern == 0) return;
+        for (uint c = 0; c < 8; ++c) {
+            if ((mask >> c) & 1) {
+                ids[c] = vertex_id(in_bits, nio_bits, in_rank, nio_rank, used, owned, base, level, x + (c & 1),
+                                   y + ((c >> 1) & 1), z + (c >> 2));
+            }
+        }
+        for (uint e = 0; e < 12; ++e) {
+            if ((mask >> (8 + e)) & 1) {
+                const uint c = kEdgeCorners[e][0];
+                uint bit = 0;
+                const ulong owner = edge_owner(in_bits, nio_bits, nio_rank, used, level, e / 4, x + (c & 1),
+                                               y + ((c >> 1) & 1), z + (c >> 2), &bit);
+                const uint rank = rank_of(in_bits, in_rank, owner) + rank_of(nio_bits, nio_rank, owner);
+                ids[8 + e] = base[rank] + mask_rank(owned[rank], bit);
+            }
+        }
+        if ((mask >> kInteriorNodeBit) & 1) {
+            const uint rank = rank_of(in_bits, in_rank, morton) + item;
+            ids[kInteriorNodeBit] = base[rank] + mask_rank(owned[rank], kInteriorNodeBit);
+        }
+        if (leaf.pattern == 255) {
+            __global uint* out = hexahedra + 8 * (ulong)(rank_of(in_bits, in_rank, morton) + offsets[item]);
+            for (uint i = 0; i < 8; ++i) out[i] = ids[kHexahedronCorner[i]];
+            return;
+        }
+        {
+            const TemplateRow row = kTemplateRows[leaf.pattern];
+            __global uint* out[4];
+            const uint sizes[4] = {8, 6, 5, 4};
+            uint at = row.first_node;
+            out[0] = hexahedra + 8 * (ulong)(rank_of(in_bits, in_rank, morton) + offsets[item]);
+            out[1] = wedges + 6 * (ulong)offsets[stride + item];
+            out[2] = pyramids + 5 * (ulong)offsets[2 * stride + item];
+            out[3] = tetrahedra + 4 * (ulong)offsets[3 * stride + item];
+            for (int type = 0; type < 4; ++type) {
+                for (uint i = 0; i < row.elements[type] * sizes[type]; ++i) out[type][i] = ids[kTemplateNodes[at++]];
+            }
+            for (uint i = 0; i < 4u * row.facets; ++i) {
+                facets[4 * (ulong)facet_offsets[item] + i] = ids[kTemplateFacets[4 * row.first_facet + i]];
+            }
+        }
+    }
+}

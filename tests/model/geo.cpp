@@ -1,0 +1,262 @@
+// The .geo reader: semantics.
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+#include "tests/model/membership.hpp"
+
+using namespace mortise;
+using test::region_at;
+
+namespace {
+
+Model read(const std::string& statements) {
+    return parse_model("algebraic3d\n" + statements, "geo", "m.geo");
+}
+Model read_solid(const std::string& expression) { return read("solid s = " + expression + "; tlo s;"); }
+bool inside(const std::string& expression, const Vec3& point) {
+    return region_at(read_solid(expression), point) == 1;
+}
+
+/// Names of all primitives below a region, in the order of the arena, each once.
+std::vector<std::string> surface_names(const Model& model, std::size_t region = 0) {
+    std::vector<char> reached(model.nodes.size(), 0);
+    reached[model.regions.at(region).root] = 1;
+    for (std::size_t node = model.nodes.size(); node-- > 0;) {
+        if (reached[node] == 0) continue;
+        for (const std::uint32_t child : model.nodes[node].children) reached[child] = 1;
+    }
+    std::vector<std::string> names;
+    for (std::size_t node = 0; node < model.nodes.size(); ++node) {
+        if (reached[node] != 0 && model.nodes[node].op == CsgNode::Op::kPrimitive)
+            names.push_back(model.nodes[node].name);
+    }
+    return names;
+}
+
+using Names = std::vector<std::string>;
+
+}  // namespace
+
+TEST_CASE("primitives of .geo files") {
+    CHECK(inside("plane (1, 2, 3; 0, -1, 0)", {9, 2.1, 9}));
+    CHECK_FALSE(inside("plane (1, 2, 3; 0, -1, 0)", {9, 1.9, 9}));
+    CHECK(inside("sphere (1, 2, 3; 2)", {2.9, 2, 3}));
+    CHECK_FALSE(inside("sphere (1, 2, 3; 2)", {-1.1, 2, 3}));
+
+    // Infinite, along any axis.
+    CHECK(inside("cylinder (0, 1, 2; 5, 1, 2; 0.5)", {-100, 1.3, 2.3}));
+    CHECK_FALSE(inside("cylinder (0, 1, 2; 5, 1, 2; 0.5)", {0, 1.4, 2.4}));
+    CHECK(inside("cylinder (0, 0, 0; 1, 1, 1; 1)", {50.5, 50, 49.5}));
+    CHECK_FALSE(inside("cylinder (0, 0, 0; 1, 1, 1; 1)", {51, 50, 49}));
+    CHECK(inside("cylinder (0, 0, 7; 0, 0, -1; 1)", {0.6, 0.7, 0}));
+
+    // Both nappes; apex of the second at x = 4.
+    for (const char* cone : {"cone (0, 0, 0; 2; 2, 0, 0; 1)", "cone (4, 0, 0; 0; 0, 0, 0; 2)",
+                             "cone (2, 0, 0; 1; 0, 0, 0; 2)"}) {
+        CAPTURE(cone);
+        CHECK(inside(cone, {1, 1.4, 0}));
+        CHECK_FALSE(inside(cone, {1, 1.6, 0}));
+        CHECK(inside(cone, {7, 0, 1.4}));
+        CHECK_FALSE(inside(cone, {7, 0, 1.6}));
+    }
+    CHECK(inside("cone (0, 0, 0; 1; 0, 0, 5; 1)", {0.9, 0, 77}));
+
+    CHECK(inside("ellipticcylinder (1, 0, 0; 3, 0, 0; 0, 0, 0.5)", {3.9, 55, 0}));
+    CHECK(inside("ellipticcylinder (1, 0, 0; 3, 0, 0; 0, 0, 0.5)", {1, -55, 0.45}));
+    CHECK_FALSE(inside("ellipticcylinder (1, 0, 0; 3, 0, 0; 0, 0, 0.5)", {3, 0, 0.45}));
+    CHECK(inside("ellipsoid (0, 0, 1; 2, 0, 0; 0, 1, 0; 0, 0, 0.5)", {1.9, 0, 1}));
+    CHECK(inside("ellipsoid (0, 0, 1; 2, 0, 0; 0, 1, 0; 0, 0, 0.5)", {0, 0, 0.55}));
+    CHECK_FALSE(inside("ellipsoid (0, 0, 1; 2, 0, 0; 0, 1, 0; 0, 0, 0.5)", {0, 0, 0.45}));
+
+    CHECK(inside("torus (0, 0, 1; 1, 0, 0; 3; 1)", {0.9, 3, 1}));
+    CHECK(inside("torus (0, 0, 1; 1, 0, 0; 3; 1)", {0, 0, 4.9}));
+    CHECK_FALSE(inside("torus (0, 0, 1; 1, 0, 0; 3; 1)", {3, 0, 1}));
+    CHECK(inside("orthobrick (-1, -2, -3; 1, 2, 3)", {0.9, -1.9, 2.9}));
+    CHECK_FALSE(inside("orthobrick (-1, -2, -3; 1, 2, 3)", {0, 0, 3.1}));
+}
+
+TEST_CASE("an elliptic cone shrinks by its ratio over its height, along long x short") {
+    const std::string cone = "ellipticcone (1, 0, 0; 4, 0, 0; 0, 2, 0; 5; 0.5)";
+    CHECK(inside(cone, {4.9, 0, 0}));
+    CHECK(inside(cone, {1, 1.9, 0}));
+    CHECK_FALSE(inside(cone, {1, 2.1, 0}));
+    CHECK(inside(cone, {2.9, 0, 5}));
+    CHECK_FALSE(inside(cone, {3.1, 0, 5}));
+    CHECK(inside(cone, {1, 2.9, -5}));
+    // The order of the axes does not matter, as in Netgen; their senses do.
+    const std::string swapped = "ellipticcone (1, 0, 0; 0, 2, 0; 4, 0, 0; 5; 0.5)";
+    CHECK(inside(swapped, {2.9, 0, 5}));
+    CHECK_FALSE(inside(swapped, {3.1, 0, 5}));
+    CHECK_FALSE(inside("ellipticcone (1, 0, 0; 4, 0, 0; 0, -2, 0; 5; 0.5)", {3.1, 0, -5}));
+    CHECK(inside("ellipticcone (0, 0, 0; 4, 0, 0; 0, 2, 0; 5; 1)", {3.9, 0, 99}));
+    // Ratio 0: the apex at the height.
+    CHECK_FALSE(inside("ellipticcone (0, 0, 0; 4, 0, 0; 0, 2, 0; 5; 0)", {0.1, 0, 5}));
+}
+
+TEST_CASE("skew semi-axes measure coordinates as Netgen does") {
+    // ((p·v1)/|v1|²)² + ((p·v2)/|v2|²)² <= 1 with v1 = (2,0,0), v2 = (1,1,0).
+    const std::string skew = "ellipticcylinder (0, 0, 0; 2, 0, 0; 1, 1, 0)";
+    for (const Vec3& p : {Vec3{1.2, -0.9, 3},
+                          {-1.2, 0.9, 0},
+                          {0.9, 0.7, 0},
+                          {1, 0.8, 1},
+                          {1.3, 0.1, 2},
+                          {0, 1.9, 0},
+                          {0, 2.1, 0}}) {
+        const double a = p[0] / 2;
+        const double b = (p[0] + p[1]) / 2;
+        CAPTURE(p[0]);
+        CAPTURE(p[1]);
+        CHECK(inside(skew, p) == (a * a + b * b <= 1));
+    }
+}
+
+TEST_CASE("and binds stronger than or; not, parentheses and chains") {
+    const std::string a = "sphere(0,0,0;1)";
+    const std::string b = "sphere(1,0,0;1)";
+    const std::string c = "sphere(5,0,0;1)";
+    CHECK(inside(a + " and " + b + " or " + c, {5, 0, 0}));
+    CHECK(inside(a + " and " + b + " or " + c, {0.5, 0, 0}));
+    CHECK_FALSE(inside(a + " and " + b + " or " + c, {-0.5, 0, 0}));
+    CHECK_FALSE(inside(a + " and (" + b + " or " + c + ")", {5, 0, 0}));
+    CHECK(inside(a + " and not " + b, {-0.5, 0, 0}));
+    CHECK_FALSE(inside(a + " and not " + b, {0.5, 0, 0}));
+    CHECK(inside("not not " + a, {0.5, 0, 0}));
+    CHECK(inside("not not not (" + c + ")", {0.5, 0, 0}));
+    CHECK(inside(a + " and not (" + b + " or " + c + ")", {-0.5, 0, 0}));
+
+    std::string chain = a;
+    for (int k = 1; k < 1000; ++k) chain += " or sphere(" + std::to_string(3 * k) + ",0,0;1)";
+    const Model model = read_solid(chain);
+    CHECK(model.nodes[model.regions[0].root].children.size() == 1000);
+    CHECK(region_at(model, {2997.5, 0, 0}) == 1);
+
+    constexpr int kDepth = 100000;
+    CHECK(inside(std::string(kDepth, '(') + a + std::string(kDepth, ')'), {0.5, 0, 0}));
+    std::string shifts;
+    for (int k = 0; k < kDepth; ++k) shifts += "not translate(1,0,0; ";
+    CHECK(read_solid(shifts + a + std::string(kDepth, ')')).nodes.size() > 2 * kDepth);
+}
+
+TEST_CASE("translate, rotate and their repetitions") {
+    CHECK(inside("translate (3, 0, 0; sphere (0, 0, 0; 1))", {3.9, 0, 0}));
+    CHECK_FALSE(inside("translate (3, 0, 0; sphere (0, 0, 0; 1))", {0, 0, 0}));
+
+    // Clockwise: +90° about z takes +x to -y, about x takes +y to -z; first az, then ax, then az.
+    const std::string quarter = "1.5707963267948966";
+    const std::string bar = "orthobrick (1, -0.1, -0.1; 2, 0.1, 0.1)";
+    CHECK(inside("rotate (0, 0, 0; " + quarter + ", 0, 0; " + bar + ")", {0, -1.5, 0}));
+    CHECK(inside("rotate (0, 0, 0; 0, 0, " + quarter + "; " + bar + ")", {0, -1.5, 0}));
+    const std::string y_bar = "orthobrick (-0.1, 1, -0.1; 0.1, 2, 0.1)";
+    CHECK(inside("rotate (0, 0, 0; 0, " + quarter + ", 0; " + y_bar + ")", {0, 0, -1.5}));
+    // +x to -y by the first angle, -y to +z by the second, +z stays.
+    CHECK(inside("rotate (0, 0, 0; " + quarter + ", " + quarter + ", " + quarter + "; " + bar + ")",
+                 {0, 0, 1.5}));
+    CHECK(inside("rotate (1, 1, 0; " + quarter + ", 0, 0; translate (1, 1, 0; " + bar + "))", {1, -0.5, 0}));
+
+    const Model row = read_solid("multitranslate (3, 0, 0; 2; sphere (0, 0, 0; 1))");
+    for (const double x : {0.0, 3.0, 6.0}) CHECK(region_at(row, {x, 0, 0}) == 1);
+    for (const double x : {-3.0, 1.5, 9.0}) CHECK(region_at(row, {x, 0, 0}) == 0);
+    CHECK(region_at(read_solid("multitranslate (3, 0, 0; 0; sphere (0, 0, 0; 1))"), {3, 0, 0}) == 0);
+
+    // n distinct solids: at 0°, 90° and 180°.
+    const Model fan = read_solid("multirotate (0, 0, 0; " + quarter + ", 0, 0; 3; " + bar + ")");
+    CHECK(region_at(fan, {1.5, 0, 0}) == 1);
+    CHECK(region_at(fan, {0, -1.5, 0}) == 1);
+    CHECK(region_at(fan, {-1.5, 0, 0}) == 1);
+    CHECK(region_at(fan, {0, 1.5, 0}) == 0);
+}
+
+TEST_CASE("regions in order, with names, sizes and metadata") {
+    const Model model = read(
+        "solid a = sphere(0,0,0;1) -maxh=0.5; solid b = sphere(0,0,0;2); solid c = a -maxh = 0.25;\n"
+        "tlo a -col=[1,0,0] -material=iron;# coil -mur=1  -sig=5.96E7 \r\n"
+        "tlo b -transparent -maxh=0.75; #air\n"
+        "tlo a;\n"
+        "# not metadata\n"
+        "tlo c -material = copper;\n");
+    REQUIRE(model.regions.size() == 4);
+    CHECK(region_at(model, {0.5, 0, 0}) == 1);
+    CHECK(region_at(model, {1.5, 0, 0}) == 2);
+    CHECK(model.regions[0].name == "a");
+    CHECK(model.regions[2].name == "a_2");
+    CHECK(model.regions[0].metadata == "material=iron coil -mur=1  -sig=5.96E7");
+    CHECK(model.regions[1].metadata == "air");
+    CHECK(model.regions[2].metadata.empty());
+    CHECK(model.regions[3].metadata == "material=copper");
+    CHECK(model.regions[1].max_size == 0.75);
+    CHECK(model.nodes[model.regions[0].root].max_size == 0.5);
+    CHECK(model.nodes[model.regions[3].root].max_size == 0.25);
+    CHECK(model.warnings.empty());
+    CHECK_FALSE(model.clip);
+}
+
+TEST_CASE("boundingbox clips only if the file has one") {
+    const Model model = read("solid a = plane(0,0,0;0,0,1); tlo a; boundingbox (-1, -2, -3; 4, 5, 6);");
+    REQUIRE(model.clip);
+    CHECK(model.clip->min == Vec3{-1, -2, -3});
+    CHECK(model.clip->max == Vec3{4, 5, 6});
+}
+
+TEST_CASE("surfaces take the first boundary condition, else the name of their solid") {
+    CHECK(surface_names(read("solid a = sphere(0,0,0;1) and plane(0,0,0;0,0,1); tlo a;")) == Names{"a", "a"});
+    CHECK(surface_names(read("solid a = sphere(0,0,0;1) -bc=3; tlo a;")) == Names{"bc_3"});
+    CHECK(surface_names(read("solid a = sphere(0,0,0;1) -bc=3 -bcname=wall; tlo a;")) == Names{"wall"});
+    const char* used_twice =
+        "solid p = plane(0,0,0;0,0,1); solid q = plane(0,0,-1;0,0,-1) -bc=1;"
+        "solid a = p and q and sphere(0,0,0;5) -bc=2; solid b = p and q and sphere(9,0,0;5) -bc=3; tlo a; "
+        "tlo b;";
+    CHECK(surface_names(read(used_twice), 0) == Names{"bc_2", "bc_1", "bc_2"});
+    CHECK(surface_names(read(used_twice), 1) == Names{"bc_2", "bc_1", "bc_3"});
+    // A brick keeps its six faces apart unless a condition joins them.
+    const Model plain = read("solid a = orthobrick(0,0,0;1,1,1); tlo a;");
+    CHECK(plain.nodes[0].primitive.planes[1].name == "xmax");
+    CHECK(read("solid a = orthobrick(0,0,0;1,1,1) -bc=1; tlo a;").nodes[0].primitive.planes[1].name.empty());
+    // A copy has surfaces of its own.
+    const char* copied = "solid a = sphere(0,0,0;1); solid b = translate(5,0,0; a) -bc=7; tlo a; tlo b;";
+    CHECK(surface_names(read(copied), 0) == Names{"a"});
+    CHECK(surface_names(read(copied), 1) == Names{"bc_7"});
+    CHECK(surface_names(read("solid a = sphere(0,0,0;1); solid b = translate(5,0,0; a); tlo b;")) ==
+          Names{"a"});
+}
+
+TEST_CASE("boundarycondition and boundaryconditionname override where a surface bounds one region only") {
+    const std::string start = "solid p = plane(0,0,0;0,0,1) -bc=1; solid a = p and sphere(0,0,0;1) -bc=2;";
+    const Model named = read(start + "tlo a; boundaryconditionname p a inlet;");
+    CHECK(surface_names(named) == Names{"inlet", "bc_2"});
+    CHECK(named.warnings.empty());
+    CHECK(surface_names(read(start + "tlo a; boundarycondition p a 9;")) == Names{"bc_9", "bc_2"});
+    const Model shared =
+        read(start + "solid b = not p and sphere(0,0,0;1); tlo a; tlo b; boundarycondition p a 9;");
+    CHECK(surface_names(shared) == Names{"bc_1", "bc_2"});
+    CHECK(shared.warnings.size() == 1);
+}
+
+TEST_CASE("statements that change nothing yet warn once per kind") {
+    const Model model = read(
+        "solid a = sphere(0,0,0;1) -bco=1; solid p = plane(0,0,0;0,0,1); solid q = plane(0,0,0;0,1,0) "
+        "-bco=2; tlo a;"
+        "tlo a p -col=[1,0,0] -bc=2;"
+        "identify periodic p q; identify periodic q p; identify closesurfaces p q -tlo=a -slices=[0.1,0.2];"
+        "singular face a p -factor=2; singular edge p q; singular point a p q; point (0, 0, -1) -factor=3;"
+        "define constant identprec = 1e-6\n"
+        "point (1, 1, 1); stray");
+    const char* expected[] = {"-bco",
+                              "'tlo' with a surface",
+                              "identify periodic",
+                              "identify closesurfaces",
+                              "singular face",
+                              "singular edge",
+                              "singular point",
+                              "'point'",
+                              "define constant",
+                              "stray word"};
+    REQUIRE(model.warnings.size() == 10);
+    for (std::size_t k = 0; k < 10; ++k) {
+        CAPTURE(model.warnings[k]);
+        CHECK(model.warnings[k].find(expected[k]) != std::string::npos);
+        CHECK(model.warnings[k].rfind("m.geo:", 0) == 0);
+    }
+    CHECK(model.regions.size() == 1);
+}
