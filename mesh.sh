@@ -33,7 +33,7 @@ if ! up_to_date; then
     if ! up_to_date; then
         install_packages || exit 5
         touch "$ready.new"
-        say "building Mortise (once)"
+        say "building Mortise (on first use and after changes)"
         build "$folder" -DMORTISE_WERROR=OFF -- mortise || {
             say "the build failed; see its messages above"
             exit 5

@@ -1,4 +1,5 @@
 # Functions for mesh.sh, test.sh and .ci/run: sourced, not run. The caller sets `root` to the checkout.
+# shellcheck shell=bash disable=SC2154
 # Messages go to stderr: stdout belongs to the program that is run at the end.
 
 say() { echo "$(basename "$0"): $*" >&2; }

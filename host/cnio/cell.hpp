@@ -104,6 +104,8 @@ class Cell {
     void cut_face(const std::vector<LocalNode>& loop, int f);
     void fan_face(const std::vector<LocalNode>& loop, int f);
     bool split_face(int f, std::size_t p, int round);
+    bool is_resolved(const std::array<std::uint16_t, 3>& triangle, const std::uint8_t* active,
+                     const TreeNode& other);
     void add_polygon(const std::vector<LocalNode>& polygon, int f);
     bool flat(LocalNode a, LocalNode b, LocalNode c) const;
 
@@ -124,6 +126,7 @@ class Cell {
     std::vector<LocalNode> fan_nodes_;
     std::vector<std::array<std::uint16_t, 3>> fan_;
     std::vector<std::pair<std::uint16_t, std::uint16_t>> mixed_;
+    std::vector<std::int8_t> triangle_signs_;
 };
 
 }  // namespace mortise::cnio

@@ -145,11 +145,35 @@ bool Certificate::locked(LocalNode a, LocalNode b) const {
     return false;
 }
 
-/// Splits the inner edges that are mixed for surface p; tells whether there were any.
+/// Whether the signs that the simplex has for certain already tell its region: it need not be split then.
+bool Certificate::is_resolved(const Simplex& simplex) {
+    const std::size_t n = cell_.surface_count();
+    signs_.resize(n);
+    for (std::size_t s = 0; s < n; ++s) {
+        bool negative = false;
+        bool positive = false;
+        for (const LocalNode node : simplex.node) {
+            negative = negative || cell_.sign(node, s) < 0;
+            positive = positive || cell_.sign(node, s) > 0;
+        }
+        signs_[s] = static_cast<std::int8_t>(static_cast<int>(positive) - static_cast<int>(negative));
+    }
+    return tape::evaluate_signs(cell_.tape(), cell_.leaf().tape_length, cell_.surfaces().data(), n,
+                                signs_.data()) != kUnknown;
+}
+
+/// Splits the inner edges of unresolved simplices that are mixed for surface p; tells whether there were any.
 bool Certificate::bisect(std::size_t p, int round) {
     bool any = false;
     mixed_.clear();
     for (const Simplex& s : simplices_) {
+        bool negative = false;
+        bool positive = false;
+        for (const LocalNode node : s.node) {
+            negative = negative || cell_.sign(node, p) < 0;
+            positive = positive || cell_.sign(node, p) > 0;
+        }
+        if (!negative || !positive || is_resolved(s)) continue;
         for (std::size_t i = 0; i < 4; ++i) {
             for (std::size_t k = i + 1; k < 4; ++k) {
                 const LocalNode a = std::min(s.node[i], s.node[k]);

@@ -96,6 +96,7 @@ class Certificate {
     void cone();
     LocalNode add_cap(const Facet& quad, const LatticePoint& apex);
     bool bisect(std::size_t p, int round);
+    bool is_resolved(const Simplex& simplex);
     bool locked(LocalNode a, LocalNode b) const;
     std::int32_t label(const LocalNode* node, std::size_t count, std::int8_t* signs);
     void collect(CellRecord& record, CellArena& arena);
@@ -119,6 +120,7 @@ class Certificate {
     std::vector<std::uint16_t> code_;
     std::vector<std::pair<LocalNode, LocalNode>> mixed_;
     std::vector<std::uint32_t> around_;
+    std::vector<std::int8_t> signs_;
     bool hexahedron_ = false;  ///< the cell is one whole hexahedron
 };
 

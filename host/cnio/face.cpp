@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "host/cnio/cell.hpp"
+#include "host/tape/reference.hpp"
 
 namespace mortise::cnio {
 namespace {
@@ -175,12 +176,48 @@ bool Cell::flat(LocalNode a, LocalNode b, LocalNode c) const {
     return twice_area(p, q, r) < kMinHeight * std::max({distance(p, q), distance(q, r), distance(r, p)});
 }
 
-/// Splits the face's mixed inner edges for surface p; tells whether there were any.
+/// Whether the certain signs of a triangle for the face's active surfaces tell its region, by the tape of
+/// either cell: both cells ask both tapes, so they agree.
+bool Cell::is_resolved(const std::array<std::uint16_t, 3>& triangle, const std::uint8_t* active,
+                       const TreeNode& other) {
+    const std::size_t n = surfaces_.size();
+    triangle_signs_.assign(n, 0);
+    for (std::size_t s = 0; s < n; ++s) {
+        if (active[s] == 0) continue;
+        bool negative = false;
+        bool positive = false;
+        for (const std::uint16_t i : triangle) {
+            negative = negative || sign(fan_nodes_[i], s) < 0;
+            positive = positive || sign(fan_nodes_[i], s) > 0;
+        }
+        triangle_signs_[s] =
+            static_cast<std::int8_t>(static_cast<int>(positive) - static_cast<int>(negative));
+    }
+    for (const TreeNode* node : {static_cast<const TreeNode*>(&leaf_), &other}) {
+        if (tape::evaluate_signs(tree_.tapes.data() + node->tape_offset, node->tape_length, surfaces_.data(),
+                                 n, triangle_signs_.data()) != kUnknown) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/// Splits the face's mixed inner edges for surface p; tells whether there were any. Later rounds split only
+/// what matters: beside an edge of the cell where several surfaces are not active, they would not end.
 bool Cell::split_face(int f, std::size_t p, int round) {
     bool any = false;
     const std::uint8_t own = static_cast<std::uint8_t>(1u << f);
+    int d[3] = {0, 0, 0};
+    d[f / 2] = (f & 1) != 0 ? 1 : -1;
+    const std::size_t n = surfaces_.size();
+    const std::uint8_t* active =
+        neighbour_active_.data() + static_cast<std::size_t>((d[0] + 1) + 3 * (d[1] + 1) + 9 * (d[2] + 1)) * n;
+    const TreeNode& other = tree_.nio[tree_.nio_index(morton_encode(xyz_[0] + static_cast<u32>(d[0]),
+                                                                    xyz_[1] + static_cast<u32>(d[1]),
+                                                                    xyz_[2] + static_cast<u32>(d[2])))];
     mixed_.clear();
     for (const auto& t : fan_) {
+        if (round > 0 && is_resolved(t, active, other)) continue;
         for (int i = 0; i < 3; ++i) {
             const std::uint16_t a =
                 std::min(t[static_cast<std::size_t>(i)], t[static_cast<std::size_t>((i + 1) % 3)]);
@@ -192,11 +229,6 @@ bool Cell::split_face(int f, std::size_t p, int round) {
     }
     std::sort(mixed_.begin(), mixed_.end());
     mixed_.erase(std::unique(mixed_.begin(), mixed_.end()), mixed_.end());
-    int d[3] = {0, 0, 0};
-    d[f / 2] = (f & 1) != 0 ? 1 : -1;
-    const std::size_t n = surfaces_.size();
-    const std::uint8_t* active =
-        neighbour_active_.data() + static_cast<std::size_t>((d[0] + 1) + 3 * (d[1] + 1) + 9 * (d[2] + 1)) * n;
     for (const auto& [a, b] : mixed_) {
         const LocalNode na = fan_nodes_[a];
         const LocalNode nb = fan_nodes_[b];

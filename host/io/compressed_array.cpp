@@ -18,7 +18,7 @@ constexpr std::uint64_t kMaxExpansion = 1040;
 
 /// A sample of the block that shrinks by less than this many percent is not worth compressing.
 constexpr std::size_t kSampleSize = std::size_t{1} << 14;
-constexpr std::size_t kWorthPercent = 15;
+constexpr std::size_t kWorthPercent = 25;
 
 struct Scratch {
     Scratch() : space(kBlockSize / sizeof(std::uint64_t)), packed(compressBound(kBlockSize)) {}

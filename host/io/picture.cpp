@@ -66,6 +66,12 @@ Colour lit(const Colour& colour, const Direction& normal) {
     return {colour.red * light, colour.green * light, colour.blue * light};
 }
 
+/// Outward normal: half the cross product of the diagonals is the area vector, of a triangle too, whose last
+/// node is repeated.
+Direction normal(const std::array<Direction, 4>& p) {
+    return unit(cross(minus(p[2], p[0]), minus(p[3], p[1])));
+}
+
 /// Maps model to picture so that the facets fill it.
 class View {
   public:
@@ -102,12 +108,6 @@ class View {
     ScreenPoint screen(const Direction& p) const {
         return {centre_[0] + scale_ * dot(p, right_), centre_[1] - scale_ * dot(p, up_),
                 depth_scale_ * (nearest_ - dot(p, eye_))};
-    }
-
-    /// Normal of a facet, turned towards the eye.
-    Direction normal(const std::array<Direction, 4>& p) const {
-        const Direction outward = unit(cross(minus(p[2], p[0]), minus(p[3] == p[2] ? p[1] : p[3], p[1])));
-        return outward;
     }
 
   private:
@@ -160,7 +160,7 @@ void write_picture(const Mesh& mesh, const std::string& path, int width, int hei
                 p[k] = view.point(nodes[k]);
                 corners[k] = view.screen(p[k]);
             }
-            const Colour colour = lit(surface_colour(mesh.facets.surface[facet]), view.normal(p));
+            const Colour colour = lit(surface_colour(mesh.facets.surface[facet]), normal(p));
             raster.draw(corners.data(), nodes[2] == nodes[3] ? 3 : 4, colour);
         }
     }

@@ -21,6 +21,7 @@ constexpr std::size_t kMaxHeader = std::size_t{1} << 28;  // millions of surface
 class VtuReader {
   public:
     explicit VtuReader(const FileReader& file) : file_(file) {
+        expect_end();
         read_header();
         const pugi::xml_node root = document_.child("VTKFile");
         expect_attribute(root, "type", "UnstructuredGrid");
@@ -86,6 +87,14 @@ class VtuReader {
     [[noreturn]] void damaged(const std::string& what) const { file_.damaged(what); }
 
   private:
+    /// The end tag shows that the file is whole, whichever arrays are read.
+    void expect_end() const {
+        const std::string end = "</VTKFile>\n";
+        std::string tail(end.size(), ' ');
+        if (file_.size() >= tail.size()) file_.read_at(file_.size() - tail.size(), &tail[0], tail.size());
+        if (tail != end) file_.damaged("it does not end with </VTKFile>");
+    }
+
     void read_header() {
         const std::string marker = "<AppendedData encoding=\"raw\">";
         std::string text;

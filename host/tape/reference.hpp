@@ -27,8 +27,8 @@ std::int32_t classify_cell(const BoundModel& model, const std::vector<std::uint3
 /// Region at a point: signs by surface_value alone, zero counts as inside.
 std::int32_t region_at(const BoundModel& model, double x, double y, double z);
 
-/// Value of a tape when surface p has sign signs[p] (-1, 0 = unknown, +1), `surfaces` sorted, signs parallel
-/// to it.
+/// Value of a tape when surface surfaces[i] (ascending) has sign signs[i]: -1, 0 (unknown) or +1. Literals of
+/// surfaces that are not listed are unknown.
 std::int32_t evaluate_signs(const std::uint32_t* tape, std::size_t length, const std::uint32_t* surfaces,
                             std::size_t surface_count, const std::int8_t* signs);
 

@@ -1,0 +1,318 @@
+// Mesh files: exact round trips, refusals with a reason, nothing left behind, no harm from damaged bytes.
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <random>
+
+#include <doctest/doctest.h>
+
+#include "host/io/temporary_file.hpp"
+#include "mortise/check.hpp"
+#include "mortise/error.hpp"
+#include "mortise/io.hpp"
+#include "tests/quality/sample_meshes.hpp"
+
+using namespace mortise;
+using namespace mortise::samples;
+namespace fs = std::filesystem;
+
+namespace {
+
+/// A folder that disappears with its contents.
+struct Folder {
+    Folder() {
+        std::string name = (fs::temp_directory_path() / "mortise-io-XXXXXX").string();
+        REQUIRE(mkdtemp(name.data()) != nullptr);
+        path = name;
+    }
+    ~Folder() { fs::remove_all(path); }
+    std::string file(const std::string& name) const { return (path / name).string(); }
+    std::size_t entries() const {
+        return static_cast<std::size_t>(
+            std::distance(fs::directory_iterator(path), fs::directory_iterator()));
+    }
+    fs::path path;
+};
+
+void check_equal(const Mesh& a, const Mesh& b, bool with_kind) {
+    CHECK(a.points.size() == b.points.size());
+    // Bytes, not values: signs of zeros and NaN payloads count.
+    CHECK((a.points.empty() || std::memcmp(a.points.data(), b.points.data(), 8 * a.points.size()) == 0));
+    for (std::size_t t = 0; t < kElementTypes; ++t) {
+        CHECK(a.elements[t].nodes == b.elements[t].nodes);
+        CHECK(a.elements[t].region == b.elements[t].region);
+        if (with_kind) CHECK(a.elements[t].kind == b.elements[t].kind);
+        CHECK(a.elements[t].kind.size() == b.elements[t].kind.size());
+    }
+    CHECK(a.facets.nodes == b.facets.nodes);
+    CHECK(a.facets.surface == b.facets.surface);
+    CHECK(a.facets.inside == b.facets.inside);
+    CHECK(a.facets.outside == b.facets.outside);
+    CHECK(a.region_names == b.region_names);
+    CHECK(a.surface_names == b.surface_names);
+}
+
+/// The error that a call throws: its code and message.
+template <class Call>
+Error error_of(const Call& call) {
+    try {
+        call();
+    } catch (const Error& error) {
+        return error;
+    }
+    FAIL("no error");
+    return Error(ExitCode::kOk, "");
+}
+
+std::string read_bytes(const std::string& path) {
+    std::ifstream stream(path, std::ios::binary);
+    return std::string(std::istreambuf_iterator<char>(stream), {});
+}
+
+void write_bytes(const std::string& path, const std::string& bytes) {
+    // Some file systems wait for the disk when a file is truncated and written again.
+    fs::remove(path);
+    std::ofstream(path, std::ios::binary) << bytes;
+}
+
+Mesh three_regions() {
+    return grid(4, 3, 3, 3, [](int i, int j, int) { return i == 3 ? 2 : j == 1 ? 3 : 1; });
+}
+
+const char* const kFormats[] = {".vtu", ".msh"};
+
+}  // namespace
+
+TEST_CASE("round trips are exact: all types, several regions, nothing at all") {
+    const Folder folder;
+    std::vector<Mesh> meshes = {mixed(), three_regions(), Mesh{}};
+    for (int t = 0; t < kElementTypes; ++t) meshes.push_back(unit_element(static_cast<ElementType>(t)));
+    Mesh no_facets = mixed();
+    no_facets.facets = {};
+    no_facets.points[0] = -0.0;
+    meshes.push_back(no_facets);
+    for (const Mesh& mesh : meshes) {
+        for (const std::string format : kFormats) {
+            CAPTURE(format);
+            const std::string path = folder.file("mesh" + format);
+            write_mesh(mesh, path);
+            check_equal(mesh, read_mesh(path), format == ".vtu");
+        }
+    }
+    CHECK(folder.entries() == 2);
+}
+
+TEST_CASE("round trip of arrays longer than one compressed block, and of incompressible ones") {
+    const Folder folder;
+    Mesh mesh = grid(40, 40, 40, 2, [](int i, int j, int k) { return (i + j + k) % 2 + 1; });
+    std::mt19937_64 random(3);
+    std::uniform_real_distribution<double> shift(-0.2, 0.2);
+    for (std::size_t i = mesh.points.size() / 2; i < mesh.points.size(); ++i) mesh.points[i] += shift(random);
+    for (const std::string format : kFormats) {
+        const std::string path = folder.file("large" + format);
+        write_mesh(mesh, path);
+        check_equal(mesh, read_mesh(path), true);
+        const std::string first = read_bytes(path);
+        write_mesh(mesh, path);
+        CHECK(read_bytes(path) == first);
+    }
+}
+
+TEST_CASE("names of any kind survive") {
+    const Folder folder;
+    Mesh mesh = mixed();
+    mesh.region_names = {"steel \"A\"", "100% \xc3\xa9t\xc3\xa9\nnext <&>"};
+    mesh.surface_names = {"", "outer:wall|1", "name 2"};
+    for (const std::string format : kFormats) {
+        const std::string path = folder.file("names" + format);
+        write_mesh(mesh, path);
+        check_equal(mesh, read_mesh(path), false);
+    }
+}
+
+TEST_CASE("the file's cell arrays are announced, wedges wound as VTK wants them") {
+    const Folder folder;
+    const std::string path = folder.file("mesh.vtu");
+    write_mesh(mixed(), path);
+    const std::string bytes = read_bytes(path);
+    for (const char* name :
+         {"region", "kind", "scaled_jacobian", "connectivity", "offsets", "types", "Points"})
+        CHECK(bytes.find("Name=\"" + std::string(name) + "\"") != std::string::npos);
+}
+
+TEST_CASE("unknown extensions are usage errors") {
+    for (const char* path : {"mesh", "mesh.stl", "folder.vtu/mesh", ".vtu", "mesh.VTU", ""}) {
+        CAPTURE(path);
+        for (const Error& error :
+             {error_of([&] { write_mesh(mixed(), path); }), error_of([&] { check_writable(path); }),
+              error_of([&] { read_mesh(path); })}) {
+            CHECK(error.code() == ExitCode::kUsage);
+            CHECK(std::string(error.what()).find("expected .vtu or .msh") != std::string::npos);
+        }
+    }
+}
+
+TEST_CASE("missing and unwritable folders") {
+    const Folder folder;
+    for (const std::string format : kFormats) {
+        const std::string missing = folder.file("none/mesh" + format);
+        for (const Error& error :
+             {error_of([&] { write_mesh(mixed(), missing); }), error_of([&] { check_writable(missing); }),
+              error_of([&] { read_mesh(missing); })}) {
+            CHECK(error.code() == ExitCode::kFiles);
+            CHECK(std::string(error.what()).find(missing) != std::string::npos);
+            CHECK(std::string(error.what()).find(std::strerror(ENOENT)) != std::string::npos);
+        }
+        check_writable(folder.file("mesh" + format));
+        CHECK(folder.entries() == 0);
+    }
+    // A folder where the file should be, and a file where the folder should be.
+    fs::create_directory(folder.path / "taken.vtu");
+    CHECK(error_of([&] { check_writable(folder.file("taken.vtu")); }).code() == ExitCode::kFiles);
+    CHECK(error_of([&] { write_mesh(mixed(), folder.file("taken.vtu")); }).code() == ExitCode::kFiles);
+    CHECK(error_of([&] { read_mesh(folder.file("taken.vtu")); }).code() == ExitCode::kFiles);
+    write_bytes(folder.file("plain"), "x");
+    CHECK(error_of([&] { check_writable(folder.file("plain/mesh.vtu")); }).code() == ExitCode::kFiles);
+    CHECK(folder.entries() == 2);
+    if (geteuid() != 0) {  // root may write anywhere
+        fs::create_directory(folder.path / "locked");
+        fs::permissions(folder.path / "locked", fs::perms::owner_read | fs::perms::owner_exec);
+        CHECK(error_of([&] { check_writable(folder.file("locked/mesh.vtu")); }).code() == ExitCode::kFiles);
+    }
+}
+
+TEST_CASE("a full disk: an error with the cause, the old file whole, the temporary file gone") {
+    const Folder folder;
+    const Mesh mesh = grid(30, 30, 30, 1);
+    rlimit before;
+    REQUIRE(getrlimit(RLIMIT_FSIZE, &before) == 0);
+    const auto handler = std::signal(SIGXFSZ, SIG_IGN);
+    for (const std::string format : kFormats) {
+        const std::string path = folder.file("mesh" + format);
+        write_bytes(path, "old");
+        rlimit small = before;
+        small.rlim_cur = 40000;
+        REQUIRE(setrlimit(RLIMIT_FSIZE, &small) == 0);
+        const Error error = error_of([&] { write_mesh(mesh, path); });
+        REQUIRE(setrlimit(RLIMIT_FSIZE, &before) == 0);
+        CHECK(error.code() == ExitCode::kFiles);
+        CHECK(std::string(error.what()) == "cannot write '" + path + "': " + std::strerror(EFBIG));
+        CHECK(read_bytes(path) == "old");
+    }
+    std::signal(SIGXFSZ, handler);
+    CHECK(folder.entries() == 2);
+}
+
+TEST_CASE("temporary files: beside the target until committed, removed otherwise") {
+    const Folder folder;
+    const std::string path = folder.file("data");
+    {
+        io::TemporaryFile file(path);
+        file.write("abandoned");
+        CHECK(folder.entries() == 1);
+        CHECK_FALSE(fs::exists(path));
+        const std::string name = fs::directory_iterator(folder.path)->path().filename().string();
+        CHECK(name.find(std::to_string(getpid())) != std::string::npos);
+    }
+    CHECK(folder.entries() == 0);
+    {
+        io::TemporaryFile first(path), second(folder.file("other"));
+        CHECK(folder.entries() == 2);
+        io::remove_temporary_files();
+        CHECK(folder.entries() == 0);
+    }
+    io::TemporaryFile file(path);
+    file.write("0123456789");
+    file.write_at(3, "xyz", 3);
+    file.write("!");
+    CHECK(file.size() == 11);
+    file.commit();
+    CHECK(read_bytes(path) == "012xyz6789!");
+    io::remove_temporary_files();
+    CHECK(folder.entries() == 1);
+}
+
+TEST_CASE("meshes with indices out of range are refused before anything is written") {
+    const Folder folder;
+    std::vector<Mesh> meshes(5, mixed());
+    meshes[0].elements[0].nodes[3] = 1000;
+    meshes[1].facets.nodes[3] = 1000;
+    meshes[2].facets.surface[0] = 9;
+    meshes[3].elements[3].region[0] = 3;
+    meshes[4].facets.inside.pop_back();
+    for (const Mesh& mesh : meshes) {
+        for (const char* name : {"mesh.vtu", "mesh.msh"})
+            CHECK(error_of([&] { write_mesh(mesh, folder.file(name)); }).code() == ExitCode::kMeshing);
+        CHECK(error_of([&] { write_picture(mesh, folder.file("mesh.png")); }).code() == ExitCode::kMeshing);
+    }
+    CHECK(folder.entries() == 0);
+}
+
+TEST_CASE("truncated files are refused at every length") {
+    const Folder folder;
+    for (const std::string format : kFormats) {
+        CAPTURE(format);
+        const std::string path = folder.file("whole" + format), cut = folder.file("cut" + format);
+        write_mesh(mixed(), path);
+        const std::string bytes = read_bytes(path);
+        for (std::size_t size = 0; size < bytes.size(); size += size < 200 ? 1 : 7) {
+            CAPTURE(size);
+            write_bytes(cut, bytes.substr(0, size));
+            const Error error = error_of([&] { read_mesh(cut); });
+            CHECK(error.code() == ExitCode::kInput);
+            CHECK(std::string(error.what()).find(cut) != std::string::npos);
+        }
+    }
+}
+
+TEST_CASE("damaged bytes give an error or a mesh in range, never a crash") {
+    const Folder folder;
+    std::mt19937 random(7);
+    for (const std::string format : kFormats) {
+        const std::string path = folder.file("whole" + format), bad = folder.file("bad" + format);
+        write_mesh(mixed(), path);
+        const std::string bytes = read_bytes(path);
+        int refused = 0;
+        for (int trial = 0; trial < 3000; ++trial) {
+            std::string damaged = bytes;
+            const int changes = 1 + trial % 3;
+            for (int i = 0; i < changes; ++i) {
+                const char values[] = {'\0', '\xff', '9', '"', static_cast<char>(random()), '\x7f'};
+                damaged[random() % damaged.size()] = values[random() % sizeof values];
+            }
+            write_bytes(bad, damaged);
+            try {
+                check_mesh(read_mesh(bad));  // indices that are out of range would show here
+            } catch (const Error& error) {
+                ++refused;
+                CHECK((error.code() == ExitCode::kInput || error.code() == ExitCode::kDevice));
+            }
+        }
+        CHECK(refused > 500);
+    }
+}
+
+TEST_CASE("pictures: a PNG of the size asked for, white around coloured facets") {
+    const Folder folder;
+    const std::string path = folder.file("mesh.png");
+    write_picture(three_regions(), path, 160, 120);
+    const std::string bytes = read_bytes(path);
+    REQUIRE(bytes.size() > 100);
+    CHECK(bytes.compare(1, 3, "PNG") == 0);
+    CHECK(static_cast<unsigned char>(bytes[19]) == 160);
+    CHECK(static_cast<unsigned char>(bytes[23]) == 120);
+    // An empty mesh is a white picture, smaller than any with something in it.
+    write_picture(Mesh{}, folder.file("empty.png"), 160, 120);
+    CHECK(fs::file_size(folder.file("empty.png")) < bytes.size() / 2);
+    CHECK(error_of([&] { write_picture(Mesh{}, path, 0, 10); }).code() == ExitCode::kUsage);
+    CHECK(error_of([&] { write_picture(Mesh{}, path, 10, 1 << 20); }).code() == ExitCode::kUsage);
+    CHECK(error_of([&] { write_picture(Mesh{}, folder.file("none/a.png")); }).code() == ExitCode::kFiles);
+    CHECK(folder.entries() == 2);
+}
