@@ -71,8 +71,8 @@ bool Certificate::is_uniform(std::int32_t* region) const {
         if (negative && positive) return false;
         signs[s] = static_cast<std::int8_t>(positive ? 1 : negative ? -1 : 0);
     }
-    *region = tape::evaluate_signs(cell_.tape(), cell_.leaf().tape_length, cell_.surfaces().data(),
-                                   cell_.surface_count(), signs.data());
+    *region = tape::resolve_signs(cell_.tape(), cell_.leaf().tape_length, cell_.surfaces().data(),
+                                  cell_.surface_count(), signs.data());
     return *region != kUnknown;
 }
 
@@ -158,8 +158,8 @@ bool Certificate::is_resolved(const Simplex& simplex) {
         }
         signs_[s] = static_cast<std::int8_t>(static_cast<int>(positive) - static_cast<int>(negative));
     }
-    return tape::evaluate_signs(cell_.tape(), cell_.leaf().tape_length, cell_.surfaces().data(), n,
-                                signs_.data()) != kUnknown;
+    return tape::resolve_signs(cell_.tape(), cell_.leaf().tape_length, cell_.surfaces().data(), n,
+                               signs_.data()) != kUnknown;
 }
 
 /// Splits the inner edges of unresolved simplices that are mixed for surface p; tells whether there were any.
@@ -243,13 +243,13 @@ std::int32_t Certificate::label(const LocalNode* node, std::size_t count, std::i
                                                        : cell_.value_sign(s, centroid));
     }
     std::int32_t region =
-        tape::evaluate_signs(cell_.tape(), cell_.leaf().tape_length, cell_.surfaces().data(), n, signs);
+        tape::resolve_signs(cell_.tape(), cell_.leaf().tape_length, cell_.surfaces().data(), n, signs);
     if (region != kUnknown) return region;
     ++cell_.counters.unresolved;
     for (std::size_t s = 0; s < n; ++s) {
         if (signs[s] == 0) signs[s] = static_cast<std::int8_t>(cell_.value_sign(s, centroid));
     }
-    return tape::evaluate_signs(cell_.tape(), cell_.leaf().tape_length, cell_.surfaces().data(), n, signs);
+    return tape::resolve_signs(cell_.tape(), cell_.leaf().tape_length, cell_.surfaces().data(), n, signs);
 }
 
 }  // namespace mortise::cnio

@@ -194,8 +194,8 @@ bool Cell::is_resolved(const std::array<std::uint16_t, 3>& triangle, const std::
             static_cast<std::int8_t>(static_cast<int>(positive) - static_cast<int>(negative));
     }
     for (const TreeNode* node : {static_cast<const TreeNode*>(&leaf_), &other}) {
-        if (tape::evaluate_signs(tree_.tapes.data() + node->tape_offset, node->tape_length, surfaces_.data(),
-                                 n, triangle_signs_.data()) != kUnknown) {
+        if (tape::resolve_signs(tree_.tapes.data() + node->tape_offset, node->tape_length, surfaces_.data(),
+                                n, triangle_signs_.data()) != kUnknown) {
             return true;
         }
     }

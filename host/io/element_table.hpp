@@ -1,8 +1,10 @@
 // The one table of elements in file formats: a row per element type, columns per format.
 //
 // `nodes` lists, for each node of the file's element, the local node of mesh.hpp. VTK_WEDGE's triangle 0-1-2
-// has its normal pointing away from 3-5, opposite to ours and Gmsh's. All permutations here are their own
-// inverse, so the same column serves reading and writing.
+// has its normal pointing away from 3-5, opposite to ours and Gmsh's: so documented, and so measured by cell
+// volumes and outward faces in VTK 9.2 to 9.6 (ParaView up to then). VTK 9.7 turned the convention round
+// without a mark in the file, and finds negative volumes in wedges wound for its predecessors. All
+// permutations here are their own inverse, so the same column serves reading and writing.
 #pragma once
 
 #include <array>

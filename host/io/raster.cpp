@@ -46,7 +46,8 @@ void Raster::draw(const ScreenPoint* corners, int count, const Colour& colour) {
         area += 0.5 * (a.x * b.y - a.y * b.x);
         longest = std::max(longest, std::hypot(b.x - a.x, b.y - a.y));
     }
-    const double breadth = longest > 0 ? std::fabs(area) / longest : 0;
+    // The height of a triangle, about the width of a quadrilateral.
+    const double breadth = longest > 0 ? (count == 3 ? 2 : 1) * std::fabs(area) / longest : 0;
     const double strength = std::min(1.0, std::max(0.0, (breadth - kFadeFrom) / (kFadeTo - kFadeFrom)));
     draw_triangle({corners[0], corners[1], corners[2]}, {true, true, count == 3}, strength, colour);
     if (count == 4)

@@ -181,4 +181,36 @@ std::int32_t evaluate_signs(const std::uint32_t* tape, std::size_t length, const
     return stack[top];
 }
 
+std::int32_t resolve_signs(const std::uint32_t* tape, std::size_t length, const std::uint32_t* surfaces,
+                           std::size_t surface_count, const std::int8_t* signs) {
+    constexpr std::size_t kMaxCases = 8;
+    const std::int32_t direct = evaluate_signs(tape, length, surfaces, surface_count, signs);
+    if (direct != kUnknown) return direct;
+    // Only surfaces of this tape matter, and it may name some that are not listed.
+    std::vector<std::uint32_t> all;
+    for (std::size_t i = 0; i < length; ++i) {
+        if (tape_operation(tape[i]) == kTapeLiteral) all.push_back(tape_surface(tape[i]));
+    }
+    std::sort(all.begin(), all.end());
+    all.erase(std::unique(all.begin(), all.end()), all.end());
+    std::vector<std::int8_t> trial(all.size(), 0);
+    std::vector<std::size_t> open;
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        const std::uint32_t* found = std::lower_bound(surfaces, surfaces + surface_count, all[i]);
+        if (found != surfaces + surface_count && *found == all[i]) trial[i] = signs[found - surfaces];
+        if (trial[i] == 0) open.push_back(i);
+    }
+    if (open.size() > kMaxCases) return kUnknown;
+    std::int32_t common = kUnknown;
+    for (std::size_t choice = 0; choice < (std::size_t{1} << open.size()); ++choice) {
+        for (std::size_t k = 0; k < open.size(); ++k) trial[open[k]] = ((choice >> k) & 1) != 0 ? 1 : -1;
+        const std::int32_t value = evaluate_signs(tape, length, all.data(), all.size(), trial.data());
+        if (choice == 0)
+            common = value;
+        else if (value != common)
+            return kUnknown;
+    }
+    return common;
+}
+
 }  // namespace mortise::tape

@@ -32,6 +32,11 @@ std::int32_t region_at(const BoundModel& model, double x, double y, double z);
 std::int32_t evaluate_signs(const std::uint32_t* tape, std::size_t length, const std::uint32_t* surfaces,
                             std::size_t surface_count, const std::int8_t* signs);
 
+/// The same, by cases: known also if every choice of the unknown signs gives one value (up to eight of them
+/// are tried). Three-valued logic alone does not see that p ∨ ¬p holds.
+std::int32_t resolve_signs(const std::uint32_t* tape, std::size_t length, const std::uint32_t* surfaces,
+                           std::size_t surface_count, const std::int8_t* signs);
+
 /// Simplifies a tape for known states of its literals: states[i] belongs to word i (0, 1 or kUnknown).
 /// Returns the value if it is known.
 std::int32_t prune(const std::vector<std::uint32_t>& tape, const std::vector<std::int32_t>& states,

@@ -38,6 +38,9 @@ typedef int lanes_int;
 
 // States of literals beyond this many words are treated as unknown by the pruning: conservative.
 #define MAX_CHOICES 2048
+// Tapes of more surfaces or words are not searched for surfaces on which they do not depend.
+#define MAX_REDUCED 5
+#define MAX_REDUCED_WORDS 48
 #define RELATIVE 9.5367431640625e-7f  // 2^-20: more than the rounding of any sum below
 
 typedef struct Cube {
@@ -187,14 +190,11 @@ int choice_of(const ushort* choices, uint i, int c) {
 }
 
 // Copies what is unknown of a tape for lane c; out may be null to count only. Returns the number of words.
-// `single` receives the surface if all literals kept are of one surface, else ~0.
-uint prune(__global const uint* tape, uint length, const ushort* choices, int c, __global uint* out, uint* single) {
+uint prune(__global const uint* tape, uint length, const ushort* choices, int c, __global uint* out) {
     int value[kTapeStack];
     uint begin[kTapeStack];
     int top = -1;
     uint words = 0;
-    uint surface = 0;
-    uint kinds = 0;
     for (uint i = 0; i < length; ++i) {
         const uint word = tape[i];
         const uint operation = tape_operation(word);
@@ -206,10 +206,6 @@ uint prune(__global const uint* tape, uint length, const ushort* choices, int c,
             value[top] = choice == 0 ? kUnknown : choice - 1;
             begin[top] = words;
             emits = choice == 0;
-            if (emits) {
-                if (kinds == 0 || surface != tape_surface(word)) ++kinds;
-                surface = tape_surface(word);
-            }
         } else if (operation == kTapeSelectConst) {
             value[top] = combine_select(tape_otherwise(word), value[top], tape_region(word));
             if (value[top] == kUnknown) {
@@ -243,20 +239,20 @@ uint prune(__global const uint* tape, uint length, const ushort* choices, int c,
             ++words;
         }
     }
-    *single = kinds == 1 ? surface : ~0u;
     return words;
 }
 
-// Value for lane c when every unknown literal has the sign `inside` of its surface: for tapes of one surface.
-int evaluate_single(__global const uint* tape, uint length, const ushort* choices, int c, uint inside) {
+// Value of a tape whose surfaces are all given: bit s of `inside` tells of surfaces[s].
+int evaluate(__global const uint* tape, uint length, const uint* surfaces, uint inside) {
     int value[kTapeStack];
     int top = -1;
     for (uint i = 0; i < length; ++i) {
         const uint word = tape[i];
         const uint operation = tape_operation(word);
         if (operation == kTapeLiteral) {
-            const int choice = choice_of(choices, i, c);
-            value[++top] = choice != 0 ? choice - 1 : (int)(inside ^ tape_negated(word));
+            uint s = 0;
+            while (surfaces[s] != tape_surface(word)) ++s;
+            value[++top] = (int)(((inside >> s) & 1) ^ tape_negated(word));
         } else if (operation == kTapeSelectConst) {
             value[top] = combine_select(tape_otherwise(word), value[top], tape_region(word));
         } else {
@@ -268,6 +264,44 @@ int evaluate_single(__global const uint* tape, uint length, const ushort* choice
         }
     }
     return value[0];
+}
+
+// Drops the surfaces on which a short tape does not depend (both cofactors equal), such as the common plane of two
+// flush solids. Works in place, on the caller's own words. Returns the new length; 0 if the tape is constant, whose
+// value then is in `constant_value`.
+uint reduce(__global uint* tape, uint length, int* constant_value) {
+    uint surfaces[MAX_REDUCED];
+    int table[1 << MAX_REDUCED];
+    ushort choices[MAX_REDUCED_WORDS];
+    uint count = 0;
+    uint redundant = 0;
+    if (length > MAX_REDUCED_WORDS) return length;
+    for (uint i = 0; i < length; ++i) {
+        if (tape_operation(tape[i]) == kTapeLiteral) {
+            uint s = 0;
+            while (s < count && surfaces[s] != tape_surface(tape[i])) ++s;
+            if (s == MAX_REDUCED) return length;
+            if (s == count) surfaces[count++] = tape_surface(tape[i]);
+        }
+    }
+    for (uint a = 0; a < (1u << count); ++a) table[a] = evaluate(tape, length, surfaces, a);
+    for (uint s = 0; s < count; ++s) {
+        int same = 1;
+        for (uint a = 0; a < (1u << count); ++a) same = same && table[a] == table[a ^ (1u << s)];
+        if (same) redundant |= 1u << s;
+    }
+    if (redundant == 0) return length;
+    *constant_value = table[0];
+    if (redundant == (1u << count) - 1u) return 0;
+    // A redundant surface may be taken as outside everywhere.
+    for (uint i = 0; i < length; ++i) {
+        uint s = 0;
+        choices[i] = 0;
+        if (tape_operation(tape[i]) != kTapeLiteral) continue;
+        while (surfaces[s] != tape_surface(tape[i])) ++s;
+        if ((redundant >> s) & 1) choices[i] = (ushort)(tape_negated(tape[i]) ? 2 : 1);
+    }
+    return prune(tape, length, choices, 0, tape);
 }
 
 MORTISE_KERNEL void descend(__global const TreeNode* parents, __global uint* tapes, __global const SurfaceBounds* surfaces,
@@ -346,18 +380,16 @@ MORTISE_KERNEL void descend(__global const TreeNode* parents, __global uint* tap
             child.tape_offset = parent.tape_offset;
             child.tape_length = parent.tape_length;
             if (values[c] == kUnknown) {
-                uint single;
-                const uint words = prune(tape, parent.tape_length, choices, c, 0, &single);
-                if (single != ~0u && words > 2) {
-                    const int outside = evaluate_single(tape, parent.tape_length, choices, c, 0);
-                    if (outside == evaluate_single(tape, parent.tape_length, choices, c, 1)) values[c] = outside;
-                }
-                if (values[c] == kUnknown && words != parent.tape_length) {
+                const uint words = prune(tape, parent.tape_length, choices, c, 0);
+                // An unchanged tape was reduced when it was made; the root's is written anew.
+                if (words != parent.tape_length || level == 1) {
                     const uint offset = atomic_add(used, words);
                     if (offset + words <= capacity && offset + words >= offset) {
+                        int constant_value = kUnknown;
+                        prune(tape, parent.tape_length, choices, c, tapes + offset);
                         child.tape_offset = offset;
-                        child.tape_length = words;
-                        prune(tape, parent.tape_length, choices, c, tapes + offset, &single);
+                        child.tape_length = reduce(tapes + offset, words, &constant_value);
+                        if (child.tape_length == 0) values[c] = constant_value;
                     }
                 }
             }

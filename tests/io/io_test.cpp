@@ -13,6 +13,7 @@
 
 #include <doctest/doctest.h>
 
+#include "host/io/element_table.hpp"
 #include "host/io/temporary_file.hpp"
 #include "mortise/check.hpp"
 #include "mortise/error.hpp"
@@ -137,7 +138,7 @@ TEST_CASE("names of any kind survive") {
     }
 }
 
-TEST_CASE("the file's cell arrays are announced, wedges wound as VTK wants them") {
+TEST_CASE("the file's cell arrays are announced") {
     const Folder folder;
     const std::string path = folder.file("mesh.vtu");
     write_mesh(mixed(), path);
@@ -145,6 +146,36 @@ TEST_CASE("the file's cell arrays are announced, wedges wound as VTK wants them"
     for (const char* name :
          {"region", "kind", "scaled_jacobian", "connectivity", "offsets", "types", "Points"})
         CHECK(bytes.find("Name=\"" + std::string(name) + "\"") != std::string::npos);
+}
+
+TEST_CASE(
+    "formats wind elements as documented: VTK's wedge has its first triangle facing away from the other") {
+    // Triple product of the edges from the format's first node to its second, third and the one above it.
+    const auto orientation = [](ElementType type, const io::FormatElement& format, int second, int third,
+                                int above) {
+        const Mesh mesh = unit_element(type);
+        const auto edge = [&](int node, int axis) {
+            const auto point = [&](int n) {
+                return mesh
+                    .points[static_cast<std::size_t>(3 * format.nodes[static_cast<std::size_t>(n)] + axis)];
+            };
+            return point(node) - point(0);
+        };
+        double sum = 0;
+        for (int i = 0; i < 3; ++i) {
+            const int j = (i + 1) % 3, k = (i + 2) % 3;
+            sum += edge(above, i) * (edge(second, j) * edge(third, k) - edge(second, k) * edge(third, j));
+        }
+        return sum > 0 ? 1 : -1;
+    };
+    CHECK(orientation(ElementType::kHexahedron, io::kElementTable[0].vtk, 1, 3, 4) == 1);
+    CHECK(orientation(ElementType::kWedge, io::kElementTable[1].vtk, 1, 2, 3) == -1);
+    CHECK(orientation(ElementType::kPyramid, io::kElementTable[2].vtk, 1, 3, 4) == 1);
+    CHECK(orientation(ElementType::kTetrahedron, io::kElementTable[3].vtk, 1, 2, 3) == 1);
+    CHECK(orientation(ElementType::kHexahedron, io::kElementTable[0].gmsh, 1, 3, 4) == 1);
+    CHECK(orientation(ElementType::kWedge, io::kElementTable[1].gmsh, 1, 2, 3) == 1);
+    CHECK(orientation(ElementType::kPyramid, io::kElementTable[2].gmsh, 1, 3, 4) == 1);
+    CHECK(orientation(ElementType::kTetrahedron, io::kElementTable[3].gmsh, 1, 2, 3) == 1);
 }
 
 TEST_CASE("unknown extensions are usage errors") {
