@@ -86,6 +86,17 @@ LocalNode Cell::split_node(std::size_t p, LocalNode a, LocalNode b, const Lattic
     return m;
 }
 
+bool Cell::snap_end(std::size_t p, LocalNode a, LocalNode b, const LatticePoint& at, bool inner_only) {
+    const double to_a = distance(nodes_[a].point, at);
+    const double to_b = distance(nodes_[b].point, at);
+    const LocalNode near = to_a <= to_b ? a : b;
+    const bool shared = (nodes_[near].faces & (nodes_[near].faces - 1)) != 0;
+    if (std::min(to_a, to_b) > kSnapDistance || (inner_only && shared)) return false;
+    set_sign(near, p, 0);
+    ++counters.snapped;
+    return true;
+}
+
 void Cell::load(const TreeNode& leaf) {
     leaf_ = leaf;
     xyz_[0] = gather_bits(leaf.morton);

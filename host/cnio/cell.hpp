@@ -43,6 +43,8 @@ enum class FaceMode : std::uint8_t { kWhole, kCut, kFan };  ///< F0, F1, F2 of a
 
 /// What did not go as planned, for the report.
 struct CellCounters {
+    std::uint64_t snapped =
+        0;  ///< nodes that count as on a surface because a split so close to them was refused
     std::uint64_t refused = 0;      ///< splits that would have made a flat simplex
     std::uint64_t unresolved = 0;   ///< tetrahedra labelled by their centroid
     std::uint64_t forced_caps = 0;  ///< caps whose signs were assigned
@@ -93,6 +95,10 @@ class Cell {
     /// them.
     LocalNode split_node(std::size_t p, LocalNode a, LocalNode b, const LatticePoint& at, int round,
                          const std::uint8_t* active);
+
+    /// After a refused split of edge ab at p: gives the end near the root, if there is one, the sign 0. A
+    /// node on an edge of the cell keeps its sign while faces are meshed, since other faces depend on it.
+    bool snap_end(std::size_t p, LocalNode a, LocalNode b, const LatticePoint& at, bool inner_only);
 
     CellCounters counters;
 

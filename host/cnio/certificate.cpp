@@ -26,6 +26,7 @@ CellRecord Certificate::run(const TreeNode& leaf, CellArena& arena) {
     quads_.clear();
     simplex_region_.clear();
     pyramid_region_.clear();
+    refused_.clear();
     hexahedron_ = false;
     std::int32_t region = kUnknown;
     if (is_uniform(&region)) {
@@ -180,6 +181,7 @@ bool Certificate::bisect(std::size_t p, int round) {
                 const LocalNode b = std::max(s.node[i], s.node[k]);
                 if (cell_.sign(a, p) * cell_.sign(b, p) >= 0) continue;
                 if ((cell_.nodes()[a].faces & cell_.nodes()[b].faces) != 0 || locked(a, b)) continue;
+                if (!refused_.empty() && refused_.count({static_cast<std::uint32_t>(p), a, b}) != 0) continue;
                 mixed_.push_back({a, b});
             }
         }
@@ -187,6 +189,7 @@ bool Certificate::bisect(std::size_t p, int round) {
     std::sort(mixed_.begin(), mixed_.end());
     mixed_.erase(std::unique(mixed_.begin(), mixed_.end()), mixed_.end());
     for (const auto& [a, b] : mixed_) {
+        if (cell_.sign(a, p) * cell_.sign(b, p) >= 0) continue;  // an end was snapped
         const LatticePoint at = cell_.root(p, a, b);
         around_.clear();
         bool refused = false;
@@ -204,7 +207,10 @@ bool Certificate::bisect(std::size_t p, int round) {
             }
         }
         if (refused) {
-            ++cell_.counters.refused;
+            if (!cell_.snap_end(p, a, b, at, false)) {
+                ++cell_.counters.refused;
+                refused_.insert({static_cast<std::uint32_t>(p), a, b});
+            }
             continue;
         }
         const LocalNode m = cell_.split_node(p, a, b, at, round, nullptr);

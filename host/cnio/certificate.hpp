@@ -12,6 +12,8 @@
 
 #include <array>
 #include <cstdint>
+#include <set>
+#include <tuple>
 #include <vector>
 
 #include "host/cnio/cell.hpp"
@@ -121,7 +123,8 @@ class Certificate {
     std::vector<std::pair<LocalNode, LocalNode>> mixed_;
     std::vector<std::uint32_t> around_;
     std::vector<std::int8_t> signs_;
-    bool hexahedron_ = false;  ///< the cell is one whole hexahedron
+    std::set<std::tuple<std::uint32_t, LocalNode, LocalNode>> refused_;  ///< (surface, edge): not tried again
+    bool hexahedron_ = false;                                            ///< the cell is one whole hexahedron
 };
 
 }  // namespace mortise::cnio

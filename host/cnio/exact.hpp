@@ -17,6 +17,9 @@ inline constexpr double kMinHeight = 4;
 
 __extension__ using Int128 = __int128;  // a GNU extension; the alias keeps -Wpedantic quiet
 
+/// Where a split is refused, an end of the edge this close to the root counts as on the surface instead.
+inline constexpr double kSnapDistance = 16384;
+
 inline Int128 determinant(const LatticePoint& a, const LatticePoint& b, const LatticePoint& c,
                           const LatticePoint& d) {
     const std::int64_t ux = b[0] - a[0], uy = b[1] - a[1], uz = b[2] - a[2];

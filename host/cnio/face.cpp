@@ -232,6 +232,7 @@ bool Cell::split_face(int f, std::size_t p, int round) {
     for (const auto& [a, b] : mixed_) {
         const LocalNode na = fan_nodes_[a];
         const LocalNode nb = fan_nodes_[b];
+        if (sign(na, p) * sign(nb, p) >= 0) continue;  // an end was snapped
         const LatticePoint at = root(p, na, nb);
         const LocalNode m = split_node(p, na, nb, at, round, active);
         const auto local = static_cast<std::uint16_t>(fan_nodes_.size());
@@ -250,9 +251,9 @@ bool Cell::split_face(int f, std::size_t p, int round) {
             }
         }
         if (refused) {
-            ++counters.refused;
             fan_nodes_.pop_back();
             remove_last_node();
+            if (!snap_end(p, na, nb, at, true)) ++counters.refused;
             continue;
         }
         any = true;

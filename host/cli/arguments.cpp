@@ -1,0 +1,223 @@
+// The command line as data, by CLI11. Numbers are parsed here, so that every message names option and value.
+#include "host/cli/arguments.hpp"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <cstdlib>
+#include <iomanip>
+#include <limits>
+#include <sstream>
+
+namespace mortise::cli {
+namespace {
+
+constexpr int kNameColumn = 24;
+
+constexpr const char* kExamples = R"(
+Examples:
+  mortise bracket.csg -o bracket.vtu --picture bracket.png
+  mortise part.geo -o part.vtu -o part.msh --size 0.5 --report part.json
+  mortise pipe.geo -o pipe.vtu --box -1 -1 0 1 1 4 --level 7
+  mortise check part.msh
+)";
+
+constexpr const char* kExitCodes = R"(
+Exit codes:
+  0 success                       4 quality floor not met (reserved)
+  1 wrong usage                   5 no OpenCL device, kernel build, memory
+  2 model not understood, empty   6 file not found, not readable or writable
+    or unbounded, damaged mesh    130, 143 interrupted (SIGINT, SIGTERM)
+  3 no valid mesh, or `check` found defects
+)";
+
+/// Help with one line per option: CLI11's own wraps at fixed columns and repeats types.
+class HelpFormatter : public CLI::Formatter {
+  public:
+    explicit HelpFormatter(std::string usage) : usage_(std::move(usage)) {}
+
+    std::string make_help(const CLI::App* app, std::string, CLI::AppFormatMode) const override {
+        std::ostringstream out;
+        out << app->get_description() << "\n\nUsage: " << usage_ << "\n";
+        out << "\nOptions:\n";
+        for (const CLI::Option* option : app->get_options()) {
+            if (!option->nonpositional()) continue;
+            const std::string value = option->get_option_text();
+            line(out, option->get_name(false, true) + (value.empty() ? "" : " " + value),
+                 option->get_description());
+        }
+        const std::vector<const CLI::App*> commands = app->get_subcommands({});
+        if (!commands.empty()) {
+            out << "\nOther commands (`mortise COMMAND --help`):\n";
+            for (const CLI::App* command : commands) {
+                line(out, command->get_name(), command->get_description());
+            }
+        }
+        out << app->get_footer();
+        return out.str();
+    }
+
+  private:
+    static void line(std::ostream& out, const std::string& name, const std::string& text) {
+        out << "  " << std::left << std::setw(kNameColumn) << name << " " << text << "\n";
+    }
+
+    std::string usage_;
+};
+
+[[noreturn]] void refuse(const std::string& message) { throw Error(ExitCode::kUsage, message); }
+
+double parse_number(const std::string& option, const std::string& text) {
+    char* end = nullptr;
+    const double value = std::strtod(text.c_str(), &end);
+    if (text.empty() || *end != '\0' || !std::isfinite(value)) {
+        refuse(option + " '" + text + "': expected a finite number");
+    }
+    return value;
+}
+
+int parse_integer(const std::string& option, const std::string& text, int smallest, const char* hint) {
+    char* end = nullptr;
+    errno = 0;
+    const long value = std::strtol(text.c_str(), &end, 10);
+    if (text.empty() || *end != '\0' || errno == ERANGE || value < smallest ||
+        value > std::numeric_limits<int>::max()) {
+        refuse(option + " '" + text + "': expected a whole number from " + std::to_string(smallest) + hint);
+    }
+    return static_cast<int>(value);
+}
+
+/// The words as CLI11 leaves them.
+struct Words {
+    std::string level, size, elements, threads, work_group;
+    std::vector<std::string> box;
+    bool no_templates = false;
+};
+
+void add_mesh_options(CLI::App& app, Arguments& arguments, Words& words) {
+    app.add_option("MODEL", arguments.file, "model file, .csg or .geo");
+    app.add_option("-o,--output", arguments.outputs, "mesh file, .vtu or .msh; may be given several times")
+        ->option_text("FILE")
+        ->allow_extra_args(false);
+    CLI::Option* level = app.add_option("--level", words.level, "split the root cube LEVEL times, default 6")
+                             ->option_text("LEVEL");
+    app.add_option("--size", words.size, "edge length of a cell in model units, instead of --level")
+        ->option_text("LENGTH")
+        ->excludes(level);
+    app.add_option("--box", words.box, "X0 Y0 Z0 X1 Y1 Z1: cut the solid there; required if it is infinite")
+        ->option_text("CORNERS")
+        ->type_size(6)
+        ->expected(1)
+        ->multi_option_policy(CLI::MultiOptionPolicy::Throw);
+    app.add_option("--elements", words.elements, "hex: mostly hexahedra (default); tet: tetrahedra only")
+        ->option_text("hex|tet");
+    app.add_flag("--no-templates", words.no_templates, "mesh simple surface cells like complex ones");
+    app.add_option("--picture", arguments.picture, "draw the mesh, .png")->option_text("FILE");
+    app.add_option("--report", arguments.report, "write figures and times, .json")->option_text("FILE");
+    app.add_flag("--check", arguments.check, "validate the mesh first; write nothing if it has defects");
+    app.add_option("--device", arguments.options.device, "number or part of a name from `mortise devices`")
+        ->option_text("DEVICE");
+    app.add_option("--threads", words.threads, "host threads, default all cores")->option_text("COUNT");
+    app.add_option("--work-group", words.work_group, "OpenCL work-group size, default by device")
+        ->option_text("COUNT");
+    CLI::Option* json = app.add_flag("--json", arguments.json, "print the report on stdout, not the summary");
+    app.add_flag("--quiet", arguments.quiet, "no summary and no progress; warnings stay")->excludes(json);
+    app.set_version_flag("--version", "mortise " MORTISE_VERSION, "print the version");
+    app.footer(std::string(kExamples) + kExitCodes);
+}
+
+CLI::App* add_command(CLI::App& app, const char* name, const char* usage, const char* description) {
+    CLI::App* command = app.add_subcommand(name, description);
+    command->formatter(std::make_shared<HelpFormatter>(usage));
+    command->set_help_flag("-h,--help", "print this help");
+    command->footer(kExitCodes);
+    return command;
+}
+
+void read_mesh_words(const Words& words, Arguments& arguments) {
+    MeshOptions& options = arguments.options;
+    if (!words.level.empty()) options.level = parse_integer("--level", words.level, 1, "; the default is 6");
+    if (!words.size.empty()) {
+        options.size = parse_number("--size", words.size);
+        if (options.size <= 0) refuse("--size '" + words.size + "': expected a positive length");
+    }
+    if (!words.box.empty()) {
+        Box3 box;
+        for (std::size_t i = 0; i < 6; ++i) {
+            (i < 3 ? box.min : box.max)[i % 3] = parse_number("--box", words.box[i]);
+        }
+        options.box = box;
+    }
+    if (!words.elements.empty() && words.elements != "hex" && words.elements != "tet") {
+        refuse("--elements '" + words.elements + "': expected hex or tet");
+    }
+    options.tetrahedra = words.elements == "tet";
+    options.templates = !words.no_templates;
+    if (!words.threads.empty()) options.threads = parse_integer("--threads", words.threads, 1, "");
+    if (!words.work_group.empty()) {
+        options.work_group_size = parse_integer("--work-group", words.work_group, 1, "");
+    }
+    if (arguments.file.empty())
+        refuse("no model given; use: mortise MODEL -o FILE.vtu, or see mortise --help");
+    if (arguments.outputs.empty()) {
+        refuse("no output given for '" + arguments.file + "'; add -o FILE.vtu or -o FILE.msh");
+    }
+    for (auto path = arguments.outputs.begin(); path != arguments.outputs.end(); ++path) {
+        if (std::count(arguments.outputs.begin(), path, *path) > 0) refuse("-o '" + *path + "': given twice");
+    }
+}
+
+}  // namespace
+
+Arguments parse_arguments(int count, const char* const* values) {
+    Arguments arguments;
+    Words words;
+    CLI::App app("Mortise turns CSG solids into conforming, mostly hexahedral volume meshes.");
+    app.formatter(std::make_shared<HelpFormatter>("mortise MODEL -o FILE [-o FILE ...] [OPTIONS]"));
+    app.set_help_flag("-h,--help", "print this help");
+    add_mesh_options(app, arguments, words);
+
+    CLI::App* check =
+        add_command(app, "check", "mortise check FILE [--json]", "validate a mesh file, .vtu or .msh");
+    check->add_option("FILE", arguments.file);
+    CLI::App* devices = add_command(app, "devices", "mortise devices [--json]", "list OpenCL devices");
+    CLI::App* doctor =
+        add_command(app, "doctor", "mortise doctor", "check the OpenCL installation, and how to repair it");
+    CLI::App* info =
+        add_command(app, "info", "mortise info MODEL [--json]", "what a model holds, without meshing it");
+    info->add_option("MODEL", arguments.file);
+    for (CLI::App* command : {check, devices, info}) {
+        command->add_flag("--json", arguments.json, "print JSON on stdout");
+    }
+
+    try {
+        app.parse(count, values);
+    } catch (const CLI::CallForHelp&) {
+        // The help wanted is that of the command, if one was named before --help.
+        const std::vector<CLI::App*> named = app.get_subcommands();
+        arguments.command = Command::kPrint;
+        arguments.text = (named.empty() ? &app : named.front())->help();
+        return arguments;
+    } catch (const CLI::CallForVersion& version) {
+        arguments.command = Command::kPrint;
+        arguments.text = std::string(version.what()) + "\n";
+        return arguments;
+    } catch (const CLI::ExtrasError&) {
+        const std::vector<std::string> extra = app.remaining(true);
+        refuse("unexpected argument '" + (extra.empty() ? "" : extra.front()) + "'; see mortise --help");
+    } catch (const CLI::ParseError& error) {
+        refuse(std::string(error.what()) + "; see mortise --help");
+    }
+
+    if (check->parsed()) arguments.command = Command::kCheck;
+    if (devices->parsed()) arguments.command = Command::kDevices;
+    if (doctor->parsed()) arguments.command = Command::kDoctor;
+    if (info->parsed()) arguments.command = Command::kInfo;
+    if (arguments.command == Command::kMesh) read_mesh_words(words, arguments);
+    if (check->parsed() && arguments.file.empty()) refuse("no mesh given; use: mortise check FILE");
+    if (info->parsed() && arguments.file.empty()) refuse("no model given; use: mortise info MODEL");
+    return arguments;
+}
+
+}  // namespace mortise::cli

@@ -1,0 +1,29 @@
+// The command line as data: what the user asked for, checked as far as that is possible without any work.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "mortise/mesher.hpp"
+
+namespace mortise::cli {
+
+enum class Command { kMesh, kCheck, kDevices, kDoctor, kInfo, kPrint };
+
+struct Arguments {
+    Command command = Command::kMesh;
+    std::string file;                  ///< the model, or the mesh of `check`
+    std::vector<std::string> outputs;  ///< mesh files, each once
+    std::string picture;               ///< empty: none
+    std::string report;                ///< empty: none
+    bool json = false;
+    bool quiet = false;
+    bool check = false;
+    MeshOptions options;
+    std::string text;  ///< kPrint: what to print, for --help and --version
+};
+
+/// Throws Error(kUsage) for anything that is not understood.
+Arguments parse_arguments(int count, const char* const* values);
+
+}  // namespace mortise::cli

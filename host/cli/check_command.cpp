@@ -1,0 +1,44 @@
+// `mortise check FILE`: validity and figures of a mesh file.
+#include "host/cli/commands.hpp"
+#include "host/cli/documents.hpp"
+#include "host/cli/files.hpp"
+#include "mortise/io.hpp"
+
+namespace mortise::cli {
+namespace {
+
+std::string figures_text(const CheckReport& report) {
+    std::string text;
+    text += "  elements   " + list_elements(report.elements) + "\n";
+    text += "  nodes      " + std::to_string(report.nodes) + "\n";
+    text += "  volume     " + short_number(report.volume, 9) + "\n";
+    text += "  boundary   area " + short_number(report.boundary_area, 9) + ", " +
+            std::to_string(report.boundary_facets) + " facets, Euler characteristic " +
+            std::to_string(report.euler_characteristic) + ", " + std::to_string(report.nonmanifold_edges) +
+            " non-manifold edges\n";
+    text += "  inside     components " + std::to_string(report.components) + ", regions " +
+            std::to_string(report.region_volume.size()) + ", interface facets " +
+            std::to_string(report.interface_facets) + "\n";
+    text += "  worst      scaled Jacobian " + list_jacobians(report.elements, report.min_scaled_jacobian) +
+            "; dihedral angles " + short_number(report.min_dihedral) + " to " +
+            short_number(report.max_dihedral) + " degrees\n";
+    return text;
+}
+
+}  // namespace
+
+ExitCode check_command(const Arguments& arguments) {
+    const CheckReport report = check_mesh(read_mesh(arguments.file));
+    if (arguments.json) {
+        Json document = check_document(report);
+        document["file"] = arguments.file;
+        print(to_text(document));
+    } else {
+        std::string text = arguments.file + (report.valid() ? ": valid\n" : ": invalid\n");
+        for (const Defect& defect : report.defects) text += "  defect     " + describe(defect) + "\n";
+        print(text + figures_text(report));
+    }
+    return report.valid() ? ExitCode::kOk : ExitCode::kMeshing;
+}
+
+}  // namespace mortise::cli

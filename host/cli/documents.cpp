@@ -1,0 +1,148 @@
+// See documents.hpp.
+#include "host/cli/documents.hpp"
+
+#include <algorithm>
+#include <cstdio>
+
+namespace mortise::cli {
+namespace {
+
+Json by_type(const std::array<std::uint64_t, kElementTypes>& values) {
+    Json json = Json::object();
+    for (std::size_t t = 0; t < kElementTypes; ++t) json[kElementNames[t]] = values[t];
+    return json;
+}
+
+/// Types without elements have no worst element: null.
+Json worst_by_type(const std::array<std::uint64_t, kElementTypes>& elements,
+                   const std::array<double, kElementTypes>& values) {
+    Json json = Json::object();
+    for (std::size_t t = 0; t < kElementTypes; ++t) {
+        json[kElementNames[t]] = elements[t] > 0 ? Json(values[t]) : Json(nullptr);
+    }
+    return json;
+}
+
+Json names_with_counts(const std::vector<std::string>& names, const std::vector<std::uint64_t>& counts,
+                       const char* what) {
+    Json list = Json::array();
+    for (std::size_t i = 0; i < names.size(); ++i) list.push_back({{"name", names[i]}, {what, counts[i]}});
+    return list;
+}
+
+}  // namespace
+
+MeshFigures figures_of(const Mesh& mesh) {
+    MeshFigures figures;
+    const std::vector<float> jacobians = scaled_jacobians(mesh);
+    std::size_t next = 0;
+    for (std::size_t t = 0; t < kElementTypes; ++t) {
+        const ElementBlock& block = mesh.elements[t];
+        figures.elements[t] = block.size();
+        figures.min_scaled_jacobian[t] = 1;
+        for (std::size_t i = 0; i < block.size(); ++i) {
+            figures.min_scaled_jacobian[t] =
+                std::min(figures.min_scaled_jacobian[t], static_cast<double>(jacobians[next++]));
+            if (block.kind[i] < figures.kinds.size()) ++figures.kinds[block.kind[i]];
+        }
+    }
+    return figures;
+}
+
+Json mesh_document(const Mesh& mesh, const MeshReport& report, const MeshFigures& figures) {
+    std::vector<std::uint64_t> in_region(mesh.region_names.size(), 0);
+    for (const ElementBlock& block : mesh.elements) {
+        for (const std::uint16_t region : block.region) ++in_region[region - 1u];
+    }
+    std::vector<std::uint64_t> on_surface(mesh.surface_names.size(), 0);
+    for (const std::uint32_t surface : mesh.facets.surface) ++on_surface[surface];
+
+    Json json;
+    json["version"] = MORTISE_VERSION;
+    json["device"] = report.device;
+    json["level"] = report.level;
+    json["cell_size"] = report.cell_size;
+    json["root_box"] = {{"min", report.root.min}, {"max", report.root.max}};
+    json["nodes"] = mesh.node_count();
+    json["elements"] = by_type(figures.elements);
+    json["elements_by_kind"] = {
+        {"in", figures.kinds[0]}, {"snio", figures.kinds[1]}, {"cnio", figures.kinds[2]}};
+    json["min_scaled_jacobian"] = worst_by_type(figures.elements, figures.min_scaled_jacobian);
+    json["regions"] = names_with_counts(mesh.region_names, in_region, "elements");
+    json["surfaces"] = names_with_counts(mesh.surface_names, on_surface, "facets");
+    json["cells"] = {{"evaluated", report.cells_evaluated},
+                     {"in", report.in_cells},
+                     {"nio", report.nio_cells},
+                     {"snio", report.snio_cells},
+                     {"cnio", report.cnio_cells}};
+    json["refused_splits"] = report.refused_splits;
+    json["unresolved"] = report.unresolved;
+    json["dropped_features"] = report.dropped_features;
+    json["stages"] = Json::array();
+    for (const StageTime& stage : report.stages) {
+        json["stages"].push_back({{"stage", stage.stage},
+                                  {"wall_seconds", stage.wall_seconds},
+                                  {"cpu_seconds", stage.cpu_seconds},
+                                  {"items", stage.items}});
+    }
+    json["warnings"] = report.warnings;
+    return json;
+}
+
+Json check_document(const CheckReport& report) {
+    Json json;
+    json["valid"] = report.valid();
+    json["defects"] = Json::array();
+    for (const Defect& defect : report.defects) {
+        json["defects"].push_back({{"what", defect.what}, {"count", defect.count}, {"first", defect.first}});
+    }
+    json["nodes"] = report.nodes;
+    json["elements"] = by_type(report.elements);
+    json["min_scaled_jacobian"] = worst_by_type(report.elements, report.min_scaled_jacobian);
+    json["min_dihedral"] = report.min_dihedral;
+    json["max_dihedral"] = report.max_dihedral;
+    json["volume"] = report.volume;
+    json["region_volume"] = report.region_volume;
+    json["boundary_area"] = report.boundary_area;
+    json["boundary_facets"] = report.boundary_facets;
+    json["interface_facets"] = report.interface_facets;
+    json["nonmanifold_edges"] = report.nonmanifold_edges;
+    json["euler_characteristic"] = report.euler_characteristic;
+    json["components"] = report.components;
+    return json;
+}
+
+std::string to_text(const Json& document) {
+    return document.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+std::string list_elements(const std::array<std::uint64_t, kElementTypes>& elements) {
+    std::string list;
+    for (std::size_t t = 0; t < kElementTypes; ++t) {
+        if (elements[t] == 0) continue;
+        list += (list.empty() ? "" : ", ") + std::to_string(elements[t]) + " " + kElementNames[t];
+    }
+    return list.empty() ? "no elements" : list;
+}
+
+std::string list_jacobians(const std::array<std::uint64_t, kElementTypes>& elements,
+                           const std::array<double, kElementTypes>& jacobians) {
+    std::string list;
+    for (std::size_t t = 0; t < kElementTypes; ++t) {
+        if (elements[t] == 0) continue;
+        list += (list.empty() ? "" : ", ") + short_number(jacobians[t], 3) + " " + kElementNames[t];
+    }
+    return list.empty() ? "none" : list;
+}
+
+std::string short_number(double value, int digits) {
+    char text[40];
+    std::snprintf(text, sizeof text, "%.*g", digits, value);
+    return text;
+}
+
+std::string describe(const Defect& defect) {
+    return std::to_string(defect.count) + " × " + defect.what + ", first: " + defect.first;
+}
+
+}  // namespace mortise::cli

@@ -1,0 +1,45 @@
+// What `mortise` reports about meshes, for people and as JSON. JSON names are append-only.
+#pragma once
+
+#include <array>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "mortise/check.hpp"
+#include "mortise/mesher.hpp"
+
+namespace mortise::cli {
+
+using Json = nlohmann::ordered_json;
+
+inline constexpr std::array<const char*, kElementTypes> kElementNames = {"hexahedra", "wedges", "pyramids",
+                                                                         "tetrahedra"};
+
+/// The figures of a mesh that cost one pass over it.
+struct MeshFigures {
+    std::array<std::uint64_t, kElementTypes> elements{};
+    std::array<std::uint64_t, 3> kinds{};                     ///< by ElementKind
+    std::array<double, kElementTypes> min_scaled_jacobian{};  ///< 1 where a type has no elements
+};
+MeshFigures figures_of(const Mesh& mesh);
+
+Json mesh_document(const Mesh& mesh, const MeshReport& report, const MeshFigures& figures);
+Json check_document(const CheckReport& report);
+
+/// Indented, with a line break at the end; bytes that are not UTF-8 are replaced.
+std::string to_text(const Json& document);
+
+/// "120 hexahedra, 8 wedges": types without elements are left out.
+std::string list_elements(const std::array<std::uint64_t, kElementTypes>& elements);
+
+/// "0.71 hexahedra, 0.2 wedges".
+std::string list_jacobians(const std::array<std::uint64_t, kElementTypes>& elements,
+                           const std::array<double, kElementTypes>& jacobians);
+
+/// A number with a few significant digits.
+std::string short_number(double value, int digits = 4);
+
+/// What, how often and where, in one line.
+std::string describe(const Defect& defect);
+
+}  // namespace mortise::cli

@@ -1,0 +1,52 @@
+// See files.hpp.
+#include "host/cli/files.hpp"
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+
+#include "host/io/temporary_file.hpp"
+#include "mortise/error.hpp"
+#include "mortise/io.hpp"
+
+namespace mortise::cli {
+namespace {
+
+/// Permissions do not tell everything (full disks, special file systems): makes a file and removes it.
+void try_folder(const std::string& path) { const io::TemporaryFile attempt(path); }
+
+}  // namespace
+
+void check_mesh_output(const std::string& path) {
+    check_writable(path);
+    try_folder(path);
+}
+
+void check_other_output(const std::string& option, const std::string& path, const std::string& extension) {
+    const std::filesystem::path name(path);
+    if (name.extension() != extension) {
+        throw Error(ExitCode::kUsage, option + " '" + path + "': expected a name that ends in " + extension);
+    }
+    std::error_code ignored;
+    if (std::filesystem::is_directory(name, ignored)) {
+        throw Error(ExitCode::kFiles, "cannot write '" + path + "': it is a folder");
+    }
+    try_folder(path);
+}
+
+void write_text(const std::string& path, const std::string& text) {
+    io::TemporaryFile file(path);
+    file.write(text);
+    file.commit();
+}
+
+void print(const std::string& text) {
+    errno = 0;
+    if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0) {
+        throw Error(ExitCode::kFiles,
+                    std::string("cannot write to the standard output: ") + std::strerror(errno));
+    }
+}
+
+}  // namespace mortise::cli

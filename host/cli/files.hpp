@@ -1,0 +1,20 @@
+// Output files of the command line.
+#pragma once
+
+#include <string>
+
+namespace mortise::cli {
+
+/// Throws what writing a mesh of that name would throw, as far as that can be known before the work starts.
+void check_mesh_output(const std::string& path);
+
+/// The same for a file that must end in `extension`, such as ".png"; `option` names it in messages.
+void check_other_output(const std::string& option, const std::string& path, const std::string& extension);
+
+/// Writes the whole file or, with Error(kFiles), none of it.
+void write_text(const std::string& path, const std::string& text);
+
+/// Prints on stdout; Error(kFiles) if that fails.
+void print(const std::string& text);
+
+}  // namespace mortise::cli

@@ -1,0 +1,62 @@
+// `mortise info MODEL`: what a model file holds, without meshing it.
+#include <array>
+
+#include "host/cli/commands.hpp"
+#include "host/cli/documents.hpp"
+#include "host/cli/files.hpp"
+#include "host/cli/progress.hpp"
+
+namespace mortise::cli {
+namespace {
+
+/// By Primitive::Kind.
+constexpr std::array<const char*, 7> kPrimitiveNames = {"convex",      "sphere", "cylinder",  "cone",
+                                                        "double cone", "torus",  "expression"};
+
+std::string corner_text(const Vec3& corner) {
+    return "(" + short_number(corner[0]) + ", " + short_number(corner[1]) + ", " + short_number(corner[2]) +
+           ")";
+}
+
+}  // namespace
+
+ExitCode info_command(const Arguments& arguments) {
+    const Model model = read_model(arguments.file);
+    std::array<std::uint64_t, kPrimitiveNames.size()> primitives{};
+    for (const CsgNode& node : model.nodes) {
+        if (node.op == CsgNode::Op::kPrimitive) ++primitives[static_cast<std::size_t>(node.primitive.kind)];
+    }
+    Json document;
+    document["file"] = arguments.file;
+    std::string text = arguments.file + ": " + std::to_string(model.nodes.size()) + " nodes\n";
+    document["nodes"] = model.nodes.size();
+    document["regions"] = Json::array();
+    for (const Region& region : model.regions) {
+        document["regions"].push_back(
+            {{"name", region.name},
+             {"max_size", region.max_size > 0 ? Json(region.max_size) : Json(nullptr)},
+             {"metadata", region.metadata}});
+        text += "  region     " + region.name +
+                (region.max_size > 0 ? ", element size " + short_number(region.max_size) : "") +
+                (region.metadata.empty() ? "" : ", " + one_line(region.metadata)) + "\n";
+    }
+    document["primitives"] = Json::object();
+    for (std::size_t k = 0; k < primitives.size(); ++k) {
+        document["primitives"][kPrimitiveNames[k]] = primitives[k];
+        if (primitives[k] == 0) continue;
+        text +=
+            "  primitive  " + std::string(kPrimitiveNames[k]) + ": " + std::to_string(primitives[k]) + "\n";
+    }
+    document["box"] = nullptr;
+    if (model.clip) {
+        document["box"] = {{"min", model.clip->min}, {"max", model.clip->max}};
+        text += "  box        " + corner_text(model.clip->min) + " to " + corner_text(model.clip->max) + "\n";
+    }
+    document["warnings"] = model.warnings;
+    print(arguments.json ? to_text(document) : text);
+    Progress progress(true);
+    for (const std::string& warning : model.warnings) progress.warn(warning);
+    return ExitCode::kOk;
+}
+
+}  // namespace mortise::cli

@@ -1,0 +1,118 @@
+// `mortise MODEL -o FILE`: read, mesh, check if asked, write, report.
+#include <algorithm>
+#include <chrono>
+#include <ctime>
+
+#include "host/cli/commands.hpp"
+#include "host/cli/documents.hpp"
+#include "host/cli/files.hpp"
+#include "host/cli/progress.hpp"
+#include "mortise/io.hpp"
+
+namespace mortise::cli {
+namespace {
+
+constexpr double kChecking = 0.8;  // progress when the mesh is there
+constexpr double kWriting = 0.9;
+
+/// Runs one stage of the command line and appends its times.
+template <class Action>
+void timed(const char* stage, std::vector<StageTime>& stages, std::uint64_t items, const Action& action) {
+    const auto wall = std::chrono::steady_clock::now();
+    const std::clock_t cpu = std::clock();
+    action();
+    const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - wall;
+    stages.push_back({stage, seconds.count(),
+                      static_cast<double>(std::clock() - cpu) / static_cast<double>(CLOCKS_PER_SEC), items});
+}
+
+std::string summary(const Arguments& arguments, const Mesh& mesh, const MeshReport& report,
+                    const MeshFigures& figures) {
+    std::string text = arguments.file + ": " + std::to_string(mesh.element_count()) + " elements, " +
+                       std::to_string(mesh.node_count()) + " nodes; level " + std::to_string(report.level) +
+                       ", cell size " + short_number(report.cell_size) + "\n";
+    text += "  elements   " + list_elements(figures.elements) + "\n";
+    text += "  worst      scaled Jacobian " + list_jacobians(figures.elements, figures.min_scaled_jacobian) +
+            "\n";
+    double total = 0;
+    std::string stages;
+    for (const StageTime& stage : report.stages) {
+        total += stage.wall_seconds;
+        stages += (stages.empty() ? "" : ", ") + stage.stage + " " + short_number(stage.wall_seconds, 2);
+    }
+    text += "  time       " + short_number(total, 3) + " s: " + stages + "\n";
+    text += "  device     " + report.device + "\n";
+    std::string files;
+    for (const std::string& path : arguments.outputs) files += (files.empty() ? "" : ", ") + path;
+    for (const std::string& path : {arguments.picture, arguments.report}) {
+        if (!path.empty()) files += ", " + path;
+    }
+    return text + "  written    " + files + "\n";
+}
+
+void check_outputs(const Arguments& arguments) {
+    for (const std::string& path : arguments.outputs) check_mesh_output(path);
+    if (!arguments.picture.empty()) check_other_output("--picture", arguments.picture, ".png");
+    if (!arguments.report.empty()) check_other_output("--report", arguments.report, ".json");
+}
+
+void refuse_defects(const CheckReport& check) {
+    if (check.valid()) return;
+    throw Error(ExitCode::kMeshing,
+                "the mesh has defects, nothing is written: " + describe(check.defects.front()) +
+                    "; try another --level, and please report it with the model");
+}
+
+}  // namespace
+
+ExitCode mesh_command(const Arguments& arguments) {
+    check_outputs(arguments);
+    Progress progress(arguments.quiet);
+    MeshOptions options = arguments.options;
+    options.progress = [&progress](const char* stage, double fraction) {
+        progress.show(stage, fraction * kChecking);
+        return true;
+    };
+
+    std::vector<StageTime> before, after;
+    Model model;
+    timed("read", before, 1, [&] { model = read_model(arguments.file); });
+    // Said before the work, in case that fails.
+    for (const std::string& warning : model.warnings) progress.warn(warning);
+    MeshReport report;
+    const Mesh mesh = generate_mesh(model, options, &report);
+    for (const std::string& warning : report.warnings) progress.warn(warning);
+
+    CheckReport check;
+    if (arguments.check) {
+        progress.show("check", kChecking);
+        timed("check", after, mesh.element_count(), [&] { check = check_mesh(mesh); });
+        refuse_defects(check);
+    }
+    for (const std::string& path : arguments.outputs) {
+        progress.show("write", kWriting);
+        timed("write", after, mesh.element_count(), [&] { write_mesh(mesh, path); });
+    }
+    if (!arguments.picture.empty()) {
+        timed("picture", after, mesh.facets.size(), [&] { write_picture(mesh, arguments.picture); });
+    }
+    MeshFigures figures;
+    timed("figures", after, mesh.element_count(), [&] { figures = figures_of(mesh); });
+    report.stages.insert(report.stages.begin(), before.begin(), before.end());
+    report.stages.insert(report.stages.end(), after.begin(), after.end());
+    progress.clear();
+
+    if (arguments.json || !arguments.report.empty()) {
+        Json document = mesh_document(mesh, report, figures);
+        document["model"] = arguments.file;
+        document["outputs"] = arguments.outputs;
+        if (arguments.check) document["check"] = check_document(check);
+        const std::string text = to_text(document);
+        if (!arguments.report.empty()) write_text(arguments.report, text);
+        if (arguments.json) print(text);
+    }
+    if (!arguments.json && !arguments.quiet) print(summary(arguments, mesh, report, figures));
+    return ExitCode::kOk;
+}
+
+}  // namespace mortise::cli
