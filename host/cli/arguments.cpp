@@ -206,6 +206,13 @@ Arguments parse_arguments(int count, const char* const* values) {
     } catch (const CLI::ExtrasError&) {
         const std::vector<std::string> extra = app.remaining(true);
         refuse("unexpected argument '" + (extra.empty() ? "" : extra.front()) + "'; see mortise --help");
+    } catch (const CLI::ArgumentMismatch& error) {
+        // CLI11 says "--level: 1 required TEXT missing".
+        const std::string what = error.what();
+        const std::string option = what.substr(0, what.find(':'));
+        refuse(option +
+               (option == "--box" ? ": expected six numbers, X0 Y0 Z0 X1 Y1 Z1" : ": expected a value") +
+               "; see mortise --help");
     } catch (const CLI::ParseError& error) {
         refuse(std::string(error.what()) + "; see mortise --help");
     }

@@ -11,7 +11,7 @@ namespace {
 
 /// By Primitive::Kind.
 constexpr std::array<const char*, 7> kPrimitiveNames = {"convex",      "sphere", "cylinder",  "cone",
-                                                        "double cone", "torus",  "expression"};
+                                                        "double_cone", "torus",  "expression"};
 
 std::string corner_text(const Vec3& corner) {
     return "(" + short_number(corner[0]) + ", " + short_number(corner[1]) + ", " + short_number(corner[2]) +

@@ -2,6 +2,7 @@
 #include <cstdio>
 #include <exception>
 #include <new>
+#include <string>
 
 #include "host/cli/commands.hpp"
 #include "host/cli/files.hpp"

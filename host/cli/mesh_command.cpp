@@ -1,6 +1,6 @@
 // `mortise MODEL -o FILE`: read, mesh, check if asked, write, report.
-#include <algorithm>
 #include <chrono>
+#include <cstdio>
 #include <ctime>
 
 #include "host/cli/commands.hpp"
@@ -14,6 +14,14 @@ namespace {
 
 constexpr double kChecking = 0.8;  // progress when the mesh is there
 constexpr double kWriting = 0.9;
+
+constexpr double kWorthTelling = 0.001;  // seconds
+
+std::string seconds_text(double seconds) {
+    char text[40];
+    std::snprintf(text, sizeof text, "%.3f", seconds);
+    return text;
+}
 
 /// Runs one stage of the command line and appends its times.
 template <class Action>
@@ -38,9 +46,10 @@ std::string summary(const Arguments& arguments, const Mesh& mesh, const MeshRepo
     std::string stages;
     for (const StageTime& stage : report.stages) {
         total += stage.wall_seconds;
-        stages += (stages.empty() ? "" : ", ") + stage.stage + " " + short_number(stage.wall_seconds, 2);
+        if (stage.wall_seconds < kWorthTelling) continue;
+        stages += (stages.empty() ? ": " : ", ") + stage.stage + " " + seconds_text(stage.wall_seconds);
     }
-    text += "  time       " + short_number(total, 3) + " s: " + stages + "\n";
+    text += "  time       " + seconds_text(total) + " s" + stages + "\n";
     text += "  device     " + report.device + "\n";
     std::string files;
     for (const std::string& path : arguments.outputs) files += (files.empty() ? "" : ", ") + path;
@@ -89,13 +98,15 @@ ExitCode mesh_command(const Arguments& arguments) {
         timed("check", after, mesh.element_count(), [&] { check = check_mesh(mesh); });
         refuse_defects(check);
     }
-    for (const std::string& path : arguments.outputs) {
-        progress.show("write", kWriting);
-        timed("write", after, mesh.element_count(), [&] { write_mesh(mesh, path); });
-    }
+    progress.show("write", kWriting);
+    timed("write", after, mesh.element_count(), [&] {
+        for (const std::string& path : arguments.outputs) write_mesh(mesh, path);
+    });
     if (!arguments.picture.empty()) {
         timed("picture", after, mesh.facets.size(), [&] { write_picture(mesh, arguments.picture); });
     }
+    if (arguments.quiet && arguments.report.empty()) return ExitCode::kOk;
+
     MeshFigures figures;
     timed("figures", after, mesh.element_count(), [&] { figures = figures_of(mesh); });
     report.stages.insert(report.stages.begin(), before.begin(), before.end());

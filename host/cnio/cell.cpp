@@ -86,12 +86,13 @@ LocalNode Cell::split_node(std::size_t p, LocalNode a, LocalNode b, const Lattic
     return m;
 }
 
-bool Cell::snap_end(std::size_t p, LocalNode a, LocalNode b, const LatticePoint& at, bool inner_only) {
+bool Cell::snap_end(std::size_t p, LocalNode a, LocalNode b, const LatticePoint& at, double reach,
+                    bool inner_only) {
     const double to_a = distance(nodes_[a].point, at);
     const double to_b = distance(nodes_[b].point, at);
     const LocalNode near = to_a <= to_b ? a : b;
     const bool shared = (nodes_[near].faces & (nodes_[near].faces - 1)) != 0;
-    if (std::min(to_a, to_b) > kSnapDistance || (inner_only && shared)) return false;
+    if (std::min(to_a, to_b) > reach || (inner_only && shared)) return false;
     set_sign(near, p, 0);
     ++counters.snapped;
     return true;
@@ -115,12 +116,13 @@ void Cell::load(const TreeNode& leaf) {
 
 void Cell::load_active_sets() {
     surfaces_.clear();
-    const std::uint32_t* words = tape();
+    const std::uint32_t* words = tree_.tapes.data() + leaf_.tape_offset;
     for (std::uint32_t i = 0; i < leaf_.tape_length; ++i) {
         if (tape_operation(words[i]) == kTapeLiteral) surfaces_.push_back(tape_surface(words[i]));
     }
     std::sort(surfaces_.begin(), surfaces_.end());
     surfaces_.erase(std::unique(surfaces_.begin(), surfaces_.end()), surfaces_.end());
+    local_tape_.load(words, leaf_.tape_length, surfaces_);
     const std::size_t n = surfaces_.size();
     const std::int64_t size = std::int64_t{1} << tree_.level;
     neighbour_active_.assign(27 * n, 0);

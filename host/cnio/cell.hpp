@@ -12,6 +12,7 @@
 #include "host/cnio/exact.hpp"
 #include "host/octree/octree.hpp"
 #include "host/tape/compile.hpp"
+#include "host/tape/local_tape.hpp"
 
 namespace mortise::cnio {
 
@@ -69,7 +70,7 @@ class Cell {
     const std::vector<Facet>& face(int f) const { return faces_[static_cast<std::size_t>(f)]; }
     FaceMode mode(int f) const { return modes_[static_cast<std::size_t>(f)]; }
     const TreeNode& leaf() const { return leaf_; }
-    const std::uint32_t* tape() const { return tree_.tapes.data() + leaf_.tape_offset; }
+    const tape::LocalTape& local_tape() const { return local_tape_; }
     std::uint32_t coordinate(int axis) const { return xyz_[axis]; }
 
     /// Signs by evaluation at a point, tolerance and all: the pure function.
@@ -96,9 +97,11 @@ class Cell {
     LocalNode split_node(std::size_t p, LocalNode a, LocalNode b, const LatticePoint& at, int round,
                          const std::uint8_t* active);
 
-    /// After a refused split of edge ab at p: gives the end near the root, if there is one, the sign 0. A
-    /// node on an edge of the cell keeps its sign while faces are meshed, since other faces depend on it.
-    bool snap_end(std::size_t p, LocalNode a, LocalNode b, const LatticePoint& at, bool inner_only);
+    /// In place of a split of edge ab at p: gives the end within `reach` of the root, if there is one, the
+    /// sign 0. A node on an edge of the cell keeps its sign while faces are meshed, since other faces depend
+    /// on it.
+    bool snap_end(std::size_t p, LocalNode a, LocalNode b, const LatticePoint& at, double reach,
+                  bool inner_only);
 
     CellCounters counters;
 
@@ -119,7 +122,8 @@ class Cell {
     const octree::Octree& tree_;
     TreeNode leaf_{};
     std::uint32_t xyz_[3] = {};
-    std::vector<std::uint32_t> surfaces_;         ///< active set, ascending
+    std::vector<std::uint32_t> surfaces_;  ///< active set, ascending
+    tape::LocalTape local_tape_;
     std::vector<std::uint8_t> neighbour_active_;  ///< 27 × surfaces: active in that neighbour
     std::vector<std::uint8_t> edge_active_;       ///< 12 × surfaces
     std::vector<Node> nodes_;

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "host/tape/reference.hpp"
-
 namespace mortise::cnio {
 namespace {
 
@@ -22,6 +20,7 @@ bool frame_points_outward(int f) {
 CellRecord Certificate::run(const TreeNode& leaf, CellArena& arena) {
     cell_.load(leaf);
     simplices_.clear();
+    incident_.clear();
     pyramids_.clear();
     quads_.clear();
     simplex_region_.clear();
@@ -72,9 +71,16 @@ bool Certificate::is_uniform(std::int32_t* region) const {
         if (negative && positive) return false;
         signs[s] = static_cast<std::int8_t>(positive ? 1 : negative ? -1 : 0);
     }
-    *region = tape::resolve_signs(cell_.tape(), cell_.leaf().tape_length, cell_.surfaces().data(),
-                                  cell_.surface_count(), signs.data());
+    *region = cell_.local_tape().resolve(signs.data());
     return *region != kUnknown;
+}
+
+/// Adds a simplex and lists it with its nodes. Lists only grow: a simplex that has lost a node is skipped
+/// when met.
+void Certificate::add_simplex(const std::array<LocalNode, 4>& node, bool resolved) {
+    simplices_.push_back({node, resolved});
+    incident_.resize(cell_.nodes().size());
+    for (const LocalNode n : node) incident_[n].push_back(static_cast<std::uint32_t>(simplices_.size() - 1));
 }
 
 void Certificate::cone() {
@@ -87,12 +93,12 @@ void Certificate::cone() {
             if (outward) std::reverse(facet.node, facet.node + facet.count);
             const LocalNode* v = facet.node;
             if (facet.count == 3) {
-                simplices_.push_back({{v[0], v[1], v[2], apex}});
+                add_simplex({v[0], v[1], v[2], apex}, false);
                 continue;
             }
             const LocalNode cap = add_cap(facet, centre);
             pyramids_.push_back({{v[0], v[1], v[2], v[3], cap}});
-            for (int i = 0; i < 4; ++i) simplices_.push_back({{v[i], v[(i + 1) % 4], cap, apex}});
+            for (int i = 0; i < 4; ++i) add_simplex({v[i], v[(i + 1) % 4], cap, apex}, false);
         }
     }
 }
@@ -159,22 +165,24 @@ bool Certificate::is_resolved(const Simplex& simplex) {
         }
         signs_[s] = static_cast<std::int8_t>(static_cast<int>(positive) - static_cast<int>(negative));
     }
-    return tape::resolve_signs(cell_.tape(), cell_.leaf().tape_length, cell_.surfaces().data(), n,
-                               signs_.data()) != kUnknown;
+    return cell_.local_tape().resolve(signs_.data()) != kUnknown;
 }
 
 /// Splits the inner edges of unresolved simplices that are mixed for surface p; tells whether there were any.
 bool Certificate::bisect(std::size_t p, int round) {
     bool any = false;
     mixed_.clear();
-    for (const Simplex& s : simplices_) {
+    for (Simplex& s : simplices_) {
+        if (s.resolved) continue;
         bool negative = false;
         bool positive = false;
         for (const LocalNode node : s.node) {
             negative = negative || cell_.sign(node, p) < 0;
             positive = positive || cell_.sign(node, p) > 0;
         }
-        if (!negative || !positive || is_resolved(s)) continue;
+        if (!negative || !positive) continue;
+        s.resolved = is_resolved(s);
+        if (s.resolved) continue;
         for (std::size_t i = 0; i < 4; ++i) {
             for (std::size_t k = i + 1; k < 4; ++k) {
                 const LocalNode a = std::min(s.node[i], s.node[k]);
@@ -191,9 +199,14 @@ bool Certificate::bisect(std::size_t p, int round) {
     for (const auto& [a, b] : mixed_) {
         if (cell_.sign(a, p) * cell_.sign(b, p) >= 0) continue;  // an end was snapped
         const LatticePoint at = cell_.root(p, a, b);
+        if (cell_.snap_end(p, a, b, at, kMergeDistance, false)) {
+            any = true;
+            continue;
+        }
         around_.clear();
         bool refused = false;
-        for (std::uint32_t i = 0; i < simplices_.size() && !refused; ++i) {
+        const auto& candidates = incident_[incident_[a].size() <= incident_[b].size() ? a : b];
+        for (const std::uint32_t i : candidates) {
             const auto& v = simplices_[i].node;
             const auto ia = std::find(v.begin(), v.end(), a);
             const auto ib = std::find(v.begin(), v.end(), b);
@@ -205,9 +218,10 @@ bool Certificate::bisect(std::size_t p, int round) {
                 q[replaced - v.begin()] = at;
                 refused = refused || !is_solid(q[0], q[1], q[2], q[3]);
             }
+            if (refused) break;
         }
         if (refused) {
-            if (!cell_.snap_end(p, a, b, at, false)) {
+            if (!cell_.snap_end(p, a, b, at, kSnapDistance, false)) {
                 ++cell_.counters.refused;
                 refused_.insert({static_cast<std::uint32_t>(p), a, b});
             }
@@ -215,11 +229,13 @@ bool Certificate::bisect(std::size_t p, int round) {
         }
         const LocalNode m = cell_.split_node(p, a, b, at, round, nullptr);
         any = true;
+        incident_.resize(cell_.nodes().size());
         for (const std::uint32_t i : around_) {
             Simplex second = simplices_[i];
             std::replace(simplices_[i].node.begin(), simplices_[i].node.end(), b, m);
             std::replace(second.node.begin(), second.node.end(), a, m);
-            simplices_.push_back(second);
+            incident_[m].push_back(i);
+            add_simplex(second.node, second.resolved);
         }
     }
     return any;
@@ -248,14 +264,13 @@ std::int32_t Certificate::label(const LocalNode* node, std::size_t count, std::i
                                             : positive ? 1
                                                        : cell_.value_sign(s, centroid));
     }
-    std::int32_t region =
-        tape::resolve_signs(cell_.tape(), cell_.leaf().tape_length, cell_.surfaces().data(), n, signs);
+    std::int32_t region = cell_.local_tape().resolve(signs);
     if (region != kUnknown) return region;
     ++cell_.counters.unresolved;
     for (std::size_t s = 0; s < n; ++s) {
         if (signs[s] == 0) signs[s] = static_cast<std::int8_t>(cell_.value_sign(s, centroid));
     }
-    return tape::resolve_signs(cell_.tape(), cell_.leaf().tape_length, cell_.surfaces().data(), n, signs);
+    return cell_.local_tape().resolve(signs);
 }
 
 }  // namespace mortise::cnio

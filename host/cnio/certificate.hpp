@@ -89,6 +89,7 @@ class Certificate {
   private:
     struct Simplex {
         std::array<LocalNode, 4> node;
+        bool resolved;  ///< its signs tell its region, and so will those of its parts
     };
     struct Pyramid {
         std::array<LocalNode, 5> node;
@@ -96,6 +97,7 @@ class Certificate {
 
     bool is_uniform(std::int32_t* region) const;
     void cone();
+    void add_simplex(const std::array<LocalNode, 4>& node, bool resolved);
     LocalNode add_cap(const Facet& quad, const LatticePoint& apex);
     bool bisect(std::size_t p, int round);
     bool is_resolved(const Simplex& simplex);
@@ -121,6 +123,7 @@ class Certificate {
     std::vector<std::uint8_t> used_;
     std::vector<std::uint16_t> code_;
     std::vector<std::pair<LocalNode, LocalNode>> mixed_;
+    std::vector<std::vector<std::uint32_t>> incident_;  ///< simplices by node, with stale entries
     std::vector<std::uint32_t> around_;
     std::vector<std::int8_t> signs_;
     std::set<std::tuple<std::uint32_t, LocalNode, LocalNode>> refused_;  ///< (surface, edge): not tried again

@@ -17,7 +17,11 @@ inline constexpr double kMinHeight = 4;
 
 __extension__ using Int128 = __int128;  // a GNU extension; the alias keeps -Wpedantic quiet
 
-/// Where a split is refused, an end of the edge this close to the root counts as on the surface instead.
+/// An end of an edge this close to the root (1.5e-5 of a cell) counts as on the surface; nothing is split
+/// there.
+inline constexpr double kMergeDistance = 1024;
+
+/// Where a split is refused, an end of the edge this close to the root does so too.
 inline constexpr double kSnapDistance = 16384;
 
 inline Int128 determinant(const LatticePoint& a, const LatticePoint& b, const LatticePoint& c,

@@ -234,6 +234,10 @@ bool Cell::split_face(int f, std::size_t p, int round) {
         const LocalNode nb = fan_nodes_[b];
         if (sign(na, p) * sign(nb, p) >= 0) continue;  // an end was snapped
         const LatticePoint at = root(p, na, nb);
+        if (snap_end(p, na, nb, at, kMergeDistance, true)) {
+            any = true;
+            continue;
+        }
         const LocalNode m = split_node(p, na, nb, at, round, active);
         const auto local = static_cast<std::uint16_t>(fan_nodes_.size());
         fan_nodes_.push_back(m);
@@ -253,7 +257,7 @@ bool Cell::split_face(int f, std::size_t p, int round) {
         if (refused) {
             fan_nodes_.pop_back();
             remove_last_node();
-            if (!snap_end(p, na, nb, at, true)) ++counters.refused;
+            if (!snap_end(p, na, nb, at, kSnapDistance, true)) ++counters.refused;
             continue;
         }
         any = true;

@@ -1,0 +1,37 @@
+// A cell's pruned tape over its own list of surfaces: evaluated many times per cell, so without searching.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+namespace mortise::tape {
+
+class LocalTape {
+  public:
+    /// `surfaces`: ascending, holds every surface of the tape.
+    void load(const std::uint32_t* words, std::size_t length, const std::vector<std::uint32_t>& surfaces);
+
+    /// Value for signs (-1, 0 unknown, +1) parallel to the surfaces, in three-valued logic, then by cases
+    /// over up to kMaxCases unknown signs (p ∨ ¬p holds); kUnknown if neither tells.
+    std::int32_t resolve(const std::int8_t* signs) const;
+
+    static constexpr std::size_t kMaxCases = 6;
+
+  private:
+    struct Word {
+        std::uint8_t operation;
+        bool negated;
+        std::uint16_t region;
+        std::uint16_t otherwise;
+        std::uint32_t surface;  ///< index into the list
+    };
+    std::int32_t evaluate(const std::int8_t* signs) const;
+    std::int32_t resolve_in_parallel(const std::int8_t* signs, const std::size_t* open,
+                                     std::size_t count) const;
+
+    std::vector<Word> words_;
+    std::size_t surface_count_ = 0;
+    bool one_region_ = true;  ///< the tape ends with its only select
+};
+
+}  // namespace mortise::tape
