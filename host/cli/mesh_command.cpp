@@ -1,4 +1,4 @@
-// `mortise MODEL -o FILE`: read, mesh, check if asked, write, report.
+// `mortise MODEL -o FILE`: read, mesh, check, write, report.
 #include <chrono>
 #include <cstdio>
 #include <ctime>
@@ -65,11 +65,23 @@ void check_outputs(const Arguments& arguments) {
     if (!arguments.report.empty()) check_other_output("--report", arguments.report, ".json");
 }
 
+constexpr const char* kNothingWritten =
+    "; nothing is written; try another --level, and please report it with the model";
+
+/// A corner that is flat or inside out is cheap to see, so it is looked for in every run.
+void refuse_inverted(const MeshFigures& figures) {
+    for (std::size_t t = 0; t < kElementTypes; ++t) {
+        if (figures.elements[t] == 0 || figures.min_scaled_jacobian[t] > 0) continue;
+        throw Error(ExitCode::kMeshing, std::string("the mesh is not valid: the worst scaled Jacobian of ") +
+                                            kElementNames[t] + " is " +
+                                            short_number(figures.min_scaled_jacobian[t]) + kNothingWritten);
+    }
+}
+
 void refuse_defects(const CheckReport& check) {
     if (check.valid()) return;
     throw Error(ExitCode::kMeshing,
-                "the mesh has defects, nothing is written: " + describe(check.defects.front()) +
-                    "; try another --level, and please report it with the model");
+                "the mesh is not valid: " + describe(check.defects.front()) + kNothingWritten);
 }
 
 }  // namespace
@@ -92,6 +104,10 @@ ExitCode mesh_command(const Arguments& arguments) {
     const Mesh mesh = generate_mesh(model, options, &report);
     for (const std::string& warning : report.warnings) progress.warn(warning);
 
+    MeshFigures figures;
+    progress.show("figures", kChecking);
+    timed("figures", after, mesh.element_count(), [&] { figures = figures_of(mesh); });
+    refuse_inverted(figures);
     CheckReport check;
     if (arguments.check) {
         progress.show("check", kChecking);
@@ -105,10 +121,6 @@ ExitCode mesh_command(const Arguments& arguments) {
     if (!arguments.picture.empty()) {
         timed("picture", after, mesh.facets.size(), [&] { write_picture(mesh, arguments.picture); });
     }
-    if (arguments.quiet && arguments.report.empty()) return ExitCode::kOk;
-
-    MeshFigures figures;
-    timed("figures", after, mesh.element_count(), [&] { figures = figures_of(mesh); });
     report.stages.insert(report.stages.begin(), before.begin(), before.end());
     report.stages.insert(report.stages.end(), after.begin(), after.end());
     progress.clear();

@@ -12,6 +12,7 @@
 #include "host/octree/octree.hpp"
 #include "host/snio/classify.hpp"
 #include "host/tape/compile.hpp"
+#include "host/tetrahedra/split.hpp"
 
 namespace mortise {
 namespace {
@@ -163,6 +164,12 @@ Mesh generate_mesh(const Model& model, const MeshOptions& options, MeshReport* r
         throw Error(ExitCode::kInput, model.source +
                                           ": the solid is empty, or smaller than the cells everywhere; "
                                           "raise --level if it is not");
+    }
+
+    if (options.tetrahedra) {
+        stages.begin("tetrahedra", 0.95);
+        mesh = tetrahedra::split(mesh);
+        stages.end(mesh.element_count());
     }
 
     out.level = root.level;

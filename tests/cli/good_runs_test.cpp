@@ -1,0 +1,214 @@
+// What a user does every day: mesh, check, report; and stopping a run.
+#include <doctest/doctest.h>
+#include <signal.h>
+
+#include <chrono>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "tests/cli/program.hpp"
+
+namespace {
+
+using Json = nlohmann::json;
+using Names = std::vector<std::string>;
+
+void wait_a_little() { std::this_thread::sleep_for(std::chrono::milliseconds(2)); }
+
+/// What all runs that a signal ends have in common.
+void expect_interrupted(const ScratchFolder& scratch, Program& program, int signal_number) {
+    REQUIRE(program.running());
+    program.send(signal_number);
+    const auto sent = std::chrono::steady_clock::now();
+    const Outcome outcome = program.wait();
+    CHECK(std::chrono::steady_clock::now() - sent < std::chrono::seconds(5));
+    CHECK(outcome.signal == signal_number);
+    CHECK(outcome.err == "mortise: interrupted\n");
+    CHECK(outcome.out.empty());
+    CHECK(scratch.names("out").empty());
+}
+
+}  // namespace
+
+TEST_CASE("the models of assets/ give valid meshes in both formats") {
+    const ScratchFolder scratch;
+    for (const char* name : {"block", "bracket", "cyl_cyl_int", "housing", "object_x", "star"}) {
+        CAPTURE(name);
+        const std::string vtu = scratch.file(std::string("out/") + name + ".vtu");
+        const std::string msh = scratch.file(std::string("out/") + name + ".msh");
+        scratch.names("out");
+        const Outcome outcome =
+            run({asset(name + std::string(".csg")), "--level", "4", "-o", vtu, "-o", msh});
+        CHECK(outcome.code == 0);
+        CHECK(outcome.err.empty());
+        CHECK(contains(outcome.out, "tetrahedra"));
+        Json figures[2];
+        for (const std::string& path : {vtu, msh}) {
+            const Outcome check = run({"check", path, "--json"});
+            INFO(path, ": ", check.out, check.err);
+            REQUIRE(check.code == 0);
+            Json& document = figures[path == msh];
+            document = Json::parse(check.out);
+            CHECK(document["valid"] == true);
+            CHECK(document["defects"].empty());
+            document.erase("file");
+        }
+        CHECK(figures[0]["elements"] == figures[1]["elements"]);
+        CHECK(figures[0]["volume"].get<double>() == doctest::Approx(figures[1]["volume"].get<double>()));
+    }
+    CHECK(scratch.names("out").size() == 12);
+}
+
+TEST_CASE("report, picture and --json hold what was made") {
+    const ScratchFolder scratch;
+    scratch.names("out");
+    const std::string vtu = scratch.file("out/a.vtu"), picture = scratch.file("out/a.png"),
+                      report = scratch.file("out/a.json");
+    const Outcome outcome = run({asset("bracket.csg"), "-o", vtu, "--level=3", "--picture", picture,
+                                 "--report", report, "--json", "--check"});
+    REQUIRE(outcome.code == 0);
+    CHECK(outcome.err.empty());
+    CHECK(scratch.names("out") == Names{"a.json", "a.png", "a.vtu"});
+    CHECK(read_file(picture).compare(0, 4, "\x89PNG") == 0);
+    CHECK(outcome.out == read_file(report));
+    const Json document = Json::parse(outcome.out);
+    CHECK(document["level"] == 3);
+    CHECK(document["outputs"] == Json::array({vtu}));
+    CHECK(document["warnings"].empty());
+    const Json check = Json::parse(run({"check", vtu, "--json"}).out);
+    CHECK(document["nodes"] == check["nodes"]);
+    CHECK(document["elements"] == check["elements"]);
+    CHECK(document["check"]["volume"] == check["volume"]);
+    std::uint64_t elements = 0, by_kind = 0, by_region = 0, facets = 0;
+    for (const Json& count : document["elements"]) elements += count.get<std::uint64_t>();
+    for (const Json& count : document["elements_by_kind"]) by_kind += count.get<std::uint64_t>();
+    for (const Json& region : document["regions"]) by_region += region["elements"].get<std::uint64_t>();
+    for (const Json& surface : document["surfaces"]) facets += surface["facets"].get<std::uint64_t>();
+    CHECK(elements > 0);
+    CHECK(by_kind == elements);
+    CHECK(by_region == elements);
+    CHECK(facets == check["boundary_facets"].get<std::uint64_t>());
+    CHECK(document["stages"].front()["stage"] == "read");
+}
+
+TEST_CASE("an infinite solid is meshed inside the box, whose faces are named") {
+    const ScratchFolder scratch;
+    scratch.names("out");
+    struct Infinite {
+        const char* text;
+        std::vector<std::string> surfaces;
+    };
+    const Infinite models[] = {{"algebraic3d\nsolid s = plane (0, 0, 0; 0, 0, 1);\ntlo s;\n",
+                                {"s", "box_xmin", "box_xmax", "box_ymin", "box_ymax", "box_zmin"}},
+                               {"algebraic3d\nsolid s = cylinder (0, 0, 0; 0, 0, 1; 0.5);\ntlo s;\n",
+                                {"s", "box_zmin", "box_zmax"}}};
+    for (const Infinite& model : models) {
+        CAPTURE(model.text);
+        const std::string path = scratch.write("infinite.geo", model.text), out = scratch.file("out/a.msh");
+        const Outcome outcome = run({path, "-o", out, "--level", "3", "--json", "--check", "--box", "-1",
+                                     "-1.0", "-.9", "1", "1e0", "+1"});
+        CHECK(outcome.err.empty());
+        REQUIRE(outcome.code == 0);
+        std::vector<std::string> surfaces;
+        for (const Json& surface : Json::parse(outcome.out)["surfaces"]) surfaces.push_back(surface["name"]);
+        CHECK(surfaces == model.surfaces);
+        CHECK(run({"check", out}).code == 0);
+    }
+}
+
+TEST_CASE("the same bytes for every number of threads and work-group size, and --quiet is quiet") {
+    const ScratchFolder scratch;
+    scratch.names("out");
+    const std::string model = asset("housing.csg"), a = scratch.file("out/a.vtu"),
+                      b = scratch.file("out/b.vtu");
+    const Outcome one = run({model, "-o", a, "--level", "3", "--threads", "1", "--quiet"});
+    const Outcome two = run({"--quiet", "--threads", "3", "--level", "3", "-o", b, model});
+    CHECK(one.code == 0);
+    CHECK(two.code == 0);
+    CHECK(one.out + one.err + two.out + two.err == "");
+    CHECK(read_file(a) == read_file(b));
+}
+
+TEST_CASE("a warning is one line on stderr, said once, and the run goes on") {
+    const ScratchFolder scratch;
+    scratch.names("out");
+    const std::string path =
+        scratch.write("warn.geo", "algebraic3d\nsolid s = sphere (0, 0, 0; 1);\ntlo s;\nword\n");
+    const Outcome outcome = run({path, "-o", scratch.file("out/a.vtu"), "--level", "3", "--quiet"});
+    CHECK(outcome.code == 0);
+    CHECK(is_one_line(outcome.err, "warning: "));
+    CHECK(contains(outcome.err, "word"));
+    const Outcome info = run({"info", path, "--json"});
+    CHECK(info.err == outcome.err);
+    CHECK(Json::parse(info.out)["warnings"].size() == 1);
+}
+
+TEST_CASE("info, devices, doctor, help and version") {
+    const Outcome info = run({"info", asset("bracket.csg"), "--json"});
+    CHECK(info.code == 0);
+    const Json document = Json::parse(info.out);
+    CHECK(document["regions"].size() == 1);
+    CHECK(document["primitives"]["convex"].get<int>() + document["primitives"]["cylinder"].get<int>() >= 5);
+    CHECK(run({"info", asset("bracket.csg")}).code == 0);
+
+    const Outcome devices = run({"devices", "--json"});
+    CHECK(devices.code == 0);
+    int defaults = 0;
+    for (const Json& device : Json::parse(devices.out)) defaults += device["default"].get<bool>() ? 1 : 0;
+    CHECK(defaults == 1);
+    CHECK(contains(run({"devices"}).out, " * "));
+    CHECK(run({"doctor"}).code == 0);
+
+    CHECK(is_one_line(run({"--version"}).out, "mortise "));
+    const Outcome help = run({"--help"});
+    CHECK(help.code == 0);
+    for (const char* part : {"--level", "--box", "check", "doctor", "Exit codes:", "Examples:"}) {
+        CHECK(contains(help.out, part));
+    }
+    std::size_t lines = 0, widest = 0;
+    for (std::size_t start = 0; start < help.out.size(); ++lines) {
+        const std::size_t end = help.out.find('\n', start);
+        widest = std::max(widest, end - start);
+        start = end + 1;
+    }
+    CHECK(lines <= 50);
+    CHECK(widest <= 100);
+    CHECK(contains(run({"check", "--help"}).out, "mortise check FILE"));
+}
+
+TEST_CASE("a signal ends a run at once, without a file") {
+    const ScratchFolder scratch;
+    scratch.names("out");
+    const std::string out = scratch.file("out/a.vtu");
+    {
+        Program program({asset("bracket.csg"), "-o", out, "--level", "8"});
+        std::this_thread::sleep_for(std::chrono::milliseconds(300));
+        expect_interrupted(scratch, program, SIGTERM);
+    }
+    {
+        // In the middle of writing: the temporary file is there and has content.
+        Program program({asset("bracket.csg"), "-o", out, "--level", "8"});
+        const auto is_writing = [&scratch] {
+            for (const std::string& name : scratch.names("out")) {
+                std::error_code error;
+                const std::uintmax_t size = std::filesystem::file_size(scratch.file("out/" + name), error);
+                if (!error && size > 0) return true;
+            }
+            return false;
+        };
+        while (program.running() && !is_writing()) wait_a_little();
+        expect_interrupted(scratch, program, SIGINT);
+    }
+}
+
+TEST_CASE("a signal leaves the old file of that name untouched") {
+    const ScratchFolder scratch;
+    const std::string out = scratch.write("out/a.vtu", "old");
+    Program program({asset("bracket.csg"), "-o", out, "--level", "8"});
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    program.send(SIGINT);
+    CHECK(program.wait().signal == SIGINT);
+    CHECK(scratch.names("out") == Names{"a.vtu"});
+    CHECK(read_file(out) == "old");
+}
