@@ -95,13 +95,24 @@ struct Words {
     bool no_templates = false;
 };
 
+/// An empty word, as from an unset shell variable, is a mistake.
+void refuse_empty_values(CLI::App& app) {
+    for (CLI::Option* option : app.get_options()) {
+        if (option->get_type_size() == 0) continue;
+        option->check([](const std::string& value) {
+            return std::string(value.empty() ? "expected a value, found an empty word" : "");
+        });
+    }
+}
+
 void add_mesh_options(CLI::App& app, Arguments& arguments, Words& words) {
     app.add_option("MODEL", arguments.file, "model file, .csg or .geo");
     app.add_option("-o,--output", arguments.outputs, "mesh file, .vtu or .msh; may be given several times")
         ->option_text("FILE")
         ->allow_extra_args(false);
-    CLI::Option* level = app.add_option("--level", words.level, "split the root cube LEVEL times, default 6")
-                             ->option_text("LEVEL");
+    CLI::Option* level =
+        app.add_option("--level", words.level, "split the root cube LEVEL times: 1 to 10, default 6")
+            ->option_text("LEVEL");
     app.add_option("--size", words.size, "edge length of a cell in model units, instead of --level")
         ->option_text("LENGTH")
         ->excludes(level);
@@ -123,6 +134,7 @@ void add_mesh_options(CLI::App& app, Arguments& arguments, Words& words) {
         ->option_text("COUNT");
     CLI::Option* json = app.add_flag("--json", arguments.json, "print the report on stdout, not the summary");
     app.add_flag("--quiet", arguments.quiet, "no summary and no progress; warnings stay")->excludes(json);
+    refuse_empty_values(app);
     app.set_version_flag("--version", "mortise " MORTISE_VERSION, "print the version");
     app.footer(std::string(kExamples) + kExitCodes);
 }
@@ -188,6 +200,7 @@ Arguments parse_arguments(int count, const char* const* values) {
         add_command(app, "info", "mortise info MODEL [--json]", "what a model holds, without meshing it");
     info->add_option("MODEL", arguments.file);
     for (CLI::App* command : {check, devices, info}) {
+        refuse_empty_values(*command);
         command->add_flag("--json", arguments.json, "print JSON on stdout");
     }
 

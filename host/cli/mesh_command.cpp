@@ -7,6 +7,7 @@
 #include "host/cli/documents.hpp"
 #include "host/cli/files.hpp"
 #include "host/cli/progress.hpp"
+#include "host/cli/signals.hpp"
 #include "mortise/io.hpp"
 
 namespace mortise::cli {
@@ -91,6 +92,7 @@ ExitCode mesh_command(const Arguments& arguments) {
     Progress progress(arguments.quiet);
     MeshOptions options = arguments.options;
     options.progress = [&progress](const char* stage, double fraction) {
+        report_aborts();  // the driver is open from some stage on
         progress.show(stage, fraction * kChecking);
         return true;
     };

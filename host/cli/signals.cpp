@@ -1,7 +1,7 @@
-// See signals.hpp. Only async-signal-safe calls in the handler.
+// See signals.hpp. Only async-signal-safe calls in the handlers.
 //
-// The handler runs in the main thread only: the one that opens, writes and renames files is then stopped
-// inside the handler, and cannot make a temporary file after they have been removed.
+// The handler of interruptions runs in the main thread only: the one that opens, writes and renames files is
+// then stopped inside the handler, and cannot make a temporary file after they have been removed.
 #include "host/cli/signals.hpp"
 
 #include <pthread.h>
@@ -9,12 +9,27 @@
 #include <unistd.h>
 
 #include "host/io/temporary_file.hpp"
+#include "mortise/error.hpp"
 
 namespace mortise::cli {
 namespace {
 
 pthread_t main_thread;
 bool on_terminal = false;
+
+void say(const char* message, std::size_t size) {
+    const ssize_t written = write(STDERR_FILENO, message, size);
+    static_cast<void>(written);
+}
+
+/// OpenCL drivers abort instead of returning an error, mostly for want of memory.
+void end_aborted(int) {
+    io::remove_temporary_files();
+    const char message[] =
+        "mortise: aborted, mostly for want of memory; use a smaller --level, or see mortise doctor\n";
+    say(message, sizeof message - 1);
+    _exit(static_cast<int>(ExitCode::kDevice));
+}
 
 void end(int signal_number) {
     if (pthread_equal(pthread_self(), main_thread) == 0) {
@@ -24,14 +39,15 @@ void end(int signal_number) {
     io::remove_temporary_files();
     const char message[] = "\nmortise: interrupted\n";
     const std::size_t skipped = on_terminal ? 0 : 1;  // the progress line, and ^C, end with a new line
-    const ssize_t written = write(STDERR_FILENO, message + skipped, sizeof message - 1 - skipped);
-    static_cast<void>(written);
+    say(message + skipped, sizeof message - 1 - skipped);
     // The signal is blocked during its own handler: it arrives again, uncaught, when this returns.
     signal(signal_number, SIG_DFL);
     raise(signal_number);
 }
 
 }  // namespace
+
+void report_aborts() { signal(SIGABRT, end_aborted); }
 
 void end_cleanly_on_signals() {
     main_thread = pthread_self();
@@ -45,6 +61,9 @@ void end_cleanly_on_signals() {
         for (const int blocked : {SIGINT, SIGTERM, SIGHUP}) sigaddset(&action.sa_mask, blocked);
         sigaction(signal_number, &action, nullptr);
     }
+    report_aborts();
+    // A file that grows beyond `ulimit -f` is then an ordinary write error.
+    signal(SIGXFSZ, SIG_IGN);
 }
 
 }  // namespace mortise::cli

@@ -1,4 +1,4 @@
-// Stopping on SIGINT, SIGTERM and SIGHUP without leaving a temporary file behind.
+// Stopping on SIGINT, SIGTERM, SIGHUP and aborts without leaving a temporary file behind.
 #pragma once
 
 namespace mortise::cli {
@@ -9,5 +9,10 @@ namespace mortise::cli {
 /// parent sees its true cause (a shell reports 128 + its number). Signals that the parent ignores stay
 /// ignored.
 void end_cleanly_on_signals();
+
+/// Makes an abort one line and the exit code kDevice. Part of end_cleanly_on_signals(); to be called again
+/// once a driver is open, because PoCL's compiler, LLVM, puts handlers of its own in place, and its handler
+/// of aborts does not pass them on.
+void report_aborts();
 
 }  // namespace mortise::cli

@@ -189,8 +189,9 @@ int choice_of(const ushort* choices, uint i, int c) {
     return i < MAX_CHOICES ? (choices[i] >> (2 * c)) & 3 : 0;
 }
 
-// Copies what is unknown of a tape for lane c; out may be null to count only. Returns the number of words.
-uint prune(__global const uint* tape, uint length, const ushort* choices, int c, __global uint* out) {
+// Copies what is unknown of a tape for lane c; out may be null to count only. Returns the number of words. While it runs
+// it writes up to `peak` words: code of an operand is dropped only when its operation turns out to be known.
+uint prune(__global const uint* tape, uint length, const ushort* choices, int c, __global uint* out, uint* peak) {
     int value[kTapeStack];
     uint begin[kTapeStack];
     int top = -1;
@@ -237,6 +238,7 @@ uint prune(__global const uint* tape, uint length, const ushort* choices, int c,
         if (emits) {
             if (out) out[words] = emitted;
             ++words;
+            *peak = max(*peak, words);
         }
     }
     return words;
@@ -301,7 +303,10 @@ uint reduce(__global uint* tape, uint length, int* constant_value) {
         while (surfaces[s] != tape_surface(tape[i])) ++s;
         if ((redundant >> s) & 1) choices[i] = (ushort)(tape_negated(tape[i]) ? 2 : 1);
     }
-    return prune(tape, length, choices, 0, tape);
+    {
+        uint peak = 0;  // in place, never more than what was read
+        return prune(tape, length, choices, 0, tape, &peak);
+    }
 }
 
 MORTISE_KERNEL void descend(__global const TreeNode* parents, __global uint* tapes, __global const SurfaceBounds* surfaces,
@@ -380,13 +385,14 @@ MORTISE_KERNEL void descend(__global const TreeNode* parents, __global uint* tap
             child.tape_offset = parent.tape_offset;
             child.tape_length = parent.tape_length;
             if (values[c] == kUnknown) {
-                const uint words = prune(tape, parent.tape_length, choices, c, 0);
+                uint peak = 0;
+                const uint words = prune(tape, parent.tape_length, choices, c, 0, &peak);
                 // An unchanged tape was reduced when it was made; the root's is written anew.
                 if (words != parent.tape_length || level == 1) {
-                    const uint offset = atomic_add(used, words);
-                    if (offset + words <= capacity && offset + words >= offset) {
+                    const uint offset = atomic_add(used, peak);
+                    if (offset + peak <= capacity && offset + peak >= offset) {
                         int constant_value = kUnknown;
-                        prune(tape, parent.tape_length, choices, c, tapes + offset);
+                        prune(tape, parent.tape_length, choices, c, tapes + offset, &peak);
                         child.tape_offset = offset;
                         child.tape_length = reduce(tapes + offset, words, &constant_value);
                         if (child.tape_length == 0) values[c] = constant_value;

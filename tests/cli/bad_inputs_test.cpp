@@ -1,5 +1,6 @@
 // Whatever is wrong with a run: one line on stderr, the documented exit code, and no file left.
 #include <doctest/doctest.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <filesystem>
@@ -61,7 +62,7 @@ const BadModel kBadModels[] = {
     {"cylinder.geo", kGeo + "solid s = cylinder (0, 0, 0; 0, 0, 1; 0.5);\ntlo s;\n", kInput, "--box"},
     {"word.geo", kGeo + "solid s = frobnicate (0, 0, 0; 1);\ntlo s;\n", kInput, "'frobnicate'"},
     {"no_object.geo", kGeo + "solid s = sphere (0, 0, 0; 1);\n", kInput, "tlo"},
-    {"model.stl", "solid\n", kInput, "unknown model format '.stl'"},
+    {"model.stl", "solid\n", kInput, "unknown model format"},
 };
 
 }  // namespace
@@ -168,6 +169,7 @@ TEST_CASE("an output that cannot be written is refused before the work") {
 
 TEST_CASE("a device that cannot be used") {
     const ScratchFolder scratch;
+    const std::string absent = scratch.file("absent");
     const std::vector<std::string> arguments = {asset("block.csg"), "-o", scratch.file("out/a.vtu"),
                                                 "--level", "3"};
     const auto with = [&arguments](const std::vector<std::string>& more) {
@@ -179,12 +181,33 @@ TEST_CASE("a device that cannot be used") {
     expect_failure(scratch, kDevice, "99", with({"--device", "99"}));
     expect_failure(scratch, kDevice, "frobnicator", arguments, {{"MORTISE_DEVICE", "frobnicator"}});
     expect_failure(scratch, kDevice, "work-group", with({"--work-group", "1000000"}));
-    expect_failure(scratch, kDevice, "pocl-opencl-icd", arguments, {{"OCL_ICD_VENDORS", "/nonexistent"}});
-    expect_failure(scratch, kDevice, "pocl-opencl-icd", {"devices"}, {{"OCL_ICD_VENDORS", "/nonexistent"}});
-    expect_failure(scratch, kDevice, "MORTISE_KERNELS", arguments, {{"MORTISE_KERNELS", "/nonexistent"}});
-    const Outcome doctor = run({"doctor"}, {{"OCL_ICD_VENDORS", "/nonexistent"}});
+    expect_failure(scratch, kDevice, "pocl-opencl-icd", arguments, {{"OCL_ICD_VENDORS", absent}});
+    expect_failure(scratch, kDevice, "pocl-opencl-icd", {"devices"}, {{"OCL_ICD_VENDORS", absent}});
+    expect_failure(scratch, kDevice, "MORTISE_KERNELS", arguments, {{"MORTISE_KERNELS", absent}});
+    const Outcome doctor = run({"doctor"}, {{"OCL_ICD_VENDORS", absent}});
     CHECK(doctor.code == kDevice);
     CHECK(contains(doctor.out, "FAIL  OpenCL devices"));
+}
+
+TEST_CASE("a disk that fills up leaves no part of a file") {
+    const ScratchFolder scratch;
+    REQUIRE(scratch.names("out").empty());
+    const std::vector<std::string> arguments = {asset("block.csg"), "-o", scratch.file("out/a.vtu"),
+                                                "--level", "4"};
+    CHECK(run(arguments).code == 0);  // kernels are in the cache from here on
+    CHECK(std::filesystem::remove(scratch.file("out/a.vtu")));
+    rlimit limit{};
+    REQUIRE(getrlimit(RLIMIT_FSIZE, &limit) == 0);
+    rlimit small = limit;
+    small.rlim_cur = 20000;
+    // The child inherits the limit; a file beyond it fails as on a full disk.
+    REQUIRE(setrlimit(RLIMIT_FSIZE, &small) == 0);
+    const Outcome outcome = run(arguments);
+    REQUIRE(setrlimit(RLIMIT_FSIZE, &limit) == 0);
+    INFO(outcome.err);
+    CHECK(outcome.code == kFiles);
+    CHECK(is_one_line(outcome.err, "mortise: cannot write"));
+    CHECK(scratch.names("out").empty());
 }
 
 TEST_CASE("check refuses what is not a mesh") {
@@ -225,6 +248,7 @@ TEST_CASE("a solid too small for its coordinates is refused, not meshed badly") 
     const ScratchFolder scratch;
     const std::string path = scratch.write(
         "far.csg", "multmatrix([[1,0,0,1e15],[0,1,0,0],[0,0,1,0],[0,0,0,1]]) { sphere(r = 1); }");
+    REQUIRE(scratch.names("out").empty());
     const Outcome outcome = run({path, "-o", scratch.file("out/a.vtu"), "--level", "4"});
     CHECK((outcome.code == kInput || outcome.code == kMeshing));
     CHECK(is_one_line(outcome.err, "mortise: "));
