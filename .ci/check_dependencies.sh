@@ -53,7 +53,7 @@ cd "${1:-$(dirname "${BASH_SOURCE[0]}")/..}" || exit 1
         }
         checked++
         if (quoted ~ /^</) {
-            if (target ~ /^(CL|boost\/compute|clblast)/ && folder != "host/device")
+            if (target ~ /^(CL\/|boost\/compute|clblast)/ && folder != "host/device")
                 report(file ":" place[2] ": <" target "> is for host/device only")
             next
         }

@@ -7,7 +7,7 @@
 #include <memory>
 #include <thread>
 
-#include "host/quality/parallel.hpp"
+#include "host/common/parallel.hpp"
 #include "mortise/error.hpp"
 
 namespace mortise::io {
@@ -54,7 +54,7 @@ ByteSource memory_source(const void* data) {
 }
 
 void write_compressed(TemporaryFile& file, std::size_t size, const ByteSource& source) {
-    const std::size_t blocks = quality::chunk_count(size, kBlockSize);
+    const std::size_t blocks = chunk_count(size, kBlockSize);
     std::vector<std::uint64_t> header(3 + blocks, 0);
     header[0] = blocks;
     header[1] = kBlockSize;
@@ -65,7 +65,7 @@ void write_compressed(TemporaryFile& file, std::size_t size, const ByteSource& s
     std::vector<Scratch> scratch(std::min(wave, blocks));
     for (std::size_t first = 0; first < blocks; first += wave) {
         const std::size_t count = std::min(wave, blocks - first);
-        quality::parallel_chunks(count, 1, [&](std::size_t i, std::size_t, std::size_t) {
+        parallel_chunks(count, 1, [&](std::size_t i, std::size_t, std::size_t) {
             const std::size_t begin = (first + i) * kBlockSize, end = std::min(size, begin + kBlockSize);
             compress_block(source(begin, end, scratch[i].bytes()), end - begin, scratch[i]);
         });
@@ -99,18 +99,17 @@ std::vector<char> read_compressed(const FileReader& file, std::uint64_t offset) 
     if (total > kMaxExpansion * packed_total)
         file.damaged("a compressed array is larger than its bytes can hold");
     std::vector<char> bytes(static_cast<std::size_t>(total));
-    quality::parallel_chunks(
-        static_cast<std::size_t>(blocks), 1, [&](std::size_t i, std::size_t, std::size_t) {
-            std::vector<unsigned char> packed(static_cast<std::size_t>(starts[i + 1] - starts[i]));
-            file.read_at(starts[i], packed.data(), packed.size());
-            const std::size_t begin = i * static_cast<std::size_t>(block_size);
-            const std::size_t expected =
-                std::min<std::size_t>(static_cast<std::size_t>(block_size), bytes.size() - begin);
-            uLongf size = expected;
-            const int status = uncompress(reinterpret_cast<Bytef*>(bytes.data() + begin), &size,
-                                          packed.data(), packed.size());
-            if (status != Z_OK || size != expected) file.damaged("a compressed array does not unpack");
-        });
+    parallel_chunks(static_cast<std::size_t>(blocks), 1, [&](std::size_t i, std::size_t, std::size_t) {
+        std::vector<unsigned char> packed(static_cast<std::size_t>(starts[i + 1] - starts[i]));
+        file.read_at(starts[i], packed.data(), packed.size());
+        const std::size_t begin = i * static_cast<std::size_t>(block_size);
+        const std::size_t expected =
+            std::min<std::size_t>(static_cast<std::size_t>(block_size), bytes.size() - begin);
+        uLongf size = expected;
+        const int status =
+            uncompress(reinterpret_cast<Bytef*>(bytes.data() + begin), &size, packed.data(), packed.size());
+        if (status != Z_OK || size != expected) file.damaged("a compressed array does not unpack");
+    });
     return bytes;
 }
 

@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "host/quality/parallel.hpp"
+#include "host/common/parallel.hpp"
 #include "host/quality/passes.hpp"
 #include "host/quality/shape.hpp"
 
@@ -35,7 +35,7 @@ std::vector<float> scaled_jacobians(const Mesh& mesh) {
     for (int t = 0; t < kElementTypes; ++t) {
         const ElementType type = static_cast<ElementType>(t);
         const std::size_t count = mesh.block(type).size();
-        quality::parallel_chunks(count, kChunk, [&](std::size_t, std::size_t begin, std::size_t end) {
+        parallel_chunks(count, kChunk, [&](std::size_t, std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i) {
                 const quality::Corners corners = quality::corners_of(mesh, type, i);
                 values[first + i] = static_cast<float>(quality::scaled_jacobian(type, corners));

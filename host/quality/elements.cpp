@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/common/parallel.hpp"
 #include "host/quality/jacobian.hpp"
-#include "host/quality/parallel.hpp"
 #include "host/quality/passes.hpp"
 #include "host/quality/shape.hpp"
 

@@ -9,7 +9,7 @@
 #include <limits>
 #include <memory>
 
-#include "host/quality/parallel.hpp"
+#include "host/common/parallel.hpp"
 #include "host/quality/passes.hpp"
 
 namespace mortise::quality {

@@ -10,7 +10,7 @@
 #include <limits>
 #include <memory>
 
-#include "host/quality/parallel.hpp"
+#include "host/common/parallel.hpp"
 #include "host/quality/passes.hpp"
 #include "host/quality/vector.hpp"
 

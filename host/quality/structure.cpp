@@ -3,7 +3,7 @@
 #include <limits>
 #include <unordered_set>
 
-#include "host/quality/parallel.hpp"
+#include "host/common/parallel.hpp"
 #include "host/quality/passes.hpp"
 
 namespace mortise::quality {

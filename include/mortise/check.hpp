@@ -12,9 +12,9 @@ namespace mortise {
 
 /// One kind of defect with its count and the first place where it was seen.
 struct Defect {
-    std::string what;         ///< e.g. "hexahedron with non-positive Jacobian"
+    std::string what;  ///< e.g. "hexahedron with non-positive Jacobian"
     std::uint64_t count = 0;
-    std::string first;        ///< e.g. "hexahedron 17 at (0.1, 0.2, 0.3): minimum Jacobian -0.01"
+    std::string first;  ///< e.g. "hexahedron 17 at (0.1, 0.2, 0.3): minimum Jacobian -0.01"
 };
 
 /// Figures of a mesh. Lengths in model units, angles in degrees.
@@ -22,14 +22,15 @@ struct CheckReport {
     std::vector<Defect> defects;  ///< empty: the mesh is valid
     std::array<std::uint64_t, kElementTypes> elements{};
     std::uint64_t nodes = 0;
-    std::uint64_t boundary_facets = 0;       ///< facets that belong to one element only
-    std::uint64_t interface_facets = 0;      ///< facets between two regions
-    std::uint64_t nonmanifold_edges = 0;     ///< boundary edges with other than two boundary facets (not a defect)
-    std::int64_t euler_characteristic = 0;   ///< V - E + F of the outer boundary
-    std::uint64_t components = 0;            ///< connected components by shared facets
+    std::uint64_t boundary_facets = 0;   ///< facets that belong to one element only
+    std::uint64_t interface_facets = 0;  ///< facets between two regions
+    std::uint64_t nonmanifold_edges =
+        0;  ///< boundary edges with other than two boundary facets (not a defect)
+    std::int64_t euler_characteristic = 0;  ///< V - E + F of the outer boundary
+    std::uint64_t components = 0;           ///< connected components by shared facets
     double volume = 0;
     double boundary_area = 0;
-    std::vector<double> region_volume;       ///< by region, index 0 is region 1
+    std::vector<double> region_volume;                        ///< by region, index 0 is region 1
     std::array<double, kElementTypes> min_scaled_jacobian{};  ///< 1 where a type has no elements
     double min_dihedral = 0;
     double max_dihedral = 0;

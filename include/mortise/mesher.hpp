@@ -16,14 +16,14 @@ namespace mortise {
 inline constexpr int kMaxLevel = 18;
 
 struct MeshOptions {
-    int level = 0;           ///< root box split `level` times; 0: from `size`, or the default of 6
-    double size = 0;         ///< edge length of a cell in model units; 0: from `level`
-    std::optional<Box3> box; ///< cuts the solid; its faces become boundaries box_xmin, ...
-    bool templates = true;   ///< false: every NIO cell by the certificate
-    bool tetrahedra = false; ///< split everything into tetrahedra
-    int threads = 0;         ///< host threads for extraction; 0: all cores
-    std::string device;      ///< as printed by `mortise devices`; empty: environment, else default
-    int work_group_size = 0; ///< 0: the device class's default
+    int level = 0;            ///< root box split `level` times; 0: from `size`, or the default of 6
+    double size = 0;          ///< edge length of a cell in model units; 0: from `level`
+    std::optional<Box3> box;  ///< cuts the solid; its faces become boundaries box_xmin, ...
+    bool templates = true;    ///< false: every NIO cell by the certificate
+    bool tetrahedra = false;  ///< split everything into tetrahedra
+    int threads = 0;          ///< host threads for extraction; 0: all cores
+    std::string device;       ///< as printed by `mortise devices`; empty: environment, else default
+    int work_group_size = 0;  ///< 0: the device class's default
     /// Called with a stage name and progress in [0, 1]; may be empty. Returning false stops the run with
     /// Error(kMeshing, "interrupted").
     std::function<bool(const char* stage, double progress)> progress;
@@ -33,8 +33,8 @@ struct MeshOptions {
 struct StageTime {
     std::string stage;
     double wall_seconds = 0;
-    double cpu_seconds = 0;      ///< process CPU time, all threads
-    std::uint64_t items = 0;     ///< cells, nodes or elements that the stage handled
+    double cpu_seconds = 0;   ///< process CPU time, all threads
+    std::uint64_t items = 0;  ///< cells, nodes or elements that the stage handled
 };
 
 /// What happened besides the mesh.
@@ -42,14 +42,14 @@ struct MeshReport {
     std::string device;
     int level = 0;
     double cell_size = 0;
-    Box3 root{};                      ///< the root box, a cube
+    Box3 root{};  ///< the root box, a cube
     std::uint64_t cells_evaluated = 0;
     std::uint64_t in_cells = 0;
     std::uint64_t nio_cells = 0;
-    std::uint64_t snio_cells = 0;     ///< meshed by templates
-    std::uint64_t cnio_cells = 0;     ///< meshed by the certificate
-    std::uint64_t refused_splits = 0; ///< bisections that would have made an element too flat
-    std::uint64_t unresolved = 0;     ///< tetrahedra that were labelled by their centroid
+    std::uint64_t snio_cells = 0;      ///< meshed by templates
+    std::uint64_t cnio_cells = 0;      ///< meshed by the certificate
+    std::uint64_t refused_splits = 0;  ///< bisections that would have made an element too flat
+    std::uint64_t unresolved = 0;      ///< tetrahedra that were labelled by their centroid
     std::uint64_t dropped_features = 0;
     std::vector<StageTime> stages;
     std::vector<std::string> warnings;

@@ -62,7 +62,7 @@ struct CsgNode {
     std::vector<std::uint32_t> children;  ///< indices into Model::nodes, each less than this node's own
     Primitive primitive;                  ///< kPrimitive only
     Affine map = kIdentity;               ///< kTransform only
-    std::string name;  ///< names the surfaces of the primitives below; the innermost non-empty name wins
+    std::string name;     ///< names the surfaces of the primitives below; the innermost non-empty name wins
     double max_size = 0;  ///< element size wanted on the surfaces below and inside; 0: none
     SourceLocation where;
 };
@@ -85,7 +85,8 @@ struct Box3 {
 struct Model {
     std::vector<CsgNode> nodes;
     std::vector<Region> regions;  ///< at least one
-    std::optional<Box3> clip;     ///< the file's own bounding box: the solid ends there, its faces are boundaries
+    std::optional<Box3>
+        clip;  ///< the file's own bounding box: the solid ends there, its faces are boundaries
     std::vector<std::string> warnings;  ///< one line each
     std::string source;                 ///< path or description, for messages
 
@@ -99,8 +100,8 @@ struct Model {
 // Ready-made primitives, each in the frame that its name suggests. Sizes are checked: a radius or
 // edge that is not positive and finite throws Error(kInput).
 Primitive half_space(const Vec3& point, const Vec3& outward_normal);
-Primitive box(const Vec3& min, const Vec3& max);      ///< planes xmin, xmax, ymin, ymax, zmin, zmax
-Primitive wedge(double dx, double dy, double dz);     ///< right triangle (0,0) (dx,0) (0,dy) in xy, 0 <= z <= dz
+Primitive box(const Vec3& min, const Vec3& max);   ///< planes xmin, xmax, ymin, ymax, zmin, zmax
+Primitive wedge(double dx, double dy, double dz);  ///< right triangle (0,0) (dx,0) (0,dy) in xy, 0 <= z <= dz
 Primitive sphere(double radius);
 Primitive infinite_cylinder(double radius);
 Primitive cone(double radius, double slope);

@@ -1,7 +1,7 @@
 // Node numbering by ownership, node positions and connectivity (algorithms.md §2; rule in shared/tree.h).
 //
-// A leaf's nodes are numbered base[leaf], base[leaf] + 1, …: first the owned bits of its mask, then (CNIO leaves)
-// its owned extra nodes. Leaves are indexed by their rank among meshed leaves: IN rank + NIO rank.
+// A leaf's nodes are numbered base[leaf], base[leaf] + 1, …: first the owned bits of its mask, then (CNIO
+// leaves) its owned extra nodes. Leaves are indexed by their rank among meshed leaves: IN rank + NIO rank.
 #include "shared/bounds.h"
 #include "shared/snio.h"
 #include "shared/surface.h"
@@ -20,16 +20,16 @@ uint owned_mask(__global const uint* in_bits, __global const uint* nio_bits, __g
     uint owned = mask & (1u << kInteriorNodeBit);
     uint bit;
     for (uint c = 0; c < 8; ++c) {
-        if (((mask >> c) & 1) && vertex_owner(in_bits, nio_bits, nio_rank, used, level, x + (c & 1), y + ((c >> 1) & 1),
-                                              z + (c >> 2), &bit) == morton) {
+        if (((mask >> c) & 1) && vertex_owner(in_bits, nio_bits, nio_rank, used, level, x + (c & 1),
+                                              y + ((c >> 1) & 1), z + (c >> 2), &bit) == morton) {
             owned |= 1u << c;
         }
     }
     for (uint e = 0; e < 12; ++e) {
         if ((mask >> (8 + e)) & 1) {
             const uint c = kEdgeCorners[e][0];
-            if (edge_owner(in_bits, nio_bits, nio_rank, used, level, e / 4, x + (c & 1), y + ((c >> 1) & 1), z + (c >> 2),
-                           &bit) == morton) {
+            if (edge_owner(in_bits, nio_bits, nio_rank, used, level, e / 4, x + (c & 1), y + ((c >> 1) & 1),
+                           z + (c >> 2), &bit) == morton) {
                 owned |= 1u << (8 + e);
             }
         }
@@ -39,10 +39,11 @@ uint owned_mask(__global const uint* in_bits, __global const uint* nio_bits, __g
 
 // Owned masks and node counts of all meshed leaves.
 //
-// Reads the tree, used, extra_counts (owned extra nodes per NIO leaf); writes owned and counts by meshed rank.
-// One work-item handles the 32 cells of one word of the bitmaps.
-MORTISE_KERNEL void own_nodes(__global const uint* in_bits, __global const uint* nio_bits, __global const uint* in_rank,
-                              __global const uint* nio_rank, __global const uint* used, __global const uint* extra_counts,
+// Reads the tree, used, extra_counts (owned extra nodes per NIO leaf); writes owned and counts by meshed
+// rank. One work-item handles the 32 cells of one word of the bitmaps.
+MORTISE_KERNEL void own_nodes(__global const uint* in_bits, __global const uint* nio_bits,
+                              __global const uint* in_rank, __global const uint* nio_rank,
+                              __global const uint* used, __global const uint* extra_counts,
                               __global uint* owned, __global uint* counts, int level, uint items) {
     const uint word = get_global_id(0);
     if (word >= items) return;
@@ -66,7 +67,8 @@ MORTISE_KERNEL void own_nodes(__global const uint* in_bits, __global const uint*
     }
 }
 
-// Writes one point in model coordinates. Box-local coordinates are exact; the map rounds the same way everywhere.
+// Writes one point in model coordinates. Box-local coordinates are exact; the map rounds the same way
+// everywhere.
 void store_point(__global double* points, uint id, double4 origin_side, double x, double y, double z) {
     points[3 * (ulong)id] = origin_side.x + origin_side.w * x;
     points[3 * (ulong)id + 1] = origin_side.y + origin_side.w * y;
@@ -75,13 +77,14 @@ void store_point(__global double* points, uint id, double4 origin_side, double x
 
 // Positions of owned grid vertices (all leaves) and of owned roots and interior nodes (SNIO leaves).
 //
-// Reads the tree, nio, leaves, surfaces, ops, owned, base; writes points (three doubles per node). The host writes the
-// other nodes of CNIO leaves. One work-item handles one word of the bitmaps.
-MORTISE_KERNEL void place_nodes(__global const uint* in_bits, __global const uint* nio_bits, __global const uint* in_rank,
-                                __global const uint* nio_rank, __global const SnioLeaf* leaves,
-                                __global const Surface* surfaces, __global const ExpressionOp* ops,
-                                __global const uint* owned, __global const uint* base, __global double* points,
-                                double4 origin_side, int level, uint items) {
+// Reads the tree, nio, leaves, surfaces, ops, owned, base; writes points (three doubles per node). The host
+// writes the other nodes of CNIO leaves. One work-item handles one word of the bitmaps.
+MORTISE_KERNEL void place_nodes(__global const uint* in_bits, __global const uint* nio_bits,
+                                __global const uint* in_rank, __global const uint* nio_rank,
+                                __global const SnioLeaf* leaves, __global const Surface* surfaces,
+                                __global const ExpressionOp* ops, __global const uint* owned,
+                                __global const uint* base, __global double* points, double4 origin_side,
+                                int level, uint items) {
     const uint word = get_global_id(0);
     if (word >= items) return;
     {
@@ -140,8 +143,8 @@ MORTISE_KERNEL void place_nodes(__global const uint* in_bits, __global const uin
                             for (uint j = 0; j < 3; ++j) b[j] = a[j] + (axis == j ? cell : 0);
                             offset[axis] = (double)edge_root(surface, ops, a, b) / (double)kCellUnits;
                             if ((mask >> (8 + e)) & 1) {
-                                store_point(points, id++, origin_side, (x + offset[0]) * cell, (y + offset[1]) * cell,
-                                            (z + offset[2]) * cell);
+                                store_point(points, id++, origin_side, (x + offset[0]) * cell,
+                                            (y + offset[1]) * cell, (z + offset[2]) * cell);
                             }
                             if ((mean >> (8 + e)) & 1) {
                                 for (uint j = 0; j < 3; ++j) sum[j] += offset[j];
@@ -150,8 +153,8 @@ MORTISE_KERNEL void place_nodes(__global const uint* in_bits, __global const uin
                     }
                     if ((mask >> kInteriorNodeBit) & 1) {
                         const double count = (double)popcount(mean);
-                        store_point(points, id, origin_side, (x + sum[0] / count) * cell, (y + sum[1] / count) * cell,
-                                    (z + sum[2] / count) * cell);
+                        store_point(points, id, origin_side, (x + sum[0] / count) * cell,
+                                    (y + sum[1] / count) * cell, (z + sum[2] / count) * cell);
                     }
                 }
             }
@@ -171,13 +174,13 @@ uint vertex_id(__global const uint* in_bits, __global const uint* nio_bits, __gl
 
 // Hexahedra of IN leaves, eight node numbers each, in Morton order among the hexahedra of NIO leaves.
 //
-// Reads the tree, used, owned, base, hexahedron_offsets (scan of hexahedra per NIO leaf); writes hexahedra. One
-// work-item handles one word of the bitmaps.
+// Reads the tree, used, owned, base, hexahedron_offsets (scan of hexahedra per NIO leaf); writes hexahedra.
+// One work-item handles one word of the bitmaps.
 MORTISE_KERNEL void write_hexahedra(__global const uint* in_bits, __global const uint* nio_bits,
                                     __global const uint* in_rank, __global const uint* nio_rank,
-                                    __global const uint* used, __global const uint* owned, __global const uint* base,
-                                    __global const uint* hexahedron_offsets, __global uint* hexahedra, int level,
-                                    uint items) {
+                                    __global const uint* used, __global const uint* owned,
+                                    __global const uint* base, __global const uint* hexahedron_offsets,
+                                    __global uint* hexahedra, int level, uint items) {
     const uint word = get_global_id(0);
     if (word >= items) return;
     {
@@ -193,8 +196,8 @@ MORTISE_KERNEL void write_hexahedra(__global const uint* in_bits, __global const
             __global uint* out = hexahedra + 8 * (ulong)(rank + hexahedron_offsets[nio]);
             for (uint i = 0; i < 8; ++i) {
                 const uint c = kHexahedronCorner[i];
-                out[i] = vertex_id(in_bits, nio_bits, in_rank, nio_rank, used, owned, base, level, x + (c & 1),
-                                   y + ((c >> 1) & 1), z + (c >> 2));
+                out[i] = vertex_id(in_bits, nio_bits, in_rank, nio_rank, used, owned, base, level,
+                                   x + (c & 1), y + ((c >> 1) & 1), z + (c >> 2));
             }
         }
     }
@@ -202,15 +205,17 @@ MORTISE_KERNEL void write_hexahedra(__global const uint* in_bits, __global const
 
 // Elements and surface facets of SNIO leaves from the template table, in Morton order.
 //
-// Reads the tree, nio, leaves, used, owned, base, offsets[t * stride + i] of elements of type t before leaf i and
-// facet_offsets; writes the node numbers of each type and of the facets. One work-item handles one NIO leaf.
+// Reads the tree, nio, leaves, used, owned, base, offsets[t * stride + i] of elements of type t before leaf i
+// and facet_offsets; writes the node numbers of each type and of the facets. One work-item handles one NIO
+// leaf.
 MORTISE_KERNEL void write_templates(__global const uint* in_bits, __global const uint* nio_bits,
                                     __global const uint* in_rank, __global const uint* nio_rank,
                                     __global const TreeNode* nio, __global const SnioLeaf* leaves,
-                                    __global const uint* used, __global const uint* owned, __global const uint* base,
-                                    __global const uint* offsets, __global const uint* facet_offsets,
-                                    __global uint* hexahedra, __global uint* wedges, __global uint* pyramids,
-                                    __global uint* tetrahedra, __global uint* facets, uint stride, int level, uint items) {
+                                    __global const uint* used, __global const uint* owned,
+                                    __global const uint* base, __global const uint* offsets,
+                                    __global const uint* facet_offsets, __global uint* hexahedra,
+                                    __global uint* wedges, __global uint* pyramids, __global uint* tetrahedra,
+                                    __global uint* facets, uint stride, int level, uint items) {
     const uint item = get_global_id(0);
     if (item >= items) return;
     {
@@ -224,8 +229,8 @@ MORTISE_KERNEL void write_templates(__global const uint* in_bits, __global const
         if (leaf.pattern == kPatternCnio || leaf.pattern == 0) return;
         for (uint c = 0; c < 8; ++c) {
             if ((mask >> c) & 1) {
-                ids[c] = vertex_id(in_bits, nio_bits, in_rank, nio_rank, used, owned, base, level, x + (c & 1),
-                                   y + ((c >> 1) & 1), z + (c >> 2));
+                ids[c] = vertex_id(in_bits, nio_bits, in_rank, nio_rank, used, owned, base, level,
+                                   x + (c & 1), y + ((c >> 1) & 1), z + (c >> 2));
             }
         }
         for (uint e = 0; e < 12; ++e) {
@@ -257,7 +262,8 @@ MORTISE_KERNEL void write_templates(__global const uint* in_bits, __global const
             out[2] = pyramids + 5 * (ulong)offsets[2 * stride + item];
             out[3] = tetrahedra + 4 * (ulong)offsets[3 * stride + item];
             for (int type = 0; type < 4; ++type) {
-                for (uint i = 0; i < row.elements[type] * sizes[type]; ++i) out[type][i] = ids[kTemplateNodes[at++]];
+                for (uint i = 0; i < row.elements[type] * sizes[type]; ++i)
+                    out[type][i] = ids[kTemplateNodes[at++]];
             }
             for (uint i = 0; i < 4u * row.facets; ++i) {
                 facets[4 * (ulong)facet_offsets[item] + i] = ids[kTemplateFacets[4 * row.first_facet + i]];

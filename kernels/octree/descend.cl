@@ -1,13 +1,14 @@
-// One level of the octree: every node whose region is unknown is split into eight children, each classified by
-// interval arithmetic on the node's pruned tape (algorithms.md §1; Saxena & Perucchio 1992, §3: IN / OUT / ? cells).
+// One level of the octree: every node whose region is unknown is split into eight children, each classified
+// by interval arithmetic on the node's pruned tape (algorithms.md §1; Saxena & Perucchio 1992, §3: IN / OUT /
+// ? cells).
 //
 // Reads   parents, tapes (words of the parents), surfaces, ops.
 // Writes  children[8i + c], states[8i + c] for parent i, unknown_counts[i], in_counts[i], new words of tapes.
-// One work-item handles one parent; its eight children are the lanes of one vector on CPUs (LANES 8) and a loop on
-// GPUs (LANES 1).
-// Guarantees: a child is IN or OUT only if its closed cube is, whatever the rounding; results do not depend on the
-// order of work-items, though the places of new tapes do. If the tape arena is too small, used[0] still counts the
-// words that were needed, and the caller runs the level again in a larger arena.
+// One work-item handles one parent; its eight children are the lanes of one vector on CPUs (LANES 8) and a
+// loop on GPUs (LANES 1). Guarantees: a child is IN or OUT only if its closed cube is, whatever the rounding;
+// results do not depend on the order of work-items, though the places of new tapes do. If the tape arena is
+// too small, used[0] still counts the words that were needed, and the caller runs the level again in a larger
+// arena.
 #include "shared/bounds.h"
 #include "shared/expression_bounds.h"
 #include "shared/lattice.h"
@@ -27,9 +28,9 @@ typedef int8 lanes_int;
 typedef float lanes_float;
 typedef int lanes_int;
 #define ROUNDS 8
-#define CHILD_X(round) (((round) & 1) ? 1.0f : -1.0f)
-#define CHILD_Y(round) (((round) & 2) ? 1.0f : -1.0f)
-#define CHILD_Z(round) (((round) & 4) ? 1.0f : -1.0f)
+#define CHILD_X(round) (((round)&1) ? 1.0f : -1.0f)
+#define CHILD_Y(round) (((round)&2) ? 1.0f : -1.0f)
+#define CHILD_Z(round) (((round)&4) ? 1.0f : -1.0f)
 #define STORE_LANES(values, array) (array)[0] = (values)
 #define LOAD_LANES(array) ((array)[0])
 #else
@@ -142,7 +143,8 @@ lanes_int classify_surface(__global const SurfaceBounds* s, __global const Expre
         }
         {
             const lanes_float radial_low =
-                sqrt(interval_square_low(low[0], high[0]) + interval_square_low(low[1], high[1])) * (1.0f - RELATIVE);
+                sqrt(interval_square_low(low[0], high[0]) + interval_square_low(low[1], high[1])) *
+                (1.0f - RELATIVE);
             const lanes_float radial_high =
                 sqrt(interval_square_high(low[0], high[0]) + interval_square_high(low[1], high[1])) *
                 (1.0f + RELATIVE);
@@ -163,8 +165,8 @@ lanes_int classify_surface(__global const SurfaceBounds* s, __global const Expre
                 {
                     const float above = width[0] * width[0] + width[1] * width[1];
                     const float below = -width[2] * width[2];
-                    const lanes_float spread = 2.0f * cube.half_edge * (fabs(gx) + fabs(gy) + fabs(gz)) + error +
-                                               RELATIVE * (size + above - below);
+                    const lanes_float spread = 2.0f * cube.half_edge * (fabs(gx) + fabs(gy) + fabs(gz)) +
+                                               error + RELATIVE * (size + above - below);
                     const lanes_int sharper = decide(value - spread + below, value + spread + above);
                     sign = select(sign, sharper, (high[2] < 0.0f) & (sign == 0));
                 }
@@ -173,10 +175,10 @@ lanes_int classify_surface(__global const SurfaceBounds* s, __global const Expre
             {
                 const lanes_float ring_low = radial_low - s->form[0] * (1.0f + RELATIVE);
                 const lanes_float ring_high = radial_high - s->form[0] * (1.0f - RELATIVE);
-                const lanes_float f_low =
-                    interval_square_low(ring_low, ring_high) + interval_square_low(low[2], high[2]) + s->form[3];
-                const lanes_float f_high =
-                    interval_square_high(ring_low, ring_high) + interval_square_high(low[2], high[2]) + s->form[3];
+                const lanes_float f_low = interval_square_low(ring_low, ring_high) +
+                                          interval_square_low(low[2], high[2]) + s->form[3];
+                const lanes_float f_high = interval_square_high(ring_low, ring_high) +
+                                           interval_square_high(low[2], high[2]) + s->form[3];
                 const lanes_float slack = RELATIVE * (fabs(f_low) + fabs(f_high) + 2.0f * fabs(s->form[3]));
                 return decide(f_low - slack, f_high + slack);
             }
@@ -189,9 +191,11 @@ int choice_of(const ushort* choices, uint i, int c) {
     return i < MAX_CHOICES ? (choices[i] >> (2 * c)) & 3 : 0;
 }
 
-// Copies what is unknown of a tape for lane c; out may be null to count only. Returns the number of words. While it runs
-// it writes up to `peak` words: code of an operand is dropped only when its operation turns out to be known.
-uint prune(__global const uint* tape, uint length, const ushort* choices, int c, __global uint* out, uint* peak) {
+// Copies what is unknown of a tape for lane c; out may be null to count only. Returns the number of words.
+// While it runs it writes up to `peak` words: code of an operand is dropped only when its operation turns out
+// to be known.
+uint prune(__global const uint* tape, uint length, const ushort* choices, int c, __global uint* out,
+           uint* peak) {
     int value[kTapeStack];
     uint begin[kTapeStack];
     int top = -1;
@@ -268,9 +272,9 @@ int evaluate(__global const uint* tape, uint length, const uint* surfaces, uint 
     return value[0];
 }
 
-// Drops the surfaces on which a short tape does not depend (both cofactors equal), such as the common plane of two
-// flush solids. Works in place, on the caller's own words. Returns the new length; 0 if the tape is constant, whose
-// value then is in `constant_value`.
+// Drops the surfaces on which a short tape does not depend (both cofactors equal), such as the common plane
+// of two flush solids. Works in place, on the caller's own words. Returns the new length; 0 if the tape is
+// constant, whose value then is in `constant_value`.
 uint reduce(__global uint* tape, uint length, int* constant_value) {
     uint surfaces[MAX_REDUCED];
     int table[1 << MAX_REDUCED];
@@ -309,10 +313,11 @@ uint reduce(__global uint* tape, uint length, int* constant_value) {
     }
 }
 
-MORTISE_KERNEL void descend(__global const TreeNode* parents, __global uint* tapes, __global const SurfaceBounds* surfaces,
-                            __global const ExpressionOp* ops, __global TreeNode* children, __global int* states,
-                            __global uint* unknown_counts, __global uint* in_counts, __global uint* used,
-                            uint capacity, int level, uint items) {
+MORTISE_KERNEL void descend(__global const TreeNode* parents, __global uint* tapes,
+                            __global const SurfaceBounds* surfaces, __global const ExpressionOp* ops,
+                            __global TreeNode* children, __global int* states, __global uint* unknown_counts,
+                            __global uint* in_counts, __global uint* used, uint capacity, int level,
+                            uint items) {
     const uint item = get_global_id(0);
     if (item >= items) return;
     {
@@ -343,7 +348,8 @@ MORTISE_KERNEL void descend(__global const TreeNode* parents, __global uint* tap
                     const lanes_int sign = classify_surface(surfaces + tape_surface(word), ops, cube);
                     const int inside = tape_negated(word) ? 0 : 1;
                     const lanes_int state =
-                        select(select((lanes_int)(kUnknown), (lanes_int)(inside), sign < 0), (lanes_int)(1 - inside), sign > 0);
+                        select(select((lanes_int)(kUnknown), (lanes_int)(inside), sign < 0),
+                               (lanes_int)(1 - inside), sign > 0);
                     stack[++top] = state;
                     if (i < MAX_CHOICES) {
 #if LANES == 8
@@ -360,20 +366,22 @@ MORTISE_KERNEL void descend(__global const TreeNode* parents, __global uint* tap
                     const int region = tape_region(word);
                     const int otherwise = tape_otherwise(word);
                     const lanes_int same = (lanes_int)(region == otherwise ? region : kUnknown);
-                    stack[top] = select(select(same, (lanes_int)(otherwise), a == 0), (lanes_int)(region), a == 1);
+                    stack[top] =
+                        select(select(same, (lanes_int)(otherwise), a == 0), (lanes_int)(region), a == 1);
                 } else {
                     const lanes_int b = stack[top--];
                     const lanes_int a = stack[top];
                     const lanes_int unsure = (lanes_int)(kUnknown);
                     if (operation == kTapeAnd) {
-                        stack[top] = select(select(unsure, (lanes_int)(1), (a == 1) & (b == 1)), (lanes_int)(0),
-                                            (a == 0) | (b == 0));
+                        stack[top] = select(select(unsure, (lanes_int)(1), (a == 1) & (b == 1)),
+                                            (lanes_int)(0), (a == 0) | (b == 0));
                     } else if (operation == kTapeOr) {
-                        stack[top] = select(select(unsure, (lanes_int)(0), (a == 0) & (b == 0)), (lanes_int)(1),
-                                            (a == 1) | (b == 1));
+                        stack[top] = select(select(unsure, (lanes_int)(0), (a == 0) & (b == 0)),
+                                            (lanes_int)(1), (a == 1) | (b == 1));
                     } else {
                         const lanes_int region = (lanes_int)(tape_region(word));
-                        stack[top] = select(select(select(unsure, region, a == region), a, b == 0), region, b == 1);
+                        stack[top] =
+                            select(select(select(unsure, region, a == region), a, b == 0), region, b == 1);
                     }
                 }
             }
@@ -409,12 +417,12 @@ MORTISE_KERNEL void descend(__global const TreeNode* parents, __global uint* tap
     }
 }
 
-// Packs the children of a level in Morton order: unknown ones into `next`, IN ones behind `in_base` of `in_nodes`.
-// One work-item handles one parent; offsets come from exclusive scans of its counts.
+// Packs the children of a level in Morton order: unknown ones into `next`, IN ones behind `in_base` of
+// `in_nodes`. One work-item handles one parent; offsets come from exclusive scans of its counts.
 MORTISE_KERNEL void gather_children(__global const TreeNode* children, __global const int* states,
                                     __global const uint* unknown_offsets, __global const uint* in_offsets,
-                                    __global TreeNode* next, __global InNode* in_nodes, uint in_base, int level,
-                                    uint items) {
+                                    __global TreeNode* next, __global InNode* in_nodes, uint in_base,
+                                    int level, uint items) {
     const uint item = get_global_id(0);
     if (item >= items) return;
     {

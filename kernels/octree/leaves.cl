@@ -4,8 +4,8 @@
 
 // Sets the bits of all finest cells below each IN node.
 //
-// Reads in_nodes; writes bits (zeroed before). One work-item handles one node: nodes of the last two levels set part
-// of a word by atomics, whose order does not matter; larger ones own whole words.
+// Reads in_nodes; writes bits (zeroed before). One work-item handles one node: nodes of the last two levels
+// set part of a word by atomics, whose order does not matter; larger ones own whole words.
 MORTISE_KERNEL void mark_in(__global const InNode* in_nodes, __global uint* bits, int level, uint items) {
     const uint item = get_global_id(0);
     if (item >= items) return;

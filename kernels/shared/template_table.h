@@ -3,8 +3,8 @@
 //
 // Numbering of corners, edges and faces: lattice.h. Pattern: bit c set when corner c is inside. Node codes:
 // 0-7 corners, 8-19 the cut on edge (code - 8), 20 the interior node, which lies at the mean of the nodes in
-// interior_mean. A pattern is simple when no face is ambiguous and its inside and its outside corners are each
-// connected along edges; every simple pattern but 0 and 255 has a template.
+// interior_mean. A pattern is simple when no face is ambiguous and its inside and its outside corners are
+// each connected along edges; every simple pattern but 0 and 255 has a template.
 //
 // Face rule, a function of the face alone: polygons of 3 or 4 nodes stay; three inside corners A, B, C in
 // order and cuts p next to C, q next to A: triangles B C p, B p q, B q A. A pattern and its complement have
@@ -14,8 +14,9 @@
 // worst element; chains, which no plane cuts off: independent cuts in [0.2, 0.8]. Without snapping, quality
 // tends to 0 where a plane nearly touches a corner: snapping, not the template, bounds it.
 // hwpt: hexahedra, wedges, pyramids, tetrahedra; node: interior node; pos: share of these samples with every
-// element positive everywhere; free: the same for independent cuts in [0.05, 0.95]; SJ: scaled Jacobian, worst
-// and 1 % quantile; dihedral angles in degrees: smallest, 1 % quantile of min(smallest, 180 - largest), largest.
+// element positive everywhere; free: the same for independent cuts in [0.05, 0.95]; SJ: scaled Jacobian,
+// worst and 1 % quantile; dihedral angles in degrees: smallest, 1 % quantile of min(smallest, 180 - largest),
+// largest.
 //
 //   shape              pattern   h w p  t  node pos    free    SJ      1 %      min    1 %    max
 //   1 corner                   1   0 0 0  1  no   1.0000 1.0000  1.0e-06 6.2e-05   0.30  4.67   90.0

@@ -1,13 +1,14 @@
-// Bins NIO leaves by topology: leaves with one surface and a simple sign pattern get a template (SNIO), all others
-// go to the certificate (CNIO). Saxena & Perucchio 1992, §4: SNIO and CNIO cells.
+// Bins NIO leaves by topology: leaves with one surface and a simple sign pattern get a template (SNIO), all
+// others go to the certificate (CNIO). Saxena & Perucchio 1992, §4: SNIO and CNIO cells.
 //
 // Reads   nio (leaves), tapes, surfaces, ops.
 // Writes  leaves[i], used[i] (the node mask of shared/tree.h), counts[t * stride + i] elements of type t and
 //         facet_counts[i], all zero for CNIO leaves.
 // One work-item handles one leaf.
-// Guarantees: a leaf is SNIO only if the surface has a sign at all corners, no face or cell centre contradicts its
-// corners, one side is a region and the other is outside, and every element of the template is positive and not flat
-// with the actual cuts; so its face meshes are those of the certificate (algorithms.md §3).
+// Guarantees: a leaf is SNIO only if the surface has a sign at all corners, no face or cell centre
+// contradicts its corners, one side is a region and the other is outside, and every element of the template
+// is positive and not flat with the actual cuts; so its face meshes are those of the certificate
+// (algorithms.md §3).
 #include "shared/bounds.h"
 #include "shared/snio.h"
 #include "shared/surface.h"
@@ -50,13 +51,14 @@ double corner_volume(const double (*p)[3], int o, int a, int b, int c) {
     const double wy = p[c][1] - p[o][1];
     const double wz = p[c][2] - p[o][2];
     const double volume = ux * (vy * wz - vz * wy) + uy * (vz * wx - vx * wz) + uz * (vx * wy - vy * wx);
-    const double size = sqrt((ux * ux + uy * uy + uz * uz) * (vx * vx + vy * vy + vz * vz) * (wx * wx + wy * wy + wz * wz));
+    const double size =
+        sqrt((ux * ux + uy * uy + uz * uz) * (vx * vx + vy * vy + vz * vz) * (wx * wx + wy * wy + wz * wz));
     return size > 0 ? volume / size : 0;
 }
 
 // Smallest corner volume of unit edges, over the corners that decide positivity (for tetrahedra, wedges and
-// pyramids; for hexahedra the eight corners are necessary, and with one moved face sufficient: the Jacobian of a
-// hexahedron whose four side edges are parallel is linear along them).
+// pyramids; for hexahedra the eight corners are necessary, and with one moved face sufficient: the Jacobian
+// of a hexahedron whose four side edges are parallel is linear along them).
 double worst_corner(const double (*p)[3], int type, const int* n) {
     double worst = 1;
     if (type == 3) return corner_volume(p, n[0], n[1], n[2], n[3]);
@@ -94,9 +96,10 @@ int template_holds(const TemplateRow* row, const double (*p)[3]) {
     return 1;
 }
 
-MORTISE_KERNEL void classify(__global const TreeNode* nio, __global const uint* tapes, __global const Surface* surfaces,
-                             __global const ExpressionOp* ops, __global SnioLeaf* leaves, __global uint* used,
-                             __global uint* counts, __global uint* facet_counts, uint stride, int level, uint items) {
+MORTISE_KERNEL void classify(__global const TreeNode* nio, __global const uint* tapes,
+                             __global const Surface* surfaces, __global const ExpressionOp* ops,
+                             __global SnioLeaf* leaves, __global uint* used, __global uint* counts,
+                             __global uint* facet_counts, uint stride, int level, uint items) {
     const uint item = get_global_id(0);
     if (item >= items) return;
     {
@@ -148,8 +151,8 @@ MORTISE_KERNEL void classify(__global const TreeNode* nio, __global const uint* 
                 const int axis = f >> 1;
                 const double side = (f & 1) ? 1.0 : 0.0;
                 const int sign = surface_sign(surface, ops, x + (axis == 0 ? side : 0.5) * cell,
-                                              y + (axis == 1 ? side : 0.5) * cell, z + (axis == 2 ? side : 0.5) * cell,
-                                              cell);
+                                              y + (axis == 1 ? side : 0.5) * cell,
+                                              z + (axis == 2 ? side : 0.5) * cell, cell);
                 simple = sign == 0 || ((sign < 0 ? value_inside : value_outside) != 0) == (inside == 4);
             }
         }
@@ -194,7 +197,8 @@ MORTISE_KERNEL void classify(__global const TreeNode* nio, __global const uint* 
             if (pattern == 255) {
                 mask = 0xff;
             } else if (pattern != 0) {
-                mask = row.corners | ((uint)row.cuts << 8) | (row.interior_mean != 0 ? 1u << kInteriorNodeBit : 0u);
+                mask = row.corners | ((uint)row.cuts << 8) |
+                       (row.interior_mean != 0 ? 1u << kInteriorNodeBit : 0u);
             }
         }
         leaves[item] = leaf;
