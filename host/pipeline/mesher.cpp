@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdio>
 #include <ctime>
 
 #include "host/assembly/assembly.hpp"
@@ -81,6 +82,39 @@ Root choose_root(const Box3& bounds, const MeshOptions& options) {
     return root;
 }
 
+std::string number(double value) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.6g", value);
+    return text;
+}
+
+/// Model coordinates must tell apart the lattice steps that keep simplices from being flat (cnio::kMinHeight,
+/// 6e-8 of a cell): farther from the origin, double precision would turn valid elements over.
+void check_precision(const Root& root, const std::string& source) {
+    constexpr double kMostCells = 2.5e8;
+    const double cell = std::ldexp(root.side, -root.level);
+    double reach = 0;
+    for (std::size_t j = 0; j < 3; ++j) {
+        reach = std::max({reach, std::fabs(root.origin[j]), std::fabs(root.origin[j] + root.side)});
+    }
+    if (reach <= kMostCells * cell) return;
+    throw Error(ExitCode::kInput, source + ": coordinates up to " + number(reach) +
+                                      " are too far from the origin for cells of " + number(cell) +
+                                      "; move the model to the origin");
+}
+
+/// What the model asks for and this version does not do.
+void add_warnings(const Model& model, MeshReport& report) {
+    report.warnings = model.warnings;
+    bool sizes = false;
+    for (const Region& region : model.regions) sizes = sizes || region.max_size > 0;
+    for (const CsgNode& node : model.nodes) sizes = sizes || node.max_size > 0;
+    if (sizes) {
+        report.warnings.push_back(
+            model.source + ": element sizes in the file (-maxh) are not used yet; choose --size or --level");
+    }
+}
+
 void check_options(const MeshOptions& options) {
     if (options.level < 0 || options.level > octree::kMaxUniformLevel) {
         throw Error(ExitCode::kUsage, "level " + std::to_string(options.level) +
@@ -89,7 +123,7 @@ void check_options(const MeshOptions& options) {
     }
     if (!(options.size >= 0) || !std::isfinite(options.size)) {
         throw Error(ExitCode::kUsage,
-                    "cell size " + std::to_string(options.size) + " is out of range; use a positive length");
+                    "cell size " + number(options.size) + " is out of range; use a positive length");
     }
     if (!options.box) return;
     for (std::size_t j = 0; j < 3; ++j) {
@@ -127,10 +161,12 @@ Mesh generate_mesh(const Model& model, const MeshOptions& options, MeshReport* r
     const tape::CompiledModel compiled = tape::compile(model, options.box ? &*options.box : nullptr);
     const Root root = choose_root(tape::find_bounds(compiled, model.source), options);
     if (root.level > octree::kMaxUniformLevel) {
-        throw Error(ExitCode::kUsage, "cells of size " + std::to_string(options.size) + " need level " +
+        throw Error(ExitCode::kUsage, "cells of size " + number(options.size) + " need level " +
                                           std::to_string(root.level) + "; a uniform tree has at most level " +
-                                          std::to_string(octree::kMaxUniformLevel));
+                                          std::to_string(octree::kMaxUniformLevel) +
+                                          " yet; use larger cells");
     }
+    check_precision(root, model.source);
     const tape::BoundModel bound = tape::bind(compiled, root.origin, root.side);
     stages.end(bound.surfaces.size());
 
@@ -162,8 +198,8 @@ Mesh generate_mesh(const Model& model, const MeshOptions& options, MeshReport* r
     stages.end(mesh.element_count());
     if (mesh.element_count() == 0) {
         throw Error(ExitCode::kInput, model.source +
-                                          ": the solid is empty, or smaller than the cells everywhere; "
-                                          "raise --level if it is not");
+                                          ": the solid is empty, or thinner than the cells everywhere; "
+                                          "if it is not empty, use smaller cells");
     }
 
     if (options.tetrahedra) {
@@ -184,10 +220,11 @@ Mesh generate_mesh(const Model& model, const MeshOptions& options, MeshReport* r
     out.refused_splits = extraction.counters.refused;
     out.unresolved = extraction.counters.unresolved;
     out.dropped_features = extraction.troubled;
-    out.warnings = model.warnings;
+    add_warnings(model, out);
     if (extraction.troubled > 0) {
         out.warnings.push_back(std::to_string(extraction.troubled) + " of " + std::to_string(out.cnio_cells) +
-                               " complex cells hold features that were too fine to keep exactly");
+                               " complex cells hold features too fine to be kept exactly; smaller cells "
+                               "would keep more of them");
     }
     return mesh;
 }

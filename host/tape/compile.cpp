@@ -13,6 +13,7 @@ namespace mortise::tape {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kLargestNumber = 1e100;  ///< squares of such numbers are still finite
 constexpr std::size_t kMaxTerms = 1u << 24;
 
 /// A monotone formula over signed surfaces; children come before their users.
@@ -297,6 +298,11 @@ class Compiler {
                 throw Error(ExitCode::kInput,
                             model_.source + ": the map of '" + name + "' is singular or not finite");
             }
+            if (std::fabs(surface.map[i]) > kLargestNumber) {
+                throw Error(ExitCode::kInput,
+                            model_.source + ": '" + name +
+                                "' is too small or too far away to be meshed; choose other units");
+            }
         }
         return static_cast<std::uint32_t>(out_.surfaces.size() - 1);
     }
@@ -430,6 +436,10 @@ class Compiler {
         for (const WorldSurface& world : out_.surfaces)
             out_.scale = std::max(out_.scale, reach(world.surface));
         if (!(out_.scale > 0)) out_.scale = 1;
+        if (!(out_.scale < kLargestNumber)) {
+            throw Error(ExitCode::kInput,
+                        model_.source + ": the model is larger than 1e100 in its units; choose other units");
+        }
     }
 
     /// A distance from the origin within which the surface shows its shape.
