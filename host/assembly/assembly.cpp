@@ -5,6 +5,7 @@
 
 #include "host/assembly/facets.hpp"
 #include "host/assembly/nodes.hpp"
+#include "host/assembly/pieces.hpp"
 #include "host/common/parallel.hpp"
 
 namespace mortise::assembly {
@@ -22,13 +23,15 @@ constexpr std::size_t kChunk = 512;
 class Assembler {
   public:
     Assembler(device::Device& device, const Input& input)
-        : device_(device), input_(input), cells_(input.tree, input.classification, input.extraction) {
+        : device_(device), input_(input), cells_(input.tree, input.extraction.leaves, input.extraction) {
         in_regions_ = octree::in_regions(input.tree, &single_in_region_);
+        find_range();
     }
 
-    Mesh run() {
+    Piece run() {
         count_elements();
         number();
+        name_foreign_nodes();
         make_room();
         launch_fills();
         place_cnio_nodes();
@@ -36,26 +39,52 @@ class Assembler {
         fill_regions();
         finish_fills();
         fill_facets();
-        return std::move(mesh_);
+        list_frontier();
+        piece_.mesh = std::move(mesh_);
+        return std::move(piece_);
     }
 
   private:
+    /// Words, NIO leaves and IN leaves of the range.
+    void find_range() {
+        const auto& tree = input_.tree;
+        const std::uint64_t cells = std::uint64_t{1} << (3 * tree.level);
+        numbering_.range = {std::min(input_.range.begin, cells), std::min(input_.range.end, cells)};
+        const bool whole = numbering_.range.begin == 0 && numbering_.range.end == cells;
+        first_word_ = numbering_.range.begin / 32;
+        word_count_ = (whole ? tree.words() : numbering_.range.end / 32) - first_word_;
+        nio_begin_ = tree.nio_rank[first_word_];
+        nio_end_ = tree.nio_rank[first_word_ + word_count_];
+        in_begin_ = tree.in_rank[first_word_];
+        in_end_ = tree.in_rank[first_word_ + word_count_];
+        is_whole_ = whole;
+    }
+
+    bool in_range(std::uint32_t nio) const { return nio >= nio_begin_ && nio < nio_end_; }
+
     std::size_t nio_count() const { return input_.tree.nio.size(); }
     std::size_t meshed_count() const { return input_.tree.in_count + nio_count(); }
 
     /// Elements of each type before each NIO leaf; IN hexahedra come on top (their rank).
     void count_elements() {
         numbering_.used = input_.classification.used;
-        const auto& list = input_.classification.cnio;
-        for (std::size_t t = 0; t < kElementTypes; ++t) offsets_[t] = input_.classification.elements[t];
-        facet_offsets_ = input_.classification.facets;
+        const auto& list = input_.extraction.leaves;
+        const auto keep_range = [this](std::vector<std::uint32_t> counts) {
+            std::fill(counts.begin(), counts.begin() + static_cast<std::ptrdiff_t>(nio_begin_), 0u);
+            std::fill(counts.begin() + static_cast<std::ptrdiff_t>(nio_end_), counts.end(), 0u);
+            return counts;
+        };
+        for (std::size_t t = 0; t < kElementTypes; ++t)
+            offsets_[t] = keep_range(input_.classification.elements[t]);
+        facet_offsets_ = keep_range(input_.classification.facets);
         for (std::size_t i = 0; i < list.size(); ++i) {
             const cnio::CellRecord& record = input_.extraction.records[i];
             numbering_.used[list[i]] = record.used;
+            if (!in_range(list[i])) continue;
             for (std::size_t t = 0; t < kElementTypes; ++t) offsets_[t][list[i]] = record.element_count[t];
         }
         for (std::size_t t = 0; t < kElementTypes; ++t) totals_[t] = scan(offsets_[t], "elements");
-        totals_[0] += input_.tree.in_count;
+        totals_[0] += in_end_ - in_begin_;
         snio_facets_ = scan(facet_offsets_, "facets");
     }
 
@@ -83,10 +112,13 @@ class Assembler {
         Buffer extra_counts = device_.upload(extras_.owned_count);
         owned_ = device_.allocate(meshed * sizeof(std::uint32_t));
         base_ = device_.allocate((meshed + 1) * sizeof(std::uint32_t));
-        device_.launch(device_.kernel("assembly/number.cl", "own_nodes"), input_.tree.words(), tree.in_bits,
+        device_.fill_zero(owned_);
+        device_.fill_zero(base_);
+        device_.launch(device_.kernel("assembly/number.cl", "own_nodes"), word_count_, tree.in_bits,
                        tree.nio_bits, tree.in_rank, tree.nio_rank, used_, extra_counts, owned_, base_,
-                       level());
+                       level(), first_word());
         nodes_ = device_.exclusive_scan_u32(base_, base_, meshed);
+        numbering_.nodes = static_cast<std::uint32_t>(nodes_);
         numbering_.owned = device_.download<std::uint32_t>(owned_, meshed);
         numbering_.base = device_.download<std::uint32_t>(base_, meshed + 1);
     }
@@ -113,6 +145,10 @@ class Assembler {
         const std::size_t stride = nio_count();
         const auto& origin = input_.model.origin;
         const OriginSide box{origin[0], origin[1], origin[2], input_.model.side};
+        const PieceRange range{numbering_.range.begin, numbering_.range.end, numbering_.nodes,
+                               static_cast<std::uint32_t>(numbering_.foreign_grid.size())};
+        const auto in_first = static_cast<std::uint32_t>(in_begin_);
+        foreign_ = device_.upload(numbering_.foreign_grid);
         leaves_ = device_.upload(input_.classification.leaves);
         offset_buffer_ =
             device_.allocate(kElementTypes * std::max<std::size_t>(1, stride + 1) * sizeof(std::uint32_t));
@@ -120,17 +156,18 @@ class Assembler {
             device_.upload(offset_buffer_, offsets_[t].data(), stride + 1, t * (stride + 1));
         }
         facet_offset_buffer_ = device_.upload(facet_offsets_);
-        device_.launch(device_.kernel("assembly/number.cl", "place_nodes"), input_.tree.words(), tree.in_bits,
+        device_.launch(device_.kernel("assembly/number.cl", "place_nodes"), word_count_, tree.in_bits,
                        tree.nio_bits, tree.in_rank, tree.nio_rank, leaves_, tree.surfaces, tree.ops, owned_,
-                       base_, points_, box, level());
-        device_.launch(device_.kernel("assembly/number.cl", "write_hexahedra"), input_.tree.words(),
-                       tree.in_bits, tree.nio_bits, tree.in_rank, tree.nio_rank, used_, owned_, base_,
-                       offset_buffer_, connectivity_[0], level());
-        device_.launch(device_.kernel("assembly/number.cl", "write_templates"), stride, tree.in_bits,
-                       tree.nio_bits, tree.in_rank, tree.nio_rank, tree.nio, leaves_, used_, owned_, base_,
-                       offset_buffer_, facet_offset_buffer_, connectivity_[0], connectivity_[1],
-                       connectivity_[2], connectivity_[3], facet_buffer_,
-                       static_cast<std::uint32_t>(stride + 1), level());
+                       base_, points_, box, level(), first_word());
+        device_.launch(device_.kernel("assembly/number.cl", "write_hexahedra"), word_count_, tree.in_bits,
+                       tree.nio_bits, tree.in_rank, tree.nio_rank, used_, owned_, base_, offset_buffer_,
+                       foreign_, connectivity_[0], range, in_first, level(), first_word());
+        device_.launch(device_.kernel("assembly/number.cl", "write_templates"), nio_end_ - nio_begin_,
+                       tree.in_bits, tree.nio_bits, tree.in_rank, tree.nio_rank, tree.nio, leaves_, used_,
+                       owned_, base_, offset_buffer_, facet_offset_buffer_, foreign_, connectivity_[0],
+                       connectivity_[1], connectivity_[2], connectivity_[3], facet_buffer_, range, in_first,
+                       static_cast<std::uint32_t>(stride + 1), level(),
+                       static_cast<std::uint32_t>(nio_begin_));
         // The host adds the certificate's part to the same arrays.
         device_.sync_to_host(points_);
         for (Buffer& buffer : connectivity_) device_.sync_to_host(buffer);
@@ -144,13 +181,16 @@ class Assembler {
     }
 
     std::int32_t level() const { return input_.tree.level; }
+    std::uint32_t first_word() const { return static_cast<std::uint32_t>(first_word_); }
 
-    /// Calls work(leaf, record) for all CNIO leaves on all threads.
+    /// Calls work(leaf, record) for the range's CNIO leaves on all threads.
     template <class Work>
     void for_each_cnio(const Work& work) {
-        const auto& list = input_.classification.cnio;
+        const auto& list = input_.extraction.leaves;
         parallel_chunks(list.size(), kChunk, input_.threads, [&](std::size_t begin, std::size_t end, int) {
-            for (std::size_t i = begin; i < end; ++i) work(list[i], input_.extraction.records[i]);
+            for (std::size_t i = begin; i < end; ++i) {
+                if (in_range(list[i])) work(list[i], input_.extraction.records[i]);
+            }
         });
     }
 
@@ -206,7 +246,7 @@ class Assembler {
                 if (code >= cnio::kExtraCode || ((record.used >> code) & 1) != 0)
                     ids[code] = nodes.node(nio, record, code);
             }
-            const std::uint32_t before = input_.tree.in_index(input_.tree.nio[nio].morton);
+            const std::size_t before = input_.tree.in_index(input_.tree.nio[nio].morton) - in_begin_;
             for (std::size_t t = 0; t < kElementTypes; ++t) {
                 const auto size = static_cast<std::size_t>(kElementNodes[t]);
                 const std::size_t first = offsets_[t][nio] + (t == 0 ? before : 0);
@@ -228,19 +268,19 @@ class Assembler {
         const auto& tree = input_.tree;
         ElementBlock& hexahedra = mesh_.elements[0];
         std::size_t next = 0;
-        std::size_t in = 0;
+        std::size_t in = in_begin_;
         const auto fill_in = [&](std::size_t until) {
             for (; next < until; ++next, ++in) {
                 hexahedra.region[next] = in_regions_.empty() ? single_in_region_ : in_regions_[in];
                 hexahedra.kind[next] = static_cast<std::uint8_t>(ElementKind::kIn);
             }
         };
-        for (std::uint32_t i = 0; i < nio_count(); ++i) {
+        for (auto i = static_cast<std::uint32_t>(nio_begin_); i < nio_end_; ++i) {
             const SnioLeaf& leaf = input_.classification.leaves[i];
             const bool is_snio = leaf.pattern != kPatternCnio;
             const std::size_t hexahedra_here = offsets_[0][i + 1] - offsets_[0][i];
             if (hexahedra_here > 0) {
-                fill_in(tree.in_index(tree.nio[i].morton) + offsets_[0][i]);
+                fill_in(tree.in_index(tree.nio[i].morton) - in_begin_ + offsets_[0][i]);
                 next += hexahedra_here;
             }
             if (!is_snio) continue;
@@ -260,21 +300,23 @@ class Assembler {
     /// Facets of templates and of the certificate's cells, by leaf in Morton order.
     void fill_facets() {
         const NodeLookup nodes = lookup();
-        const auto& list = input_.classification.cnio;
+        const auto& list = input_.extraction.leaves;
         std::vector<std::vector<AssembledFacet>> parts((list.size() + kChunk - 1) / kChunk);
         std::vector<std::uint32_t> counts(list.size());
         parallel_chunks(list.size(), kChunk, input_.threads, [&](std::size_t begin, std::size_t end, int) {
             auto& part = parts[begin / kChunk];
             for (std::size_t i = begin; i < end; ++i) {
+                if (!in_range(list[i])) continue;
                 const std::size_t before = part.size();
                 facets_of(input_, cells_, nodes, single_in_region_, in_regions_, list[i], part);
                 counts[i] = static_cast<std::uint32_t>(part.size() - before);
             }
         });
         FacetBlock& out = mesh_.facets;
-        std::size_t cnio = 0;
-        std::size_t in_part = 0;
-        for (std::uint32_t i = 0; i < nio_count(); ++i) {
+        auto cnio =
+            static_cast<std::size_t>(std::lower_bound(list.begin(), list.end(), nio_begin_) - list.begin());
+        std::size_t in_part = 0;  // leaves of the ring before the range left nothing in their parts
+        for (auto i = static_cast<std::uint32_t>(nio_begin_); i < nio_end_; ++i) {
             const SnioLeaf& leaf = input_.classification.leaves[i];
             for (std::uint32_t k = facet_offsets_[i]; k < facet_offsets_[i + 1]; ++k) {
                 out.nodes.insert(out.nodes.end(), snio_facet_nodes_.begin() + 4 * std::ptrdiff_t{k},
@@ -297,8 +339,85 @@ class Assembler {
         }
     }
 
+    /// Nodes that elements or facets of the range use but other leaves own.
+    void name_foreign_nodes() {
+        if (is_whole_) return;
+        const auto& tree = input_.tree;
+        const NodeLookup nodes = lookup();
+        auto& grid = numbering_.foreign_grid;
+        const auto add_grid = [&](std::uint64_t morton, std::uint16_t code) {
+            std::uint64_t owner = 0;
+            std::uint32_t bit = 0;
+            if (nodes.grid_owner(morton, code, &owner, &bit) && !numbering_.range.holds(owner)) {
+                grid.push_back(node_key(owner, bit));
+            }
+        };
+        for_each_leaf_at_border([&](std::uint64_t morton) {
+            for (std::uint16_t code = 0; code < 8; ++code) add_grid(morton, code);
+            if (!tree.is_nio(morton)) return;
+            for (std::uint16_t code = 8; code < 20; ++code) add_grid(morton, code);
+            const std::uint32_t nio = tree.nio_index(morton);
+            const cnio::CellRecord* record = cells_.record(nio);
+            if (record == nullptr) return;
+            for (std::uint32_t k = 0; k < record->extra_count; ++k) {
+                const CnioCells::Owner owner = cells_.owner(nio, k);
+                if (!in_range(owner.nio)) numbering_.foreign_extras.push_back({owner.nio, owner.place});
+            }
+        });
+        std::sort(grid.begin(), grid.end());
+        grid.erase(std::unique(grid.begin(), grid.end()), grid.end());
+        auto& extras = numbering_.foreign_extras;
+        std::sort(extras.begin(), extras.end());
+        extras.erase(std::unique(extras.begin(), extras.end(),
+                                 [](const ExtraName& a, const ExtraName& b) { return !(a < b) && !(b < a); }),
+                     extras.end());
+    }
+
+    /// Own nodes of leaves at the border: what other pieces may name.
+    void list_frontier() {
+        piece_.foreign_grid = numbering_.foreign_grid;
+        piece_.foreign_extras = numbering_.foreign_extras;
+        if (is_whole_) return;
+        const NodeLookup nodes = lookup();
+        for_each_leaf_at_border([&](std::uint64_t morton) {
+            const std::uint32_t rank = nodes.meshed_rank(morton);
+            const std::uint32_t owned = numbering_.owned[rank];
+            for (u32 bit = 0; bit < kInteriorNodeBit; ++bit) {
+                if (((owned >> bit) & 1) == 0) continue;
+                piece_.grid_frontier.push_back(
+                    {node_key(morton, bit), numbering_.base[rank] + mask_rank(owned, bit)});
+            }
+            if (!input_.tree.is_nio(morton)) return;
+            const std::uint32_t nio = input_.tree.nio_index(morton);
+            const cnio::CellRecord* record = cells_.record(nio);
+            if (record == nullptr) return;
+            for (std::uint32_t k = 0; k < record->extra_count; ++k) {
+                const std::uint32_t extra = extras_.rank[record->arena][record->first_extra + k];
+                if (extra == ExtraRanks::kNotOwned) continue;
+                piece_.extra_frontier.push_back({{nio, k}, nodes.first_extra(nio) + extra});
+            }
+        });
+    }
+
+    /// Calls work(morton) in Morton order for the range's meshed leaves that have a neighbour outside the
+    /// range.
+    template <class Work>
+    void for_each_leaf_at_border(const Work& work) const {
+        const auto& tree = input_.tree;
+        for (std::size_t word = first_word_; word < first_word_ + word_count_; ++word) {
+            for (u32 bits = tree.in_bits[word] | tree.nio_bits[word]; bits != 0; bits &= bits - 1) {
+                const std::uint64_t morton = 32 * std::uint64_t{word} + count_bits((bits & (0u - bits)) - 1);
+                if (touches_outside(tree.level, numbering_.range, morton)) work(morton);
+            }
+        }
+    }
+
     device::Device& device_;
     const Input& input_;
+    Piece piece_;
+    bool is_whole_ = true;
+    std::size_t first_word_ = 0, word_count_ = 0, nio_begin_ = 0, nio_end_ = 0, in_begin_ = 0, in_end_ = 0;
+    Buffer foreign_;
     CnioCells cells_;
     std::uint16_t single_in_region_ = 1;
     std::vector<std::uint16_t> in_regions_;
@@ -317,6 +436,6 @@ class Assembler {
 
 }  // namespace
 
-Mesh assemble(device::Device& device, const Input& input) { return Assembler(device, input).run(); }
+Piece assemble(device::Device& device, const Input& input) { return Assembler(device, input).run(); }
 
 }  // namespace mortise::assembly

@@ -78,7 +78,6 @@ void facets_of(const Input& input, const CnioCells& cells, const NodeLookup& loo
     for (int f = 0; f < 6; ++f) {
         const Neighbour other = across(input, cells, single_in_region, in_regions, morton, f);
         const bool both = other.kind == Neighbour::Kind::kCnio;
-        if (both && (f & 1) == 0) continue;
         const std::uint32_t begin = record.first_face_facet[static_cast<std::size_t>(f)];
         const std::uint32_t end = record.first_face_facet[static_cast<std::size_t>(f) + 1];
         const cnio::FaceFacet* theirs =
@@ -94,16 +93,13 @@ void facets_of(const Input& input, const CnioCells& cells, const NodeLookup& loo
             if (region == mine.region) continue;
             AssembledFacet made{};
             const bool mine_inside = mine.region != 0 && (region == 0 || mine.region < region);
+            if (both && !mine_inside) continue;  // the other cell lists it
             made.inside = mine_inside ? mine.region : region;
             made.outside = mine_inside ? region : mine.region;
             made.surface = mine.surface;
             if (made.surface == cnio::kNoSurface && both) made.surface = theirs[i - begin].surface;
             if (made.surface == cnio::kNoSurface) made.surface = any_surface(input.tree, nio);
-            const bool from_theirs = mine.region == 0 && both;
-            for (std::size_t k = 0; k < 4; ++k) {
-                made.node[k] = from_theirs ? lookup.node(other.nio, *other.record, theirs[i - begin].node[k])
-                                           : lookup.node(nio, record, mine.node[k]);
-            }
+            for (std::size_t k = 0; k < 4; ++k) made.node[k] = lookup.node(nio, record, mine.node[k]);
             if (frame_points_outward(f) != mine_inside) {
                 if (made.node[3] == made.node[2]) {
                     std::swap(made.node[0], made.node[1]);

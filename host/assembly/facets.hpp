@@ -20,7 +20,7 @@ struct AssembledFacet {
 
 /// Facets that leaf `nio` (a CNIO leaf) contributes; each facet of the mesh is contributed by one leaf.
 ///
-/// A face between two CNIO cells belongs to the one on its lower side; any other face to the CNIO cell. Both
+/// Between two CNIO cells a facet belongs to the cell of its region `inside`; else to the CNIO cell. Both
 /// sides list the facets of their common face in the same order, so they are compared one by one.
 void facets_of(const Input& input, const CnioCells& cells, const NodeLookup& lookup,
                std::uint16_t single_in_region, const std::vector<std::uint16_t>& in_regions,

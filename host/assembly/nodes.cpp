@@ -6,10 +6,10 @@
 
 namespace mortise::assembly {
 
-CnioCells::CnioCells(const octree::Octree& tree, const snio::Classification& classification,
+CnioCells::CnioCells(const octree::Octree& tree, const std::vector<std::uint32_t>& extracted,
                      const cnio::Extraction& extraction)
     : tree_(tree), extraction_(extraction), index_(tree.nio.size(), kNotCnio) {
-    for (std::uint32_t i = 0; i < classification.cnio.size(); ++i) index_[classification.cnio[i]] = i;
+    for (std::uint32_t i = 0; i < extracted.size(); ++i) index_[extracted[i]] = i;
 }
 
 CnioCells::Owner CnioCells::owner(std::uint32_t nio, std::uint32_t place) const {
@@ -59,7 +59,7 @@ ExtraRanks rank_extras(const Input& input, const CnioCells& cells) {
     for (const cnio::CellArena& arena : input.extraction.arenas) {
         result.rank.emplace_back(arena.extras.size(), ExtraRanks::kNotOwned);
     }
-    const auto& list = input.classification.cnio;
+    const auto& list = input.extraction.leaves;
     parallel_chunks(list.size(), 256, input.threads, [&](std::size_t begin, std::size_t end, int) {
         for (std::size_t i = begin; i < end; ++i) {
             const cnio::CellRecord& record = input.extraction.records[i];
@@ -74,20 +74,32 @@ ExtraRanks rank_extras(const Input& input, const CnioCells& cells) {
     return result;
 }
 
-NodeId NodeLookup::grid_node(std::uint64_t morton, std::uint16_t code) const {
+bool NodeLookup::grid_owner(std::uint64_t morton, std::uint16_t code, std::uint64_t* owner,
+                            std::uint32_t* bit) const {
     const u32 corner = code < 8 ? code : kEdgeCorners[code - 8][0];
     const u32 x = gather_bits(morton) + (corner & 1);
     const u32 y = gather_bits(morton >> 1) + ((corner >> 1) & 1);
     const u32 z = gather_bits(morton >> 2) + (corner >> 2);
-    u32 bit = 0;
     const u32* in = tree_.in_bits.data();
     const u32* nio = tree_.nio_bits.data();
-    const u64 owner = code < 8 ? vertex_owner(in, nio, tree_.nio_rank.data(), numbering_.used.data(),
-                                              tree_.level, x, y, z, &bit)
-                               : edge_owner(in, nio, tree_.nio_rank.data(), numbering_.used.data(),
-                                            tree_.level, static_cast<u32>((code - 8) / 4), x, y, z, &bit);
-    if (owner == kNoOwner)
+    *owner = code < 8 ? vertex_owner(in, nio, tree_.nio_rank.data(), numbering_.used.data(), tree_.level, x,
+                                     y, z, bit)
+                      : edge_owner(in, nio, tree_.nio_rank.data(), numbering_.used.data(), tree_.level,
+                                   static_cast<u32>((code - 8) / 4), x, y, z, bit);
+    return *owner != kNoOwner;
+}
+
+NodeId NodeLookup::grid_node(std::uint64_t morton, std::uint16_t code) const {
+    std::uint64_t owner = 0;
+    std::uint32_t bit = 0;
+    if (!grid_owner(morton, code, &owner, &bit)) {
         throw Error(ExitCode::kMeshing, "internal error: a node has no owner; please report the model");
+    }
+    if (!numbering_.range.holds(owner)) {
+        const auto& list = numbering_.foreign_grid;
+        const auto found = std::lower_bound(list.begin(), list.end(), node_key(owner, bit));
+        return numbering_.nodes + static_cast<NodeId>(found - list.begin());
+    }
     const std::uint32_t rank = meshed_rank(owner);
     return numbering_.base[rank] + mask_rank(numbering_.owned[rank], bit);
 }
@@ -101,8 +113,15 @@ NodeId NodeLookup::node(std::uint32_t nio, const cnio::CellRecord& record, std::
     if (code < cnio::kExtraCode) return grid_node(tree_.nio[nio].morton, code);
     const std::uint32_t place = code - cnio::kExtraCode;
     std::uint32_t rank = extras_.rank[record.arena][record.first_extra + place];
-    if (rank != ExtraRanks::kNotOwned) return first_extra(nio) + rank;
-    const CnioCells::Owner owner = cells_.owner(nio, place);
+    const bool own = rank != ExtraRanks::kNotOwned;
+    if (own && numbering_.range.holds(tree_.nio[nio].morton)) return first_extra(nio) + rank;
+    const CnioCells::Owner owner = own ? CnioCells::Owner{nio, place} : cells_.owner(nio, place);
+    if (!numbering_.range.holds(tree_.nio[owner.nio].morton)) {
+        const auto& list = numbering_.foreign_extras;
+        const auto found = std::lower_bound(list.begin(), list.end(), ExtraName{owner.nio, owner.place});
+        return numbering_.nodes + static_cast<NodeId>(numbering_.foreign_grid.size() +
+                                                      static_cast<std::size_t>(found - list.begin()));
+    }
     const cnio::CellRecord& theirs = *cells_.record(owner.nio);
     rank = extras_.rank[theirs.arena][theirs.first_extra + owner.place];
     return first_extra(owner.nio) + rank;

@@ -13,7 +13,7 @@ inline constexpr std::uint32_t kNotCnio = 0xffffffffu;
 /// Read access to the certificate's cells by NIO leaf.
 class CnioCells {
   public:
-    CnioCells(const octree::Octree& tree, const snio::Classification& classification,
+    CnioCells(const octree::Octree& tree, const std::vector<std::uint32_t>& extracted,
               const cnio::Extraction& extraction);
 
     /// Record of an NIO leaf, or null if a template meshes it.
@@ -45,11 +45,15 @@ struct ExtraRanks {
 };
 ExtraRanks rank_extras(const Input& input, const CnioCells& cells);
 
-/// Numbering of all nodes, for host lookups.
+/// Numbering of the piece's nodes, for host lookups.
 struct Numbering {
-    std::vector<std::uint32_t> used;   ///< per NIO leaf
-    std::vector<std::uint32_t> owned;  ///< per meshed leaf
-    std::vector<std::uint32_t> base;   ///< per meshed leaf, one more at the end: the number of nodes
+    MortonRange range;
+    std::uint32_t nodes = 0;                  ///< own ones
+    std::vector<std::uint64_t> foreign_grid;  ///< ascending
+    std::vector<ExtraName> foreign_extras;    ///< ascending
+    std::vector<std::uint32_t> used;          ///< per NIO leaf
+    std::vector<std::uint32_t> owned;         ///< per meshed leaf
+    std::vector<std::uint32_t> base;          ///< per meshed leaf, one more at the end: the number of nodes
 };
 
 class NodeLookup {
@@ -63,6 +67,9 @@ class NodeLookup {
 
     /// Node of any code of a CNIO leaf.
     NodeId node(std::uint32_t nio, const cnio::CellRecord& record, std::uint16_t code) const;
+
+    /// Owner and bit of a grid node; false if no leaf uses it.
+    bool grid_owner(std::uint64_t morton, std::uint16_t code, std::uint64_t* owner, std::uint32_t* bit) const;
 
     /// Number of the leaf's first owned extra node.
     NodeId first_extra(std::uint32_t nio) const;

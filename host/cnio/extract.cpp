@@ -12,6 +12,7 @@ Extraction extract(const tape::BoundModel& model, const octree::Octree& tree,
     constexpr std::size_t kChunk = 64;
     const int workers = thread_count(threads);
     Extraction result;
+    result.leaves = leaves;
     result.records.resize(leaves.size());
     result.arenas.resize(static_cast<std::size_t>(workers));
     std::vector<std::unique_ptr<Certificate>> certificates(static_cast<std::size_t>(workers));

@@ -8,9 +8,10 @@
 
 namespace mortise::cnio {
 
-/// Meshes of the CNIO leaves. records[i] belongs to the i-th leaf of the list given; its data lies in one
+/// Meshes of the CNIO leaves. records[i] belongs to leaves[i]; its data lies in one
 /// arena.
 struct Extraction {
+    std::vector<std::uint32_t> leaves;  ///< the list, indices into Octree::nio, ascending
     std::vector<CellRecord> records;
     std::vector<CellArena> arenas;  ///< one per thread; which one a cell is in does not matter to anyone
     CellCounters counters;

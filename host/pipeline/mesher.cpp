@@ -125,6 +125,10 @@ void check_options(const MeshOptions& options) {
         throw Error(ExitCode::kUsage,
                     "cell size " + number(options.size) + " is out of range; use a positive length");
     }
+    if (options.pieces < 1 || options.pieces > 4096) {
+        throw Error(ExitCode::kUsage,
+                    "pieces " + std::to_string(options.pieces) + " is out of range; use 1 to 4096");
+    }
     if (!options.box) return;
     for (std::size_t j = 0; j < 3; ++j) {
         if (!(options.box->min[j] < options.box->max[j]) ||
@@ -146,6 +150,45 @@ void name_surfaces(const tape::CompiledModel& compiled, const tape::BoundModel& 
         mesh.surface_names.push_back(compiled.surface_names[i]);
     }
     for (std::uint32_t& surface : mesh.facets.surface) surface = place[model.surface_name[surface]];
+}
+
+/// What the report wants of all extractions.
+struct Extracted {
+    cnio::CellCounters counters;
+    std::uint64_t troubled = 0;
+};
+
+/// Extraction and assembly, range by range of the Morton order; the pieces do not know each other until they
+/// are merged.
+Extracted mesh_pieces(device::Device& device, const MeshOptions& options, const tape::BoundModel& bound,
+                      const octree::Octree& tree, octree::DeviceTree& on_device,
+                      const snio::Classification& classification, Stages& stages, Mesh* mesh) {
+    Extracted result;
+    const std::uint64_t words = tree.words();
+    const std::uint64_t count = std::min<std::uint64_t>(static_cast<std::uint64_t>(options.pieces), words);
+    std::vector<assembly::Piece> pieces;
+    for (std::uint64_t p = 0; p < count; ++p) {
+        assembly::MortonRange range;
+        if (p > 0) range.begin = 32 * (words * p / count);
+        if (p + 1 < count) range.end = 32 * (words * (p + 1) / count);
+        const double done = static_cast<double>(p) / static_cast<double>(count);
+        stages.begin("extract", 0.4 + 0.5 * done);
+        const std::vector<std::uint32_t> leaves =
+            count == 1 ? classification.cnio : assembly::leaves_needed(tree, classification.cnio, range);
+        const cnio::Extraction extraction = cnio::extract(bound, tree, leaves, options.threads);
+        result.counters.refused += extraction.counters.refused;
+        result.counters.unresolved += extraction.counters.unresolved;
+        result.troubled += extraction.troubled;
+        stages.end(leaves.size());
+        stages.begin("assemble", 0.4 + 0.5 * done + 0.3 / static_cast<double>(count));
+        pieces.push_back(assembly::assemble(
+            device, {bound, tree, on_device, classification, extraction, options.threads, range}));
+        stages.end(pieces.back().mesh.element_count());
+    }
+    stages.begin("merge", 0.92);
+    *mesh = assembly::merge(std::move(pieces));
+    stages.end(mesh->element_count());
+    return result;
 }
 
 }  // namespace
@@ -186,16 +229,11 @@ Mesh generate_mesh(const Model& model, const MeshOptions& options, MeshReport* r
     const snio::Classification classification = snio::classify(device, tree, on_device, options.templates);
     stages.end(tree.nio.size());
 
-    stages.begin("extract", 0.4);
-    const cnio::Extraction extraction = cnio::extract(bound, tree, classification.cnio, options.threads);
-    stages.end(classification.cnio.size());
-
-    stages.begin("assemble", 0.7);
-    Mesh mesh =
-        assembly::assemble(device, {bound, tree, on_device, classification, extraction, options.threads});
+    Mesh mesh;
+    const Extracted extracted =
+        mesh_pieces(device, options, bound, tree, on_device, classification, stages, &mesh);
     mesh.region_names = compiled.region_names;
     name_surfaces(compiled, bound, mesh);
-    stages.end(mesh.element_count());
     if (mesh.element_count() == 0) {
         throw Error(ExitCode::kInput, model.source +
                                           ": the solid is empty, or thinner than the cells everywhere; "
@@ -217,12 +255,12 @@ Mesh generate_mesh(const Model& model, const MeshOptions& options, MeshReport* r
     out.nio_cells = tree.nio.size();
     out.cnio_cells = classification.cnio.size();
     out.snio_cells = out.nio_cells - out.cnio_cells;
-    out.refused_splits = extraction.counters.refused;
-    out.unresolved = extraction.counters.unresolved;
-    out.dropped_features = extraction.troubled;
+    out.refused_splits = extracted.counters.refused;
+    out.unresolved = extracted.counters.unresolved;
+    out.dropped_features = extracted.troubled;
     add_warnings(model, out);
-    if (extraction.troubled > 0) {
-        out.warnings.push_back(std::to_string(extraction.troubled) + " of " + std::to_string(out.cnio_cells) +
+    if (extracted.troubled > 0) {
+        out.warnings.push_back(std::to_string(extracted.troubled) + " of " + std::to_string(out.cnio_cells) +
                                " complex cells hold features too fine to be kept exactly; smaller cells "
                                "would keep more of them");
     }

@@ -21,6 +21,7 @@ struct MeshOptions {
     std::optional<Box3> box;  ///< cuts the solid; its faces become boundaries box_xmin, ...
     bool templates = true;    ///< false: every NIO cell by the certificate
     bool tetrahedra = false;  ///< split everything into tetrahedra
+    int pieces = 1;           ///< parts of the Morton range that are meshed apart and merged: the same mesh
     int threads = 0;          ///< host threads for extraction; 0: all cores
     std::string device;       ///< as printed by `mortise devices`; empty: environment, else default
     int work_group_size = 0;  ///< 0: the device class's default

@@ -1,5 +1,10 @@
 // Node numbering by ownership, node positions and connectivity (algorithms.md §2; rule in shared/tree.h).
 //
+// A piece is the leaves of one range [begin, end) of Morton codes, whole words of the bitmaps; kernels run
+// over its words or its NIO leaves, from `first` on. Nodes that leaves outside the range own are foreign:
+// they are numbered behind the piece's own nodes, by their place in the sorted list `foreign` of (Morton code
+// of the owner << 5 | bit).
+//
 // A leaf's nodes are numbered base[leaf], base[leaf] + 1, …: first the owned bits of its mask, then (CNIO
 // leaves) its owned extra nodes. Leaves are indexed by their rank among meshed leaves: IN rank + NIO rank.
 #include "shared/bounds.h"
@@ -44,9 +49,10 @@ uint owned_mask(__global const uint* in_bits, __global const uint* nio_bits, __g
 MORTISE_KERNEL void own_nodes(__global const uint* in_bits, __global const uint* nio_bits,
                               __global const uint* in_rank, __global const uint* nio_rank,
                               __global const uint* used, __global const uint* extra_counts,
-                              __global uint* owned, __global uint* counts, int level, uint items) {
-    const uint word = get_global_id(0);
-    if (word >= items) return;
+                              __global uint* owned, __global uint* counts, int level, uint first,
+                              uint items) {
+    const uint word = get_global_id(0) + first;
+    if (get_global_id(0) >= items) return;
     {
         const uint in = in_bits[word];
         uint rest = in | nio_bits[word];
@@ -84,9 +90,9 @@ MORTISE_KERNEL void place_nodes(__global const uint* in_bits, __global const uin
                                 __global const SnioLeaf* leaves, __global const Surface* surfaces,
                                 __global const ExpressionOp* ops, __global const uint* owned,
                                 __global const uint* base, __global double* points, double4 origin_side,
-                                int level, uint items) {
-    const uint word = get_global_id(0);
-    if (word >= items) return;
+                                int level, uint first, uint items) {
+    const uint word = get_global_id(0) + first;
+    if (get_global_id(0) >= items) return;
     {
         const double cell = 1.0 / (double)(1u << level);
         const uint in = in_bits[word];
@@ -162,14 +168,38 @@ MORTISE_KERNEL void place_nodes(__global const uint* in_bits, __global const uin
     }
 }
 
-// Global number of grid vertex (x, y, z).
+// Number of the node that `owner` has as `bit`.
+uint node_id(__global const uint* in_bits, __global const uint* nio_bits, __global const uint* in_rank,
+             __global const uint* nio_rank, __global const uint* owned, __global const uint* base,
+             __global const ulong* foreign, PieceRange range, ulong owner, uint bit) {
+    if (owner < range.begin || owner >= range.end) {
+        const ulong key = node_key(owner, bit);
+        uint low = 0;
+        uint high = range.foreign_count;
+        while (low < high) {
+            const uint middle = (low + high) / 2;
+            if (foreign[middle] < key) {
+                low = middle + 1;
+            } else {
+                high = middle;
+            }
+        }
+        return range.nodes + low;
+    }
+    {
+        const uint rank = rank_of(in_bits, in_rank, owner) + rank_of(nio_bits, nio_rank, owner);
+        return base[rank] + mask_rank(owned[rank], bit);
+    }
+}
+
+// Number of grid vertex (x, y, z).
 uint vertex_id(__global const uint* in_bits, __global const uint* nio_bits, __global const uint* in_rank,
                __global const uint* nio_rank, __global const uint* used, __global const uint* owned,
-               __global const uint* base, int level, uint x, uint y, uint z) {
+               __global const uint* base, __global const ulong* foreign, PieceRange range, int level, uint x,
+               uint y, uint z) {
     uint bit = 0;
     const ulong owner = vertex_owner(in_bits, nio_bits, nio_rank, used, level, x, y, z, &bit);
-    const uint rank = rank_of(in_bits, in_rank, owner) + rank_of(nio_bits, nio_rank, owner);
-    return base[rank] + mask_rank(owned[rank], bit);
+    return node_id(in_bits, nio_bits, in_rank, nio_rank, owned, base, foreign, range, owner, bit);
 }
 
 // Hexahedra of IN leaves, eight node numbers each, in Morton order among the hexahedra of NIO leaves.
@@ -180,9 +210,10 @@ MORTISE_KERNEL void write_hexahedra(__global const uint* in_bits, __global const
                                     __global const uint* in_rank, __global const uint* nio_rank,
                                     __global const uint* used, __global const uint* owned,
                                     __global const uint* base, __global const uint* hexahedron_offsets,
-                                    __global uint* hexahedra, int level, uint items) {
-    const uint word = get_global_id(0);
-    if (word >= items) return;
+                                    __global const ulong* foreign, __global uint* hexahedra, PieceRange range,
+                                    uint in_first, int level, uint first, uint items) {
+    const uint word = get_global_id(0) + first;
+    if (get_global_id(0) >= items) return;
     {
         uint rest = in_bits[word];
         uint rank = in_rank[word];
@@ -193,11 +224,11 @@ MORTISE_KERNEL void write_hexahedra(__global const uint* in_bits, __global const
             const uint x = gather_bits(morton);
             const uint y = gather_bits(morton >> 1);
             const uint z = gather_bits(morton >> 2);
-            __global uint* out = hexahedra + 8 * (ulong)(rank + hexahedron_offsets[nio]);
+            __global uint* out = hexahedra + 8 * (ulong)(rank - in_first + hexahedron_offsets[nio]);
             for (uint i = 0; i < 8; ++i) {
                 const uint c = kHexahedronCorner[i];
-                out[i] = vertex_id(in_bits, nio_bits, in_rank, nio_rank, used, owned, base, level,
-                                   x + (c & 1), y + ((c >> 1) & 1), z + (c >> 2));
+                out[i] = vertex_id(in_bits, nio_bits, in_rank, nio_rank, used, owned, base, foreign, range,
+                                   level, x + (c & 1), y + ((c >> 1) & 1), z + (c >> 2));
             }
         }
     }
@@ -213,11 +244,12 @@ MORTISE_KERNEL void write_templates(__global const uint* in_bits, __global const
                                     __global const TreeNode* nio, __global const SnioLeaf* leaves,
                                     __global const uint* used, __global const uint* owned,
                                     __global const uint* base, __global const uint* offsets,
-                                    __global const uint* facet_offsets, __global uint* hexahedra,
-                                    __global uint* wedges, __global uint* pyramids, __global uint* tetrahedra,
-                                    __global uint* facets, uint stride, int level, uint items) {
-    const uint item = get_global_id(0);
-    if (item >= items) return;
+                                    __global const uint* facet_offsets, __global const ulong* foreign,
+                                    __global uint* hexahedra, __global uint* wedges, __global uint* pyramids,
+                                    __global uint* tetrahedra, __global uint* facets, PieceRange range,
+                                    uint in_first, uint stride, int level, uint first, uint items) {
+    const uint item = get_global_id(0) + first;
+    if (get_global_id(0) >= items) return;
     {
         const SnioLeaf leaf = leaves[item];
         const ulong morton = nio[item].morton;
@@ -229,8 +261,8 @@ MORTISE_KERNEL void write_templates(__global const uint* in_bits, __global const
         if (leaf.pattern == kPatternCnio || leaf.pattern == 0) return;
         for (uint c = 0; c < 8; ++c) {
             if ((mask >> c) & 1) {
-                ids[c] = vertex_id(in_bits, nio_bits, in_rank, nio_rank, used, owned, base, level,
-                                   x + (c & 1), y + ((c >> 1) & 1), z + (c >> 2));
+                ids[c] = vertex_id(in_bits, nio_bits, in_rank, nio_rank, used, owned, base, foreign, range,
+                                   level, x + (c & 1), y + ((c >> 1) & 1), z + (c >> 2));
             }
         }
         for (uint e = 0; e < 12; ++e) {
@@ -239,8 +271,8 @@ MORTISE_KERNEL void write_templates(__global const uint* in_bits, __global const
                 uint bit = 0;
                 const ulong owner = edge_owner(in_bits, nio_bits, nio_rank, used, level, e / 4, x + (c & 1),
                                                y + ((c >> 1) & 1), z + (c >> 2), &bit);
-                const uint rank = rank_of(in_bits, in_rank, owner) + rank_of(nio_bits, nio_rank, owner);
-                ids[8 + e] = base[rank] + mask_rank(owned[rank], bit);
+                ids[8 + e] =
+                    node_id(in_bits, nio_bits, in_rank, nio_rank, owned, base, foreign, range, owner, bit);
             }
         }
         if ((mask >> kInteriorNodeBit) & 1) {
@@ -248,7 +280,8 @@ MORTISE_KERNEL void write_templates(__global const uint* in_bits, __global const
             ids[kInteriorNodeBit] = base[rank] + mask_rank(owned[rank], kInteriorNodeBit);
         }
         if (leaf.pattern == 255) {
-            __global uint* out = hexahedra + 8 * (ulong)(rank_of(in_bits, in_rank, morton) + offsets[item]);
+            __global uint* out =
+                hexahedra + 8 * (ulong)(rank_of(in_bits, in_rank, morton) - in_first + offsets[item]);
             for (uint i = 0; i < 8; ++i) out[i] = ids[kHexahedronCorner[i]];
             return;
         }
@@ -257,7 +290,7 @@ MORTISE_KERNEL void write_templates(__global const uint* in_bits, __global const
             __global uint* out[4];
             const uint sizes[4] = {8, 6, 5, 4};
             uint at = row.first_node;
-            out[0] = hexahedra + 8 * (ulong)(rank_of(in_bits, in_rank, morton) + offsets[item]);
+            out[0] = hexahedra + 8 * (ulong)(rank_of(in_bits, in_rank, morton) - in_first + offsets[item]);
             out[1] = wedges + 6 * (ulong)offsets[stride + item];
             out[2] = pyramids + 5 * (ulong)offsets[2 * stride + item];
             out[3] = tetrahedra + 4 * (ulong)offsets[3 * stride + item];

@@ -89,6 +89,18 @@ MORTISE_FUNCTION u64 edge_owner(MORTISE_GLOBAL u32* in_bits, MORTISE_GLOBAL u32*
     return owner;
 }
 
+// What numbers the nodes of one piece of a mesh: the leaves in [begin, end), which own `nodes` nodes. Nodes
+// of other owners follow, by their place in a sorted list of foreign_count keys (node_key).
+typedef struct PieceRange {
+    u64 begin;
+    u64 end;
+    u32 nodes;
+    u32 foreign_count;
+} PieceRange;
+
+// Name of a grid vertex or single root across pieces: its owner and its bit there.
+MORTISE_FUNCTION u64 node_key(u64 owner, u32 bit) { return (owner << 5) | bit; }
+
 // Position of a node in its owner's mask.
 MORTISE_FUNCTION u32 mask_rank(u32 mask, u32 bit) { return count_bits(mask & ((1u << bit) - 1u)); }
 

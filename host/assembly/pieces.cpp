@@ -1,0 +1,117 @@
+// Pieces of a mesh: which leaves a range needs, and how pieces become one mesh.
+#include "host/assembly/pieces.hpp"
+
+#include <algorithm>
+
+namespace mortise::assembly {
+namespace {
+
+/// Calls visit(code) for the neighbours of a cell inside the root box; stops when it returns true, and tells
+/// so.
+template <class Visit>
+bool any_neighbour(int level, std::uint64_t morton, const Visit& visit) {
+    const std::int64_t size = std::int64_t{1} << level;
+    const std::int64_t at[3] = {gather_bits(morton), gather_bits(morton >> 1), gather_bits(morton >> 2)};
+    for (int k = 0; k < 27; ++k) {
+        const std::int64_t x = at[0] + k % 3 - 1;
+        const std::int64_t y = at[1] + k / 3 % 3 - 1;
+        const std::int64_t z = at[2] + k / 9 - 1;
+        if (x < 0 || y < 0 || z < 0 || x >= size || y >= size || z >= size) continue;
+        if (visit(morton_encode(static_cast<u32>(x), static_cast<u32>(y), static_cast<u32>(z)))) return true;
+    }
+    return false;
+}
+
+/// Numbers of a piece's foreign nodes in the merged mesh.
+class Resolver {
+  public:
+    explicit Resolver(const std::vector<Piece>& pieces) : pieces_(pieces) {
+        for (const Piece& piece : pieces) {
+            first_.push_back(total_);
+            total_ += piece.mesh.node_count();
+        }
+    }
+
+    NodeId first(std::size_t piece) const { return static_cast<NodeId>(first_[piece]); }
+
+    template <class Name>
+    NodeId find(const std::vector<std::pair<Name, NodeId>> Piece::*frontier, const Name& name) const {
+        for (std::size_t p = 0; p < pieces_.size(); ++p) {
+            const auto& list = pieces_[p].*frontier;
+            const auto found =
+                std::lower_bound(list.begin(), list.end(), name,
+                                 [](const auto& entry, const Name& wanted) { return entry.first < wanted; });
+            if (found != list.end() && !(name < found->first))
+                return static_cast<NodeId>(first_[p] + found->second);
+        }
+        throw Error(ExitCode::kMeshing,
+                    "internal error: a node of another piece is missing; please report the model");
+    }
+
+    std::size_t total() const { return total_; }
+
+  private:
+    const std::vector<Piece>& pieces_;
+    std::vector<std::size_t> first_;
+    std::size_t total_ = 0;
+};
+
+template <class T>
+void append(std::vector<T>& to, const std::vector<T>& from) {
+    to.insert(to.end(), from.begin(), from.end());
+}
+
+}  // namespace
+
+bool touches_outside(int level, const MortonRange& range, std::uint64_t morton) {
+    const bool inside = range.holds(morton);
+    return any_neighbour(level, morton, [&](std::uint64_t code) { return range.holds(code) != inside; });
+}
+
+std::vector<std::uint32_t> leaves_needed(const octree::Octree& tree, const std::vector<std::uint32_t>& cnio,
+                                         const MortonRange& range) {
+    std::vector<std::uint32_t> result;
+    for (const std::uint32_t nio : cnio) {
+        const std::uint64_t morton = tree.nio[nio].morton;
+        if (range.holds(morton) || touches_outside(tree.level, range, morton)) result.push_back(nio);
+    }
+    return result;
+}
+
+Mesh merge(std::vector<Piece> pieces) {
+    if (pieces.size() == 1) return std::move(pieces[0].mesh);
+    const Resolver resolver(pieces);
+    if (resolver.total() > 0xffffffffu) {
+        throw Error(ExitCode::kMeshing, "more than 2^32 nodes; use a lower --level");
+    }
+    Mesh result;
+    for (std::size_t p = 0; p < pieces.size(); ++p) {
+        const Piece& piece = pieces[p];
+        std::vector<NodeId> foreign;
+        for (const std::uint64_t key : piece.foreign_grid)
+            foreign.push_back(resolver.find(&Piece::grid_frontier, key));
+        for (const ExtraName& name : piece.foreign_extras) {
+            foreign.push_back(resolver.find(&Piece::extra_frontier, name));
+        }
+        const auto own = static_cast<NodeId>(piece.mesh.node_count());
+        const NodeId first = resolver.first(p);
+        const auto append_nodes = [&](std::vector<NodeId>& to, const std::vector<NodeId>& from) {
+            for (const NodeId id : from) to.push_back(id < own ? first + id : foreign[id - own]);
+        };
+        append(result.points, piece.mesh.points);
+        for (std::size_t t = 0; t < kElementTypes; ++t) {
+            append_nodes(result.elements[t].nodes, piece.mesh.elements[t].nodes);
+            append(result.elements[t].region, piece.mesh.elements[t].region);
+            append(result.elements[t].kind, piece.mesh.elements[t].kind);
+        }
+        append_nodes(result.facets.nodes, piece.mesh.facets.nodes);
+        append(result.facets.surface, piece.mesh.facets.surface);
+        append(result.facets.inside, piece.mesh.facets.inside);
+        append(result.facets.outside, piece.mesh.facets.outside);
+        // The frontier is still asked for; the rest is not.
+        for (auto& block : pieces[p].mesh.elements) block = {};
+    }
+    return result;
+}
+
+}  // namespace mortise::assembly

@@ -1,0 +1,99 @@
+// For tests/shared: what the device makes of kernels/shared, to be compared with the host.
+//
+// layout: sizes and offsets of every struct, in the order of tests/shared/device_test.cpp.
+// evaluate: surfaces at points and along segments; the bits must equal the host's (shared/platform.h).
+#include "shared/bounds.h"
+#include "shared/expression_bounds.h"
+#include "shared/lattice.h"
+#include "shared/snio.h"
+#include "shared/surface.h"
+#include "shared/template_table.h"
+
+#define SIZE(type) out[at++] = (uint)sizeof(type)
+#define OFFSET(type, field)                                                      \
+    {                                                                            \
+        type probe;                                                              \
+        out[at++] = (uint)((const char*)&probe.field - (const char*)&probe);     \
+    }
+
+// Writes out[0] = number of entries, then the entries. One work-item.
+MORTISE_KERNEL void layout(__global uint* out, uint items) {
+    uint at = 1;
+    if (get_global_id(0) >= items) return;
+    SIZE(Surface);
+    OFFSET(Surface, map)
+    OFFSET(Surface, form)
+    OFFSET(Surface, kind)
+    OFFSET(Surface, first_op)
+    OFFSET(Surface, op_count)
+    OFFSET(Surface, padding)
+    SIZE(SurfaceBounds);
+    OFFSET(SurfaceBounds, map)
+    OFFSET(SurfaceBounds, form)
+    OFFSET(SurfaceBounds, error)
+    OFFSET(SurfaceBounds, kind)
+    OFFSET(SurfaceBounds, first_op)
+    OFFSET(SurfaceBounds, op_count)
+    OFFSET(SurfaceBounds, padding)
+    SIZE(SurfaceSample);
+    OFFSET(SurfaceSample, value)
+    OFFSET(SurfaceSample, gradient)
+    SIZE(ExpressionOp);
+    OFFSET(ExpressionOp, operation)
+    OFFSET(ExpressionOp, out)
+    OFFSET(ExpressionOp, a)
+    OFFSET(ExpressionOp, b)
+    OFFSET(ExpressionOp, literal)
+    SIZE(Interval);
+    OFFSET(Interval, low)
+    OFFSET(Interval, high)
+    SIZE(TreeNode);
+    OFFSET(TreeNode, morton)
+    OFFSET(TreeNode, tape_offset)
+    OFFSET(TreeNode, tape_length)
+    SIZE(InNode);
+    OFFSET(InNode, morton)
+    OFFSET(InNode, level)
+    OFFSET(InNode, region)
+    SIZE(SnioLeaf);
+    OFFSET(SnioLeaf, surface)
+    OFFSET(SnioLeaf, pattern)
+    OFFSET(SnioLeaf, region)
+    SIZE(TemplateRow);
+    OFFSET(TemplateRow, interior_mean)
+    OFFSET(TemplateRow, first_node)
+    OFFSET(TemplateRow, first_facet)
+    OFFSET(TemplateRow, cuts)
+    OFFSET(TemplateRow, corners)
+    OFFSET(TemplateRow, shape)
+    OFFSET(TemplateRow, elements)
+    OFFSET(TemplateRow, facets)
+    OFFSET(TemplateRow, padding)
+    out[0] = at - 1;
+}
+
+// Reads points[6i] … points[6i + 5], the ends of segment i, and surface i. Writes values[6i …]: value, sampled
+// value, gradient, root; and signs[2i …]: sign at the first end, root in lattice units. One work-item handles
+// one segment.
+MORTISE_KERNEL void evaluate(__global const Surface* surfaces, __global const ExpressionOp* ops,
+                             __global const double* points, __global double* values, __global int* signs,
+                             double cell_size, uint items) {
+    const uint item = get_global_id(0);
+    if (item >= items) return;
+    {
+        double a[3];
+        double b[3];
+        SurfaceSample sample;
+        for (int j = 0; j < 3; ++j) {
+            a[j] = points[6 * item + j];
+            b[j] = points[6 * item + 3 + j];
+        }
+        sample = surface_sample(surfaces + item, ops, a[0], a[1], a[2]);
+        values[6 * item] = surface_value(surfaces + item, ops, a[0], a[1], a[2]);
+        values[6 * item + 1] = sample.value;
+        for (int j = 0; j < 3; ++j) values[6 * item + 2 + j] = sample.gradient[j];
+        values[6 * item + 5] = segment_root(surfaces + item, ops, a, b);
+        signs[2 * item] = surface_sign(surfaces + item, ops, a[0], a[1], a[2], cell_size);
+        signs[2 * item + 1] = edge_root(surfaces + item, ops, a, b);
+    }
+}

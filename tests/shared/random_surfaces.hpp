@@ -1,0 +1,53 @@
+// Random surfaces of every kind inside the unit cube, for tests of kernels/shared/surface.h.
+#pragma once
+
+#include <cmath>
+#include <vector>
+
+#include "kernels/shared/surface.h"
+#include "tests/mesher/random_source.hpp"
+#include "tests/shared/random_programs.hpp"
+
+namespace mortise::test {
+
+inline constexpr int kSurfaceKinds = 5;
+
+/// A surface of the kind given; an expression's operations are appended to `ops`.
+inline Surface random_surface(RandomSource& random, int kind, std::vector<ExpressionOp>& ops) {
+    Surface s{};
+    s.kind = kind;
+    if (kind == kSurfacePlane) {
+        double square = 0;
+        for (int j = 0; j < 3; ++j) {
+            s.map[j] = random.chance(0.2) ? 0 : random.uniform(-1, 1);
+            square += s.map[j] * s.map[j];
+        }
+        if (square == 0) s.map[0] = square = 1;
+        for (int j = 0; j < 3; ++j) {
+            s.map[j] /= std::sqrt(square);
+            s.map[3] -= s.map[j] * random.uniform(0.2, 0.8);
+        }
+        return s;
+    }
+    for (int i = 0; i < 3; ++i) {
+        for (int j = 0; j < 3; ++j) s.map[4 * i + j] = (i == j ? 2 : 0) + random.uniform(-1, 1);
+        for (int j = 0; j < 3; ++j) s.map[4 * i + 3] -= s.map[4 * i + j] * random.uniform(0.3, 0.7);
+    }
+    if (kind == kSurfaceQuadric) {
+        s.form[0] = s.form[1] = 1;
+        s.form[2] = random.integer(-1, 1);
+        s.form[3] = s.form[2] < 0 ? 0 : -random.uniform(0.05, 1);
+    } else if (kind == kSurfaceTorus) {
+        s.form[0] = random.uniform(0.2, 0.8);
+        const double minor = random.uniform(0.05, 0.5);
+        s.form[3] = -minor * minor;
+    } else if (kind == kSurfaceExpression) {
+        const auto program = random_program(random, random.integer(4, 16), random.chance(0.5));
+        s.first_op = static_cast<u32>(ops.size());
+        s.op_count = static_cast<u32>(program.size());
+        ops.insert(ops.end(), program.begin(), program.end());
+    }
+    return s;
+}
+
+}  // namespace mortise::test
