@@ -10,10 +10,10 @@
 #include "shared/template_table.h"
 
 #define SIZE(type) out[at++] = (uint)sizeof(type)
-#define OFFSET(type, field)                                                      \
-    {                                                                            \
-        type probe;                                                              \
-        out[at++] = (uint)((const char*)&probe.field - (const char*)&probe);     \
+#define OFFSET(type, field)                                                  \
+    {                                                                        \
+        type probe;                                                          \
+        out[at++] = (uint)((const char*)&probe.field - (const char*)&probe); \
     }
 
 // Writes out[0] = number of entries, then the entries. One work-item.
@@ -72,9 +72,9 @@ MORTISE_KERNEL void layout(__global uint* out, uint items) {
     out[0] = at - 1;
 }
 
-// Reads points[6i] … points[6i + 5], the ends of segment i, and surface i. Writes values[6i …]: value, sampled
-// value, gradient, root; and signs[2i …]: sign at the first end, root in lattice units. One work-item handles
-// one segment.
+// Reads points[6i] … points[6i + 5], the ends of segment i, and surface i. Writes values[6i …]: value,
+// sampled value, gradient, root; and signs[2i …]: sign at the first end, root in lattice units. One work-item
+// handles one segment.
 MORTISE_KERNEL void evaluate(__global const Surface* surfaces, __global const ExpressionOp* ops,
                              __global const double* points, __global double* values, __global int* signs,
                              double cell_size, uint items) {

@@ -5,6 +5,9 @@
 namespace mortise::cnio {
 namespace {
 
+// A cell that holds too many surfaces to be cut by all of them stays as it is then: valid, but coarser.
+constexpr std::size_t kMaxSimplices = 8192;
+
 constexpr int kCapHalvings =
     16;  ///< the last cap is 5e-6 of a cell high: below it no sign changes (kSignTolerance)
 
@@ -198,6 +201,10 @@ bool Certificate::bisect(std::size_t p, int round) {
     mixed_.erase(std::unique(mixed_.begin(), mixed_.end()), mixed_.end());
     for (const auto& [a, b] : mixed_) {
         if (cell_.sign(a, p) * cell_.sign(b, p) >= 0) continue;  // an end was snapped
+        if (simplices_.size() >= kMaxSimplices) {
+            ++cell_.counters.refused;
+            return false;
+        }
         const LatticePoint at = cell_.root(p, a, b);
         if (cell_.snap_end(p, a, b, at, kMergeDistance, false)) {
             any = true;

@@ -78,9 +78,7 @@ const std::vector<Entry> kLayout = {SIZE(Surface),
                                     OFFSET(TemplateRow, facets),
                                     OFFSET(TemplateRow, padding)};
 
-bool same_bits(double a, double b) {
-    return std::memcmp(&a, &b, sizeof a) == 0 || (a != a && b != b);
-}
+bool same_bits(double a, double b) { return std::memcmp(&a, &b, sizeof a) == 0 || (a != a && b != b); }
 
 }  // namespace
 
@@ -104,8 +102,7 @@ TEST_CASE("surfaces give the same bits on the device") {
     std::vector<double> points;
     constexpr std::size_t kCount = 5000;
     for (std::size_t i = 0; i < kCount; ++i) {
-        surfaces.push_back(
-            test::random_surface(random, static_cast<int>(i) % test::kSurfaceKinds, ops));
+        surfaces.push_back(test::random_surface(random, static_cast<int>(i) % test::kSurfaceKinds, ops));
         double a[3];
         for (double& x : a) x = random.integer(0, 32) * cell;
         points.insert(points.end(), a, a + 3);

@@ -91,9 +91,9 @@ TEST_CASE("derivatives of each operation agree with central differences") {
     for (int operation = kExprNegate; operation <= kExprLog; ++operation) {
         const bool binary = operation >= kExprAdd && operation <= kExprMax;
         // operation(2x + y, z - x): every argument depends on two coordinates.
-        std::vector<ExpressionOp> ops = {
-            {kExprX, 1, 0, 0, 0}, {kExprY, 2, 0, 0, 0},   {kExprZ, 3, 0, 0, 0},
-            {kExprAdd, 4, 1, 1, 0}, {kExprAdd, 4, 4, 2, 0}, {kExprSubtract, 5, 3, 1, 0}};
+        std::vector<ExpressionOp> ops = {{kExprX, 1, 0, 0, 0},   {kExprY, 2, 0, 0, 0},
+                                         {kExprZ, 3, 0, 0, 0},   {kExprAdd, 4, 1, 1, 0},
+                                         {kExprAdd, 4, 4, 2, 0}, {kExprSubtract, 5, 3, 1, 0}};
         ops.push_back({operation, 0, 4, binary ? 5u : 4u, 0});
         int compared = 0;
         for (int i = 0; i < 2000; ++i) {

@@ -112,18 +112,19 @@ TEST_CASE("bounds are not much wider than the range") {
 TEST_CASE("roots of negatives and quotients across zero decide nothing") {
     for (const int operation : {kExprSqrt, kExprLog}) {
         const Interval result = interval_apply(operation, {-1, 2}, {0, 0});
-        CHECK(result.low == -kInfinity);
-        CHECK(result.high == kInfinity);
+        CHECK_FALSE(result.low > -kInfinity);
+        CHECK_FALSE(result.high < kInfinity);
     }
     for (const Interval& b : {Interval{-1, 1}, Interval{0, 1}, Interval{-1, 0}, Interval{0, 0}}) {
         const Interval result = interval_apply(kExprDivide, {1, 2}, b);
-        CHECK(result.low == -kInfinity);
-        CHECK(result.high == kInfinity);
+        CHECK_FALSE(result.low > -kInfinity);
+        CHECK_FALSE(result.high < kInfinity);
     }
     const float nan = std::numeric_limits<float>::quiet_NaN();
     for (int operation = kExprNegate; operation <= kExprLog; ++operation) {
         const Interval result = interval_apply(operation, {nan, nan}, {nan, nan});
-        if (operation == kExprSin || operation == kExprCos) continue;  // within [-1, 1], which decides nothing
+        if (operation == kExprSin || operation == kExprCos)
+            continue;  // within [-1, 1], which decides nothing
         INFO(operation);
         CHECK_FALSE(result.low > 0);
         CHECK_FALSE(result.high < 0);

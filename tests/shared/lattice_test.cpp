@@ -156,11 +156,11 @@ TEST_CASE("the owner of a vertex or edge root is the first leaf in Morton order 
                             expected_bit = bit;
                         }
                         u32 bit = 0;
-                        const u64 owner =
-                            axis < 0 ? vertex_owner(in.data(), nio.data(), rank.data(), used.data(), kLevel,
-                                                    x, y, z, &bit)
-                                     : edge_owner(in.data(), nio.data(), rank.data(), used.data(), kLevel,
-                                                  static_cast<u32>(axis), x, y, z, &bit);
+                        const u64 owner = axis < 0
+                                              ? vertex_owner(in.data(), nio.data(), rank.data(), used.data(),
+                                                             kLevel, x, y, z, &bit)
+                                              : edge_owner(in.data(), nio.data(), rank.data(), used.data(),
+                                                           kLevel, static_cast<u32>(axis), x, y, z, &bit);
                         REQUIRE(owner == expected);
                         if (owner != kNoOwner) REQUIRE(bit == expected_bit);
                     }

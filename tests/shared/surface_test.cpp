@@ -81,6 +81,7 @@ TEST_CASE("gradients agree with central differences") {
                 }
                 const double size = std::max({1.0, std::fabs(slope[1]), std::fabs(sample.value)});
                 if (!(std::fabs(slope[0] - slope[1]) < 1e-6 * size)) continue;  // a kink or a pole
+                if (!std::isfinite(sample.gradient[j])) continue;  // a value on the way overflows
                 REQUIRE(std::fabs(sample.gradient[j] - slope[1]) < 1e-5 * size);
                 ++compared;
             }
@@ -109,6 +110,9 @@ TEST_CASE("signs are -1, 0 and +1 within, at and beyond the tolerance, to first 
                 for (int j = 0; j < 3; ++j) x[j] -= sample.value * sample.gradient[j] / (length * length);
             }
             if (length < 0.1 || std::fabs(sample.value) > 1e-13) continue;
+            double u[3];
+            surface_frame(&s, x[0], x[1], x[2], u);
+            if (kind == kSurfaceCone && std::fabs(u[2]) < 1e-3) continue;  // the apex
             ++found;
             for (const double steps : {-30.0, -1.02, -0.98, 0.0, 0.98, 1.02, 30.0}) {
                 double at[3];
@@ -116,6 +120,10 @@ TEST_CASE("signs are -1, 0 and +1 within, at and beyond the tolerance, to first 
                     at[j] = x[j] + steps * kSignTolerance * cell * sample.gradient[j] / length;
                 }
                 const int sign = surface_sign(&s, ops.data(), at[0], at[1], at[2], cell);
+                CAPTURE(kind);
+                CAPTURE(steps);
+                CAPTURE(length);
+                CAPTURE(sample.value);
                 REQUIRE(sign == (steps < -1 ? -1 : steps > 1 ? 1 : 0));
                 if (kind == kSurfacePlane || kind == kSurfaceQuadric) {
                     const Surface other = flipped(s);
@@ -135,6 +143,23 @@ TEST_CASE("a value that is not a number is outside") {
     s.op_count = 2;
     for (int i = 0; i < 3; ++i) s.map[4 * i + i] = 1;
     CHECK(surface_sign(&s, ops.data(), -0.5, 0, 0, 0.1) == 1);
+}
+
+TEST_CASE("a gradient that is not finite leaves the sign of the value") {
+    // 1 / exp(800 x) - 0.5: the exponential overflows where the value is -0.5. log(x): -inf at 0.
+    const std::vector<ExpressionOp> overflow = {{kExprX, 1, 0, 0, 0},          {kExprConstant, 2, 0, 0, 800},
+                                                {kExprMultiply, 1, 1, 2, 0},   {kExprExp, 1, 1, 1, 0},
+                                                {kExprConstant, 2, 0, 0, 1},   {kExprDivide, 1, 2, 1, 0},
+                                                {kExprConstant, 2, 0, 0, 0.5}, {kExprSubtract, 0, 1, 2, 0}};
+    const std::vector<ExpressionOp> pole = {{kExprX, 1, 0, 0, 0}, {kExprLog, 0, 1, 1, 0}};
+    Surface s{};
+    s.kind = kSurfaceExpression;
+    for (int i = 0; i < 3; ++i) s.map[4 * i + i] = 1;
+    s.op_count = static_cast<u32>(overflow.size());
+    CHECK(surface_sign(&s, overflow.data(), 0.95, 0, 0, 0.1) == -1);
+    CHECK(surface_sign(&s, overflow.data(), 0, 0, 0, 0.1) == 1);
+    s.op_count = static_cast<u32>(pole.size());
+    CHECK(surface_sign(&s, pole.data(), 0, 0, 0, 0.1) == -1);
 }
 
 TEST_CASE("roots lie inside their segment and on the surface") {
@@ -182,7 +207,7 @@ TEST_CASE("roots lie inside their segment and on the surface") {
             CHECK((changes || small));
         }
         INFO(kind);
-        CHECK(bracketed > 1000);
+        CHECK(bracketed > 300);
     }
 }
 
