@@ -6,7 +6,9 @@ namespace mortise::cnio {
 namespace {
 
 // A cell that holds too many surfaces to be cut by all of them stays as it is then: valid, but coarser.
-constexpr std::size_t kMaxSimplices = 8192;
+constexpr std::size_t kMostWork = 1u << 19;  ///< simplices times surfaces
+constexpr std::size_t kMostSimplices = 32768;
+constexpr std::size_t kFewestSimplices = 256;
 
 constexpr int kCapHalvings =
     16;  ///< the last cap is 5e-6 of a cell high: below it no sign changes (kSignTolerance)
@@ -36,9 +38,10 @@ CellRecord Certificate::run(const TreeNode& leaf, CellArena& arena) {
     } else {
         cone();
         bool again = true;
-        for (int round = 0; round < kBisectionRounds && again; ++round) {
+        for (int round = 0; round < kBisectionRounds && again && !is_full(); ++round) {
             again = false;
-            for (std::size_t p = 0; p < cell_.surface_count(); ++p) again = bisect(p, round) || again;
+            for (std::size_t p = 0; p < cell_.surface_count() && !is_full(); ++p)
+                again = bisect(p, round) || again;
         }
         const std::size_t n = cell_.surface_count();
         simplex_signs_.resize(simplices_.size() * n);
@@ -53,6 +56,10 @@ CellRecord Certificate::run(const TreeNode& leaf, CellArena& arena) {
     CellRecord record;
     collect(record, arena);
     return record;
+}
+
+bool Certificate::is_full() const {
+    return simplices_.size() >= std::clamp(kMostWork / cell_.surface_count(), kFewestSimplices, kMostSimplices);
 }
 
 bool Certificate::is_uniform(std::int32_t* region) const {
@@ -201,7 +208,7 @@ bool Certificate::bisect(std::size_t p, int round) {
     mixed_.erase(std::unique(mixed_.begin(), mixed_.end()), mixed_.end());
     for (const auto& [a, b] : mixed_) {
         if (cell_.sign(a, p) * cell_.sign(b, p) >= 0) continue;  // an end was snapped
-        if (simplices_.size() >= kMaxSimplices) {
+        if (is_full()) {
             ++cell_.counters.refused;
             return false;
         }

@@ -96,6 +96,7 @@ class Certificate {
     };
 
     bool is_uniform(std::int32_t* region) const;
+    bool is_full() const;
     void cone();
     void add_simplex(const std::array<LocalNode, 4>& node, bool resolved);
     LocalNode add_cap(const Facet& quad, const LatticePoint& apex);

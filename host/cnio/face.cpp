@@ -7,6 +7,10 @@
 namespace mortise::cnio {
 namespace {
 
+// A face that holds too many surfaces stays as it is then, from both sides.
+constexpr std::size_t kMostWork = 1u << 14;  ///< triangles times surfaces
+constexpr std::size_t kFewestTriangles = 64;
+
 /// Smallest height of a triangle over its longest side, squared and relative: a measure of shape.
 double shape(const LatticePoint& a, const LatticePoint& b, const LatticePoint& c) {
     const double longest = std::max({distance(a, b), distance(b, c), distance(c, a)});
@@ -233,6 +237,10 @@ bool Cell::split_face(int f, std::size_t p, int round) {
         const LocalNode na = fan_nodes_[a];
         const LocalNode nb = fan_nodes_[b];
         if (sign(na, p) * sign(nb, p) >= 0) continue;  // an end was snapped
+        if (fan_.size() >= std::max(kFewestTriangles, kMostWork / n)) {
+            ++counters.refused;
+            return false;
+        }
         const LatticePoint at = root(p, na, nb);
         if (snap_end(p, na, nb, at, kMergeDistance, true)) {
             any = true;

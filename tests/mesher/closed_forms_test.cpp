@@ -21,7 +21,10 @@ struct Polyhedron {
 
 std::vector<Polyhedron> polyhedra() {
     return {
-        {"box", 24, 2, [](Model& m) { return add_box(m, {0, 0, 0}, {2, 3, 4}); }},
+        {"box", 24, 2,
+         [](Model& m) {
+             return add_box(m, {0, 0, 0}, {2, 3, 4});
+         }},
         {"wedge", 3, 2, [](Model& m) { return m.add_primitive(wedge(1, 2, 3)); }},
         {"flush union", 15, 2,
          [](Model& m) {
@@ -43,7 +46,8 @@ std::vector<Polyhedron> polyhedra() {
          }},
         {"cavity", 64 - 1, 4,
          [](Model& m) {
-             return subtract(m, {add_box(m, {0, 0, 0}, {4, 4, 4}), add_box(m, {1.1, 1.2, 1.3}, {2.1, 2.2, 2.3})});
+             return subtract(
+                 m, {add_box(m, {0, 0, 0}, {4, 4, 4}), add_box(m, {1.1, 1.2, 1.3}, {2.1, 2.2, 2.3})});
          }},
         {"one hole", 36 - 4, 0,
          [](Model& m) {
@@ -57,7 +61,8 @@ std::vector<Polyhedron> polyhedra() {
         {"tetrahedron by four planes", 1.0 / 6, 2,
          [](Model& m) {
              Primitive convex;
-             convex.planes = {{{-1, 0, 0}, 0, ""}, {{0, -1, 0}, 0, ""}, {{0, 0, -1}, 0, ""}, {{1, 1, 1}, 1, ""}};
+             convex.planes = {
+                 {{-1, 0, 0}, 0, ""}, {{0, -1, 0}, 0, ""}, {{0, 0, -1}, 0, ""}, {{1, 1, 1}, 1, ""}};
              return m.add_primitive(convex);
          }},
     };
@@ -91,8 +96,9 @@ TEST_CASE("polyhedral solids have exact volume and topology, however they lie") 
 
 TEST_CASE("the corners of boxes are nodes") {
     for (const Affine& map : {kIdentity, kTurn, rotation({3, -1, 0.5}, 2.1), rotation({0, 0, 1}, kPi / 6)}) {
-        const Model model = one_solid(
-            [&](Model& m) { return m.add_transform(map, add_box(m, {-1, -1.5, -2}, {1, 1.5, 2})); });
+        const Model model = one_solid([&](Model& m) {
+            return m.add_transform(map, add_box(m, {-1, -1.5, -2}, {1, 1.5, 2}));
+        });
         const Meshed result = mesh_and_check(model, 5);
         for (int corner = 0; corner < 8; ++corner) {
             const Vec3 p = {corner & 1 ? 1.0 : -1.0, corner & 2 ? 1.5 : -1.5, corner & 4 ? 2.0 : -2.0};
@@ -117,16 +123,16 @@ TEST_CASE("curved solids have the right topology") {
               return subtract(m, {add_cylinder(m, 2, -1, 1), add_cylinder(m, 1, -2, 2)});
           })) == 0);
     CHECK(euler(one_solid([](Model& m) {
-              const NodeIndex tori = unite(m, {add_torus(m, 2, 0.5),
-                                               m.add_transform(translation({4, 0, 0}), add_torus(m, 2, 0.5))});
+              const NodeIndex tori = unite(
+                  m, {add_torus(m, 2, 0.5), m.add_transform(translation({4, 0, 0}), add_torus(m, 2, 0.5))});
               return m.add_transform(kTurn, tori);
           })) == -2);
     for (const int holes : {1, 2, 5}) {
         CHECK(euler(one_solid([&](Model& m) {
                   std::vector<NodeIndex> parts = {add_box(m, {0, 0, 0}, {10, 2, 1})};
                   for (int i = 0; i < holes; ++i) {
-                      parts.push_back(m.add_transform(translation({1.0 + 2 * i, 1, 0}),
-                                                      add_cylinder(m, 0.6, -1, 2)));
+                      parts.push_back(
+                          m.add_transform(translation({1.0 + 2 * i, 1, 0}), add_cylinder(m, 0.6, -1, 2)));
                   }
                   return subtract(m, parts);
               })) == 2 - 2 * holes);
@@ -162,8 +168,10 @@ TEST_CASE("regions share their interfaces and fill their solids") {
               doctest::Approx(27).epsilon(1e-9));
         CHECK(facet_area(result.mesh, 1, 2) == doctest::Approx(4 * kPi * 0.64).epsilon(0.02));
         CHECK(facet_area(result.mesh, 1, 0) == 0);
-        CHECK(enclosed_volume(result.mesh, 1) == doctest::Approx(result.check.region_volume[0]).epsilon(1e-9));
-        CHECK(enclosed_volume(result.mesh, 2) == doctest::Approx(result.check.region_volume[1]).epsilon(1e-9));
+        CHECK(enclosed_volume(result.mesh, 1) ==
+              doctest::Approx(result.check.region_volume[0]).epsilon(1e-9));
+        CHECK(enclosed_volume(result.mesh, 2) ==
+              doctest::Approx(result.check.region_volume[1]).epsilon(1e-9));
     }
     SUBCASE("an onion of balls") {
         Model model;

@@ -23,9 +23,13 @@ std::vector<Solid> curved_solids() {
     const Affine turn = rotation({1, 2, 3}, 0.7);
     const auto across = rotation({1, 0, 0}, kPi / 2);
     return {
-        {"ball", 4 * kPi / 3, [](Model& m) { return add_ball(m, {0.1, 0.2, 0.3}, 1); }},
+        {"ball", 4 * kPi / 3,
+         [](Model& m) {
+             return add_ball(m, {0.1, 0.2, 0.3}, 1);
+         }},
         {"cylinder", 4 * kPi, [](Model& m) { return add_cylinder(m, 1, -2, 2); }},
-        {"turned cylinder", 4 * kPi, [=](Model& m) { return m.add_transform(turn, add_cylinder(m, 1, -2, 2)); }},
+        {"turned cylinder", 4 * kPi,
+         [=](Model& m) { return m.add_transform(turn, add_cylinder(m, 1, -2, 2)); }},
         {"pointed cone", kPi, [](Model& m) { return add_frustum(m, 1, 0, 0, 3); }},
         {"turned frustum", 2 * kPi / 3 * (1 + 0.5 + 0.25),
          [=](Model& m) { return m.add_transform(turn, add_frustum(m, 1, 0.5, -1, 1)); }},
@@ -37,16 +41,22 @@ std::vector<Solid> curved_solids() {
              return m.add_transform(compose(turn, scaling({1, 0.7, 1.6})), add_ball(m, {0, 0, 0}, 1));
          }},
         {"hollow ball", 4 * kPi / 3 * (1 - 0.216),
-         [](Model& m) { return subtract(m, {add_ball(m, {0, 0, 0}, 1), add_ball(m, {0, 0, 0}, 0.6)}); }},
+         [](Model& m) {
+             return subtract(m, {add_ball(m, {0, 0, 0}, 1), add_ball(m, {0, 0, 0}, 0.6)});
+         }},
         {"two crossing cylinders", 16.0 / 3,
          [=](Model& m) {
              const NodeIndex one = m.add_primitive(infinite_cylinder(1));
              return intersect(m, {one, m.add_transform(across, one)});
          }},
         {"box with a round hole", 4 * 4 * 2 - 2 * kPi,
-         [](Model& m) { return subtract(m, {add_box(m, {-2, -2, -1}, {2, 2, 1}), add_cylinder(m, 1, -2, 2)}); }},
+         [](Model& m) {
+             return subtract(m, {add_box(m, {-2, -2, -1}, {2, 2, 1}), add_cylinder(m, 1, -2, 2)});
+         }},
         {"lens", 2 * kPi / 3 * 0.25 * 2.5,
-         [](Model& m) { return intersect(m, {add_ball(m, {0, 0, -0.5}, 1), add_ball(m, {0, 0, 0.5}, 1)}); }},
+         [](Model& m) {
+             return intersect(m, {add_ball(m, {0, 0, -0.5}, 1), add_ball(m, {0, 0, 0.5}, 1)});
+         }},
     };
 }
 

@@ -1,0 +1,113 @@
+// Benchmark models; see models.hpp.
+#include "bench/models.hpp"
+
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+namespace mortise::bench {
+namespace {
+
+/// Uniform numbers from SplitMix64 (Steele, Lea & Flood 2014): the same on every platform.
+class RandomSource {
+  public:
+    double between(double low, double high) {
+        state_ += 0x9e3779b97f4a7c15u;
+        std::uint64_t word = state_;
+        word = (word ^ (word >> 30)) * 0xbf58476d1ce4e5b9u;
+        word = (word ^ (word >> 27)) * 0x94d049bb133111ebu;
+        word ^= word >> 31;
+        return low + (high - low) * std::ldexp(static_cast<double>(word >> 11), -53);
+    }
+
+  private:
+    std::uint64_t state_ = 42;
+};
+
+/// A random rotation (by a unit quaternion) and a random place in the unit cube.
+Affine random_placement(RandomSource& random) {
+    double q[4];
+    double square = 0;
+    do {
+        square = 0;
+        for (double& component : q) {
+            component = random.between(-1, 1);
+            square += component * component;
+        }
+    } while (square > 1 || square < 0.01);
+    for (double& component : q) component /= std::sqrt(square);
+    const double w = q[0];
+    const double x = q[1];
+    const double y = q[2];
+    const double z = q[3];
+    const double t[3] = {random.between(0, 1), random.between(0, 1), random.between(0, 1)};
+    return {1 - 2 * (y * y + z * z), 2 * (x * y - w * z),     2 * (x * z + w * y),     t[0],
+            2 * (x * y + w * z),     1 - 2 * (x * x + z * z), 2 * (y * z - w * x),     t[1],
+            2 * (x * z - w * y),     2 * (y * z + w * x),     1 - 2 * (x * x + y * y), t[2]};
+}
+
+/// Spheres, boxes, tori and capped cylinders in turn; every third one is cut out of the union of the others.
+/// They shrink with their number such that their volumes add up to about half of the unit cube.
+Model random_model(int count) {
+    Model model;
+    model.source = std::to_string(count) + " random primitives";
+    RandomSource random;
+    const double size = 0.5 / std::cbrt(static_cast<double>(count));
+    std::vector<std::uint32_t> solid;
+    std::vector<std::uint32_t> removed;
+    for (int i = 0; i < count; ++i) {
+        const double r = size * random.between(0.7, 1.3);
+        const double h = size * random.between(0.7, 1.3);
+        std::uint32_t node = 0;
+        switch (i % 4) {
+            case 0: node = model.add_primitive(sphere(r)); break;
+            case 1: node = model.add_primitive(box({-r, -h, -r}, {r, h, r})); break;
+            case 2: node = model.add_primitive(torus(r, 0.4 * h)); break;
+            default: {
+                const std::uint32_t side = model.add_primitive(infinite_cylinder(0.7 * r));
+                const std::uint32_t slab = model.add_primitive(box({-r, -r, -h}, {r, r, h}));
+                node = model.add_operation(CsgNode::Op::kIntersection, {side, slab});
+            }
+        }
+        node = model.add_transform(random_placement(random), node);
+        (i % 3 == 2 ? removed : solid).push_back(node);
+    }
+    std::vector<std::uint32_t> operands = {model.add_operation(CsgNode::Op::kUnion, solid)};
+    operands.insert(operands.end(), removed.begin(), removed.end());
+    Region region;
+    region.name = "solid";
+    region.root = model.add_operation(CsgNode::Op::kDifference, operands);
+    model.regions.push_back(region);
+    return model;
+}
+
+Model sphere_model() {
+    Model model;
+    model.source = "sphere";
+    Region region;
+    region.name = "sphere";
+    region.root = model.add_primitive(sphere(1));
+    model.regions.push_back(region);
+    return model;
+}
+
+}  // namespace
+
+Model make_model(const std::string& name) {
+    if (name == "sphere") return sphere_model();
+    if (name == "bracket") return read_model(MORTISE_SOURCE_DIR "/assets/models/bracket.csg");
+    const std::string prefix = "random:";
+    if (name.compare(0, prefix.size(), prefix) == 0) {
+        const std::string digits = name.substr(prefix.size());
+        if (digits.empty() || digits.size() > 5 ||
+            digits.find_first_not_of("0123456789") != std::string::npos || std::stoi(digits) == 0) {
+            throw Error(ExitCode::kUsage, "benchmark model '" + name +
+                                              "': expected a number of primitives from 1 to 99999 after "
+                                              "'random:', as in random:30");
+        }
+        return random_model(std::stoi(digits));
+    }
+    return read_model(name);
+}
+
+}  // namespace mortise::bench

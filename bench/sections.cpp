@@ -1,0 +1,143 @@
+// Copy bandwidth, octree descent and the whole command; see sections.hpp.
+#include "bench/sections.hpp"
+
+#include <cstdio>
+
+#include "bench/print.hpp"
+#include "bench/process.hpp"
+#include "bench/statistics.hpp"
+#include "bench/workers.hpp"
+#include "mortise/error.hpp"
+
+namespace mortise::bench {
+
+using nlohmann::json;
+
+void announce(const std::string& what) { std::fprintf(stderr, "mortise_bench: %s\n", what.c_str()); }
+
+std::string count_of_threads(int threads) {
+    return std::to_string(threads) + (threads == 1 ? " thread" : " threads");
+}
+
+json copy_section(const Settings& settings) {
+    std::printf("Copy bandwidth: memcpy of %zu MiB; each byte copied counts once (it is read and written)\n",
+                settings.copy_bytes >> 20);
+    json result = {{"buffer_bytes", settings.copy_bytes}, {"runs", json::array()}};
+    Table table({{"", ""}, {"copied", "GB/s"}, {"spread", ""}, {"to one thread", "ratio"}});
+    double one_thread = 0;
+    for (const int threads : {1, settings.threads}) {
+        if (threads == 1 && one_thread > 0) break;  // a machine with one core
+        announce("copy bandwidth, " + count_of_threads(threads));
+        Task task;
+        task.kind = "copy";
+        task.threads = threads;
+        task.repeats = 3 * settings.repeats;  // they are short
+        task.bytes = settings.copy_bytes;
+        const Samples seconds = collect(measure_in_child(task).at("runs"), "seconds");
+        const double rate = static_cast<double>(settings.copy_bytes) / seconds.median();
+        if (one_thread == 0) one_thread = rate;
+        table.add({count_of_threads(threads), short_number(1e-9 * rate), percent(seconds.spread()),
+                   fixed(rate / one_thread, 2)});
+        result["runs"].push_back(
+            {{"threads", threads}, {"seconds", to_json(seconds)}, {"bytes_per_second", rate}});
+        result["bytes_per_second"] = rate;  // of all threads: the last one
+    }
+    table.print();
+    return result;
+}
+
+json octree_section(const Settings& settings) {
+    std::printf(
+        "Octree descent: cells classified as in, out or undecided, in million cells/s on one core\n"
+        "  kernels: time in `descend` and `gather_children` by OpenCL profiling, one device thread\n"
+        "  stage: wall time of the whole octree stage, one device thread (adds scans, bitmaps, downloads)\n"
+        "  reference: the scalar host code (double precision, not tuned) on the same model, one thread; it "
+        "does\n"
+        "  not drop redundant surfaces, so its cells can be a few more\n");
+    json result = json::array();
+    Table table({{"model, level", ""},
+                 {"surfaces", ""},
+                 {"cells", "device"},
+                 {"cells", "reference"},
+                 {"kernels", "Mcells/s"},
+                 {"spread", ""},
+                 {"stage", "Mcells/s"},
+                 {"spread", ""},
+                 {"reference", "Mcells/s"},
+                 {"spread", ""},
+                 {"kernels /", "reference"}});
+    std::string device;
+    for (const char* model : {"sphere", "random:30", "random:300"}) {
+        Task task;
+        task.kind = "octree";
+        task.model = model;
+        task.level = settings.level(8);
+        task.repeats = settings.repeats;
+        const std::string title = task.model + ", " + std::to_string(task.level);
+        announce("octree, " + title);
+        json measured = measure_in_child(task);
+        device = measured.at("device").get<std::string>();
+        if (measured.at("is_gpu").get<bool>()) device += " (a GPU: rates are of the whole device)";
+        const double cores =
+            measured.at("is_gpu").get<bool>() ? 1 : measured.at("compute_units").get<double>();
+        const double cells = measured.at("cells").get<double>() / cores;
+        const Samples kernels = collect(measured.at("runs"), "kernel_seconds");
+        const Samples stage = collect(measured.at("runs"), "stage_seconds");
+        const Samples reference = collect(measured.at("runs"), "reference_seconds");
+        const double kernel_rate = cells / kernels.median();
+        const double reference_rate = measured.at("reference_cells").get<double>() / reference.median();
+        table.add({title, grouped(measured.at("surfaces")), grouped(measured.at("cells")),
+                   grouped(measured.at("reference_cells")), short_number(1e-6 * kernel_rate),
+                   percent(kernels.spread()), short_number(1e-6 * cells / stage.median()),
+                   percent(stage.spread()), short_number(1e-6 * reference_rate), percent(reference.spread()),
+                   fixed(kernel_rate / reference_rate, 2)});
+        measured.erase("runs");
+        measured["model"] = task.model;
+        measured["level"] = task.level;
+        measured["kernel_seconds"] = to_json(kernels);
+        measured["stage_seconds"] = to_json(stage);
+        measured["reference_seconds"] = to_json(reference);
+        measured["kernel_cells_per_second_per_core"] = kernel_rate;
+        measured["reference_cells_per_second"] = reference_rate;
+        result.push_back(measured);
+    }
+    table.print();
+    std::printf("  device: %s\n", device.c_str());
+    return result;
+}
+
+json command_section(const Settings& settings) {
+    const int level = settings.level(6);
+    std::printf(
+        "Whole command: wall time of `mortise bracket.csg --level %d -o x.vtu`, from start to end of the\n"
+        "process, file included; kernels come from the cache on disk (one run before is not counted)\n",
+        level);
+    if (settings.program.empty()) {
+        std::printf("  skipped: give the program with --mortise PATH\n");
+        return {{"skipped", "no program given"}};
+    }
+    announce("whole command");
+    const ScratchFolder folder;
+    const std::string file = (folder.path() / "x.vtu").string();
+    Samples wall;
+    for (int run = -1; run < settings.command_repeats; ++run) {
+        std::filesystem::remove(file);
+        const ProgramResult result =
+            run_program({settings.program, MORTISE_SOURCE_DIR "/assets/models/bracket.csg", "--level",
+                         std::to_string(level), "-o", file},
+                        {}, true);
+        if (result.exit_code != 0 || !std::filesystem::exists(file)) {
+            throw Error(ExitCode::kMeshing, "'" + settings.program + "' ended with exit code " +
+                                                std::to_string(result.exit_code) +
+                                                " instead of writing a mesh: " + result.output);
+        }
+        if (run >= 0) wall.values.push_back(result.wall_seconds);
+    }
+    const double bytes = static_cast<double>(std::filesystem::file_size(file));
+    std::printf("  median of %d: %s s (%s to %s), file of %s MB\n", settings.command_repeats,
+                short_number(wall.median()).c_str(), short_number(wall.low()).c_str(),
+                short_number(wall.high()).c_str(), short_number(1e-6 * bytes).c_str());
+    return {{"model", "bracket"}, {"level", level}, {"seconds", to_json(wall)}, {"file_bytes", bytes}};
+}
+
+}  // namespace mortise::bench

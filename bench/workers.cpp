@@ -1,0 +1,48 @@
+// Both ends of a worker process; see workers.hpp.
+#include "bench/workers.hpp"
+
+#include <cstdio>
+
+#include "bench/process.hpp"
+#include "mortise/error.hpp"
+
+namespace mortise::bench {
+
+void run_worker(const Task& task) {
+    nlohmann::json result;
+    if (task.kind == "copy") {
+        result = measure_copy(task);
+    } else if (task.kind == "octree") {
+        result = measure_octree(task);
+    } else if (task.kind == "mesh") {
+        result = measure_mesh(task);
+    } else {
+        throw Error(ExitCode::kUsage, "worker '" + task.kind + "': expected copy, octree or mesh");
+    }
+    std::printf("%s\n", result.dump().c_str());
+}
+
+nlohmann::json measure_in_child(const Task& task) {
+    const std::string threads = std::to_string(task.threads);
+    std::vector<std::string> arguments = {
+        own_path(), "worker", task.kind, "--threads", threads, "--repeats", std::to_string(task.repeats)};
+    if (task.kind == "copy") {
+        arguments.insert(arguments.end(), {"--bytes", std::to_string(task.bytes)});
+    } else {
+        arguments.insert(arguments.end(), {"--model", task.model, "--level", std::to_string(task.level)});
+    }
+    // PoCL up to 3 reads the first variable, later ones the second.
+    const ProgramResult result =
+        run_program(arguments, {{"POCL_MAX_PTHREAD_COUNT", threads}, {"POCL_CPU_MAX_CU_COUNT", threads}});
+    const nlohmann::json measured = nlohmann::json::parse(result.output, nullptr, false);
+    if (result.exit_code != 0 || measured.is_discarded()) {
+        std::string command = "mortise_bench";
+        for (std::size_t i = 1; i < arguments.size(); ++i) command += " " + arguments[i];
+        throw Error(ExitCode::kMeshing, "a measurement failed with exit code " +
+                                            std::to_string(result.exit_code) +
+                                            "; to see it alone, run: " + command);
+    }
+    return measured;
+}
+
+}  // namespace mortise::bench

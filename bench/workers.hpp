@@ -1,0 +1,44 @@
+// What the benchmark measures, each in a child process: a fresh heap for memory figures, and PoCL reads the
+// number of its threads from the environment only once.
+//
+// A worker prints one line of JSON on stdout. Times are in seconds, sizes in bytes.
+#pragma once
+
+#include <cstddef>
+#include <nlohmann/json.hpp>
+#include <string>
+
+namespace mortise::bench {
+
+/// What a worker is to measure.
+struct Task {
+    std::string kind;              ///< "copy", "octree" or "mesh"
+    std::string model = "sphere";  ///< for make_model; not for "copy"
+    int level = 6;                 ///< not for "copy"
+    int threads = 1;               ///< host threads, and device threads if the device is PoCL's CPU
+    int repeats = 1;
+    std::size_t bytes = std::size_t{64} << 20;  ///< "copy" only
+};
+
+/// Copies `bytes` with memcpy, cut into one part per thread.
+/// {"runs": [{"seconds"}]}
+nlohmann::json measure_copy(const Task& task);
+
+/// Builds the octree, and classifies the cells of the same model with the scalar host reference.
+/// {"device", "compute_units", "is_gpu", "surfaces", "cells", "nio_cells", "reference_cells",
+///  "runs": [{"kernel_seconds", "stage_seconds", "reference_seconds"}]}
+nlohmann::json measure_octree(const Task& task);
+
+/// Meshes the model in memory, after a small mesh that loads the kernels.
+/// {"device", "level", "elements", "nodes", "mesh_bytes", "cnio_cells", "idle_bytes" (resident after the
+/// small
+///  mesh), "peak_bytes" (after the first run), "runs": [{"seconds", "stages": [{"stage", "wall", "cpu"}]}]}
+nlohmann::json measure_mesh(const Task& task);
+
+/// The worker's side: measures and prints.
+void run_worker(const Task& task);
+
+/// Runs a worker for the task and returns what it measured. Throws Error(kMeshing) if it fails.
+nlohmann::json measure_in_child(const Task& task);
+
+}  // namespace mortise::bench

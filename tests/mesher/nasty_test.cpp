@@ -1,0 +1,247 @@
+// Special positions by name: what breaks meshers (ARCHITECTURE.md lists them with their oracles).
+//
+// `kUnit` blocks are laid out so that whole coordinates are planes of the grid at level 5: the root box has
+// one cell of margin on each side of the longest extent.
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+#include "tests/mesher/membership_scan.hpp"
+#include "tests/mesher/meshed.hpp"
+
+namespace mortise::test {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+constexpr int kLevel = 5;
+
+NodeIndex grid_block(Model& m) { return add_box(m, {0, 0, 0}, {30, 30, 30}); }
+
+/// Valid, and no sample further than half a cell from the model's boundary is wrong.
+Meshed mesh_soundly(const Model& model) {
+    const Meshed result = mesh_and_check(model, kLevel);
+    CHECK(result.defects == "");
+    const ScanResult scan =
+        scan_membership(model, result.mesh, result.report.root, result.report.cell_size, 32);
+    CAPTURE(scan.first_far);
+    CHECK(scan.wrong_far == 0);
+    return result;
+}
+
+std::string refusal_of(const Model& model) {
+    try {
+        generate_mesh(model);
+    } catch (const Error& error) {
+        return std::to_string(static_cast<int>(error.code())) + " " + error.what();
+    }
+    return "no error";
+}
+
+/// The part of the box [-1, 1]³ where a formula is not positive.
+Meshed mesh_formula(const std::string& formula, int level = kLevel) {
+    Primitive primitive;
+    primitive.kind = Primitive::Kind::kExpression;
+    primitive.expression = formula;
+    const Meshed result = mesh_and_check(
+        one_solid([&](Model& m) {
+            return intersect(m, {m.add_primitive(primitive), add_box(m, {-1, -1, -1}, {1, 1, 1})});
+        }),
+        level);
+    CHECK(result.defects == "");
+    return result;
+}
+
+}  // namespace
+
+TEST_CASE("faces on grid planes and next to them") {
+    for (const double off : {0.0, 1e-12, -1e-12, 1e-9, -1e-9, 1e-6, -1e-6, 1e-3}) {
+        CAPTURE(off);
+        const Meshed result = mesh_soundly(one_solid([&](Model& m) {
+            return subtract(m, {grid_block(m), add_box(m, {5 + off, 5, 5}, {10 + off, 10 + off, 10}),
+                                add_box(m, {20 - off, 20, 20 + off}, {31, 31, 31})});
+        }));
+        const double expected = 27000 - 125 * (1 + off / 5) - (10 + off) * 10 * (10 - off);
+        CHECK(result.check.volume == doctest::Approx(expected).epsilon(1e-6));
+        CHECK(result.check.euler_characteristic == 4);
+    }
+}
+
+TEST_CASE("coplanar faces of a difference leave nothing behind") {
+    const Affine turn = rotation({1, 2, 3}, 0.7);
+    for (const Affine& map : {kIdentity, turn}) {
+        const Meshed slab = mesh_soundly(one_solid([&](Model& m) {
+            const NodeIndex a = m.add_transform(map, add_box(m, {0, 0, 0}, {3, 3, 3}));
+            return subtract(m, {a, m.add_transform(map, add_box(m, {0, 0, 1}, {3, 3, 3}))});
+        }));
+        CHECK(slab.check.volume == doctest::Approx(9).epsilon(1e-6));
+        CHECK(slab.check.components == 1);
+        CHECK(refusal_of(one_solid([&](Model& m) {
+                  const NodeIndex a = m.add_transform(map, add_box(m, {0, 0, 0}, {3, 3, 3}));
+                  return subtract(m, {a, m.add_transform(map, add_box(m, {0, 0, 0}, {3, 3, 3}))});
+              })).substr(0, 2) == "2 ");
+    }
+}
+
+TEST_CASE("tangent surfaces") {
+    const Affine across = rotation({1, 0, 0}, kPi / 2);
+    SUBCASE("ball on a plane") {
+        const Meshed result = mesh_soundly(one_solid([](Model& m) {
+            return unite(m, {add_box(m, {-12, -12, -12}, {12, 12, 0}), add_ball(m, {0.3, 0.2, 6}, 6)});
+        }));
+        CHECK(result.check.volume == doctest::Approx(24 * 24 * 12 + 288 * kPi).epsilon(0.01));
+    }
+    SUBCASE("ball touching the top of a block from inside, as a void") {
+        mesh_soundly(one_solid([](Model& m) {
+            return subtract(m, {add_box(m, {-12, -12, -12}, {12, 12, 0}), add_ball(m, {0.3, 0.2, -5}, 5)});
+        }));
+    }
+    SUBCASE("parallel cylinders touching along a line") {
+        mesh_soundly(one_solid([](Model& m) {
+            return unite(m, {add_cylinder(m, 4, -10, 10),
+                             m.add_transform(translation({7, 0, 0}), add_cylinder(m, 3, -10, 10))});
+        }));
+    }
+    SUBCASE("crossing cylinders of one radius") {
+        mesh_soundly(one_solid([&](Model& m) {
+            return unite(m,
+                         {add_cylinder(m, 4, -12, 12), m.add_transform(across, add_cylinder(m, 4, -12, 12))});
+        }));
+    }
+    SUBCASE("Steinmetz solid") {
+        const Meshed result = mesh_soundly(one_solid([&](Model& m) {
+            const NodeIndex one = m.add_primitive(infinite_cylinder(1));
+            return intersect(m, {one, m.add_transform(across, one)});
+        }));
+        CHECK(result.check.volume == doctest::Approx(16.0 / 3).epsilon(0.01));
+        CHECK(result.check.euler_characteristic == 2);
+    }
+    SUBCASE("spindle torus") {
+        mesh_soundly(one_solid([](Model& m) { return add_torus(m, 2, 5); }));
+    }
+}
+
+TEST_CASE("many planes through one point, and apexes at and near grid vertices") {
+    for (const double off : {0.0, 1e-9, 1e-4, 0.3}) {
+        CAPTURE(off);
+        const Meshed pyramid = mesh_soundly(one_solid([&](Model& m) {
+            Primitive convex = box({0, 0, 0}, {30, 30, 15 + off});
+            for (int i = 0; i < 8; ++i) {
+                const Vec3 normal = {std::cos(i * kPi / 4), std::sin(i * kPi / 4), 1};
+                convex.planes.push_back({normal, normal[0] * 15 + normal[1] * 15 + 15 + off, ""});
+            }
+            return m.add_primitive(convex);
+        }));
+        const double height = 15 + off;
+        // A regular octagon of inradius r has area 8 tan(π/8) r²; the box cuts off what lies beyond 15.
+        if (off == 0) {
+            const double volume = 8 * std::tan(kPi / 8) * height * height * height / 3;
+            CHECK(pyramid.check.volume == doctest::Approx(volume).epsilon(1e-6));
+        }
+        mesh_soundly(one_solid([&](Model& m) {
+            const NodeIndex cone =
+                m.add_transform(translation({15 + off, 15, 15}), add_frustum(m, 6, 0, -6, 0));
+            return subtract(m, {grid_block(m), cone});
+        }));
+    }
+}
+
+TEST_CASE("dihedrals of one degree, added and removed") {
+    const double slope = std::tan(kPi / 180);
+    const auto blade = [&](Model& m) {
+        Primitive convex = box({0, 0, 10}, {30, 30, 29});
+        convex.planes.push_back({{-slope, 0, 1}, 10, ""});
+        return m.add_primitive(convex);
+    };
+    const double volume = 0.5 * 30 * 30 * slope * 30;
+    CHECK(mesh_soundly(one_solid(blade)).check.volume == doctest::Approx(volume).epsilon(1e-5));
+    const Meshed rest = mesh_soundly(one_solid([&](Model& m) {
+        return subtract(m, {grid_block(m), blade(m)});
+    }));
+    CHECK(rest.check.volume == doctest::Approx(27000 - volume).epsilon(1e-6));
+}
+
+TEST_CASE("plates and gaps far thinner than a cell") {
+    for (const Affine& map : {kIdentity, rotation({1, 2, 3}, 0.7)}) {
+        for (const double wall : {0.3, 0.01}) {
+            CAPTURE(wall);
+            const Meshed plate = mesh_soundly(one_solid([&](Model& m) {
+                return m.add_transform(map, add_box(m, {0, 0, 7.4}, {30, 30, 7.4 + wall}));
+            }));
+            CHECK(plate.check.volume == doctest::Approx(900 * wall).epsilon(1e-5));
+            CHECK(plate.check.components == 1);
+            const Meshed gap = mesh_soundly(one_solid([&](Model& m) {
+                return m.add_transform(
+                    map, subtract(m, {grid_block(m), add_box(m, {-1, -1, 7.4}, {31, 31, 7.4 + wall})}));
+            }));
+            CHECK(gap.check.volume == doctest::Approx(27000 - 900 * wall).epsilon(1e-6));
+            CHECK(gap.check.components == 2);
+        }
+    }
+}
+
+TEST_CASE("features of one surface smaller than a cell") {
+    const auto drilled = [](const Vec3& at, double radius) {
+        return one_solid([=](Model& m) { return subtract(m, {grid_block(m), add_ball(m, at, radius)}); });
+    };
+    mesh_soundly(drilled({10.5, 10.5, 10.5}, 0.3));
+    mesh_soundly(drilled({10.5, 10.5, 10.9}, 0.3));
+    mesh_soundly(drilled({10, 10.5, 10.9}, 0.3));
+    mesh_soundly(drilled({15, 15, 30}, 0.3));
+    mesh_soundly(one_solid([](Model& m) {
+        const NodeIndex needle = m.add_transform(translation({10.5, 10.5, 0}), add_cylinder(m, 0.3, -1, 31));
+        return subtract(m, {grid_block(m), needle});
+    }));
+}
+
+TEST_CASE("saddles, corners and waves of formulas") {
+    // Odd under a symmetry of the box: half of its volume.
+    CHECK(mesh_formula("z - x*y").check.volume == doctest::Approx(4).epsilon(0.01));
+    CHECK(mesh_formula("x*y*z").check.volume == doctest::Approx(4).epsilon(0.01));
+    CHECK(mesh_formula("z - 0.2*sin(9*x)*sin(9*y)").check.volume == doctest::Approx(4).epsilon(0.02));
+    // ∫∫ (sqrt|x| + 0.5) dx dy over the box, up to z = 1: z <= sqrt|x| - 0.5.
+    CHECK(mesh_formula("z - sqrt(abs(x)) + 0.5").check.volume ==
+          doctest::Approx(2 * (2 * 2.0 / 3 + 2 * 0.5)).epsilon(0.01));
+    mesh_formula("sin(40*x)*sin(37*y) - z", 4);
+}
+
+TEST_CASE("where a formula is no number is outside") {
+    const Meshed result = mesh_formula("sqrt(x) - 0.5");
+    CHECK(result.check.volume == doctest::Approx(0.25 * 4).epsilon(0.05));
+}
+
+TEST_CASE("far from the origin") {
+    const Model model =
+        transformed(one_solid([](Model& m) {
+                        return subtract(m, {add_box(m, {0, 0, 0}, {3, 3, 3}), add_ball(m, {3, 3, 3}, 1.5)});
+                    }),
+                    translation({1e6, -1e6, 1e6}));
+    const Meshed result = mesh_soundly(model);
+    CHECK(result.check.volume == doctest::Approx(27 - kPi / 6 * 3.375).epsilon(0.01));
+}
+
+TEST_CASE("a thousand surfaces in one cell") {
+    const Meshed result =
+        mesh_and_check(one_solid([](Model& m) {
+                           Primitive convex = box({0, 0, 0}, {30, 30, 30});
+                           for (int i = 0; i < 1000; ++i) {
+                               const Vec3 normal = {std::cos(i * kPi / 2000), std::sin(i * kPi / 2000), 0};
+                               convex.planes.push_back({normal, 10.5 * (normal[0] + normal[1]) + 0.3, ""});
+                           }
+                           return m.add_primitive(convex);
+                       }),
+                       4);
+    CHECK(result.defects == "");
+}
+
+TEST_CASE("empty and unbounded solids are refused") {
+    CHECK(refusal_of(one_solid([](Model& m) { return unite(m, {}); })).substr(0, 2) == "2 ");
+    CHECK(refusal_of(one_solid([](Model& m) { return intersect(m, {}); })).substr(0, 2) == "2 ");
+    CHECK(refusal_of(one_solid([](Model& m) {
+              return intersect(m, {add_ball(m, {0, 0, 0}, 1), add_ball(m, {3, 0, 0}, 1)});
+          })).substr(0, 2) == "2 ");
+    CHECK(refusal_of(one_solid([](Model& m) {
+              return m.add_primitive(half_space({0, 0, 0}, {0, 0, 1}));
+          })).substr(0, 2) == "2 ");
+}
+
+}  // namespace mortise::test

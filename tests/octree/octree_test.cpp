@@ -1,0 +1,197 @@
+// The device's tree against the model's definition, the host reference, and itself on other settings.
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <map>
+
+#include "host/octree/octree.hpp"
+#include "tests/mesher/random_models.hpp"
+#include "tests/mesher/solids.hpp"
+#include "tests/octree/trees.hpp"
+#include "tests/tape/bound_models.hpp"
+
+using namespace mortise;
+using namespace mortise::test;
+
+namespace {
+
+/// One device per setting for all tests of this file: kernels are built once.
+device::Device& device_with(int lanes, int work_group_size) {
+    static std::map<std::pair<int, int>, device::Device> devices;
+    const auto key = std::make_pair(lanes, work_group_size);
+    const auto found = devices.find(key);
+    if (found != devices.end()) return found->second;
+    device::DeviceOptions options;
+    options.lanes = lanes;
+    options.work_group_size = work_group_size;
+    return devices.emplace(key, device::Device("cpu", options)).first->second;
+}
+
+/// Leaves that the device decided and those that it did not though the reference did.
+struct Comparison {
+    std::size_t nio = 0;
+    std::size_t extra = 0;
+};
+
+Comparison compare_with_reference(const octree::Octree& tree, const tape::BoundModel& model) {
+    const auto mine = leaf_regions(tree);
+    const auto expected = reference_regions(model, tree.level);
+    Comparison result;
+    for (std::size_t cell = 0; cell < mine.size(); ++cell) {
+        if (mine[cell] != kUnknown) {
+            const bool agrees = expected[cell] == mine[cell] || expected[cell] == kUnknown;
+            REQUIRE(agrees);
+            continue;
+        }
+        ++result.nio;
+        result.extra += expected[cell] != kUnknown ? 1 : 0;
+    }
+    return result;
+}
+
+/// `count` overlapping balls on a jittered grid.
+Model many_balls(int count, std::uint64_t seed) {
+    RandomSource random(seed);
+    Model model;
+    std::vector<NodeIndex> parts;
+    const int row = static_cast<int>(std::ceil(std::cbrt(count)));
+    for (int i = 0; i < count; ++i) {
+        const Vec3 at = {i % row + random.uniform(-0.2, 0.2), i / row % row + random.uniform(-0.2, 0.2),
+                         i / row / row + random.uniform(-0.2, 0.2)};
+        parts.push_back(add_ball(model, at, random.uniform(0.3, 0.6)));
+    }
+    add_region(model, unite(model, parts), "balls");
+    return model;
+}
+
+}  // namespace
+
+TEST_CASE("random models: leaves, bitmaps and tapes, by eight lanes and by one") {
+    Comparison total;
+    for (std::uint64_t seed = 1; seed <= 48; ++seed) {
+        const RandomModel source = make_random_model(seed);
+        CAPTURE(seed);
+        CAPTURE(source.style);
+        const int level = 3 + static_cast<int>(seed % 3);
+        tape::BoundModel model;
+        try {
+            model = bind_model(source.model, level);
+        } catch (const Error& error) {
+            CHECK(std::string(error.what()).find("empty") != std::string::npos);
+            continue;
+        }
+        const octree::Octree wide = octree::build(device_with(8, 0), model, level, nullptr);
+        const octree::Octree narrow = octree::build(device_with(1, 0), model, level, nullptr);
+        for (const octree::Octree* tree : {&wide, &narrow}) {
+            RandomSource random(seed);
+            check_bitmaps(*tree);
+            check_decided(*tree, source.model, model, random, 1);
+            check_tapes(*tree, model, random, 2);
+            const Comparison one = compare_with_reference(*tree, model);
+            total.nio += one.nio;
+            total.extra += one.extra;
+        }
+    }
+    MESSAGE("random models: " << total.nio << " NIO leaves, " << total.extra
+                              << " of them decided by the reference");
+    CHECK(total.extra < total.nio / 20);
+}
+
+TEST_CASE("planes and quadrics leave few leaves undecided that need not be") {
+    Comparison total;
+    for (const Model& source : {rotated_box(), ball(), crossing_cylinders(), random_polyhedron(3)}) {
+        const tape::BoundModel model = bind_model(source, 5);
+        const octree::Octree tree = octree::build(device_with(8, 0), model, 5, nullptr);
+        const Comparison one = compare_with_reference(tree, model);
+        total.nio += one.nio;
+        total.extra += one.extra;
+    }
+    MESSAGE("planes and quadrics: " << total.nio << " NIO leaves, " << total.extra
+                                    << " of them decided by the reference");
+    CHECK(total.nio > 1000);
+    CHECK(total.extra < total.nio / 100);
+}
+
+TEST_CASE("formulas: decided leaves hold their region") {
+    for (const char* formula :
+         {"x^2+y^2+z^2-1", "(sqrt(x^2+y^2)-0.7)^2+z^2-0.09", "sin(5*x)*cos(5*y)+sin(5*z)-0.3",
+          "abs(x)+abs(y)+abs(z)-0.9", "exp(3*x)-2*y-log(z+3)", "min(x^2-0.2, max(y-0.3, z/(2+x)))",
+          "min(x,y)*max(y,z)-0.1", "x/y-0.5"}) {
+        CAPTURE(formula);
+        const tape::BoundModel model = bind_model(formula_model(formula, 1.2), 4);
+        for (const int lanes : {1, 8}) {
+            RandomSource random(7);
+            const octree::Octree tree = octree::build(device_with(lanes, 0), model, 4, nullptr);
+            check_bitmaps(tree);
+            check_tapes(tree, model, random, 4);
+            const auto regions = leaf_regions(tree);
+            for (std::size_t cell = 0; cell < regions.size(); ++cell) {
+                if (regions[cell] == kUnknown) continue;
+                for (int k = 0; k < 3; ++k) {
+                    const Vec3 at = {(gather_bits(cell) + random.uniform(0, 1)) / 16,
+                                     (gather_bits(cell >> 1) + random.uniform(0, 1)) / 16,
+                                     (gather_bits(cell >> 2) + random.uniform(0, 1)) / 16};
+                    REQUIRE(run_tape(model.tape.data(), model.tape.size(), halves_at(model, at)) ==
+                            regions[cell]);
+                }
+            }
+        }
+    }
+}
+
+TEST_CASE("work-group size and repetition do not change the tree") {
+    for (const std::uint64_t seed : {2, 5, 9, 14}) {
+        const RandomModel source = make_random_model(seed);
+        CAPTURE(source.style);
+        const tape::BoundModel model = bind_model(source.model, 4);
+        const auto expected = contents(octree::build(device_with(8, 1), model, 4, nullptr));
+        for (const int size : {16, 64}) {
+            CHECK(contents(octree::build(device_with(8, size), model, 4, nullptr)) == expected);
+        }
+        CHECK(contents(octree::build(device_with(1, 0), model, 4, nullptr)) == expected);
+    }
+}
+
+TEST_CASE("every level from 1 on works") {
+    for (int level = 1; level <= 6; ++level) {
+        const Model source = rotated_box();
+        const tape::BoundModel model = bind_model(source, level);
+        RandomSource random(5);
+        const octree::Octree tree = octree::build(device_with(8, 0), model, level, nullptr);
+        check_bitmaps(tree);
+        check_decided(tree, source, model, random, 1);
+        check_tapes(tree, model, random, 1);
+        CHECK(tree.nio.size() > 0);
+    }
+    CHECK_THROWS_AS(octree::build(device_with(8, 0), bind_model(ball(), 3), 0, nullptr), Error);
+    CHECK_THROWS_AS(
+        octree::build(device_with(8, 0), bind_model(ball(), 3), octree::kMaxUniformLevel + 1, nullptr),
+        Error);
+}
+
+TEST_CASE("long tapes: beyond the reduction, beyond the recorded choices, beyond the first arena") {
+    struct Size {
+        int balls;
+        int level;
+    };
+    for (const Size& size : {Size{60, 4}, Size{1200, 3}, Size{6000, 4}}) {
+        const Model source = many_balls(size.balls, 5);
+        const tape::BoundModel model = bind_model(source, size.level);
+        CAPTURE(size.balls);
+        REQUIRE(model.tape.size() == static_cast<std::size_t>(2 * size.balls));
+        std::vector<std::vector<std::uint64_t>> first;
+        for (const int lanes : {8, 1}) {
+            RandomSource random(3);
+            const octree::Octree tree = octree::build(device_with(lanes, 0), model, size.level, nullptr);
+            if (size.balls == 6000) CHECK(tree.tapes.size() > model.tape.size() + (1u << 16));  // it grew
+            check_bitmaps(tree);
+            const Comparison one = compare_with_reference(tree, model);
+            CHECK(one.nio > 0);
+            if (size.balls <= 1200) {
+                check_decided(tree, source, model, random, 1);
+                check_tapes(tree, model, random, 1);
+                CHECK(one.extra <= one.nio / 20);
+            }
+        }
+    }
+}
