@@ -59,7 +59,8 @@ CellRecord Certificate::run(const TreeNode& leaf, CellArena& arena) {
 }
 
 bool Certificate::is_full() const {
-    return simplices_.size() >= std::clamp(kMostWork / cell_.surface_count(), kFewestSimplices, kMostSimplices);
+    return simplices_.size() >=
+           std::clamp(kMostWork / cell_.surface_count(), kFewestSimplices, kMostSimplices);
 }
 
 bool Certificate::is_uniform(std::int32_t* region) const {

@@ -15,6 +15,11 @@ using LatticePoint = std::array<std::int32_t, 3>;
 /// half step by which rounding moves a point, and more than the rounding of model coordinates.
 inline constexpr double kMinHeight = 4;
 
+/// Nor flatter, relative to its longest edge: what double precision in model coordinates still tells to be
+/// positive.
+inline constexpr double kMinRelativeArea = 1e-9;
+inline constexpr double kMinRelativeVolume = 1e-12;
+
 __extension__ using Int128 = __int128;  // a GNU extension; the alias keeps -Wpedantic quiet
 
 /// An end of an edge this close to the root (1.5e-5 of a cell) counts as on the surface; nothing is split
@@ -56,7 +61,10 @@ inline bool is_solid(const LatticePoint& a, const LatticePoint& b, const Lattice
     if (exact <= 0) return false;
     const double largest =
         std::max({twice_area(a, b, c), twice_area(a, b, d), twice_area(a, c, d), twice_area(b, c, d)});
-    return static_cast<double>(exact) >= kMinHeight * largest;
+    const double longest = std::max(
+        {distance(a, b), distance(a, c), distance(a, d), distance(b, c), distance(b, d), distance(c, d)});
+    const double volume = static_cast<double>(exact);
+    return volume >= kMinHeight * largest && volume >= kMinRelativeVolume * longest * longest * longest;
 }
 
 }  // namespace mortise::cnio

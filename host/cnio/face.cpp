@@ -177,7 +177,8 @@ bool Cell::flat(LocalNode a, LocalNode b, LocalNode c) const {
     const LatticePoint& p = nodes_[a].point;
     const LatticePoint& q = nodes_[b].point;
     const LatticePoint& r = nodes_[c].point;
-    return twice_area(p, q, r) < kMinHeight * std::max({distance(p, q), distance(q, r), distance(r, p)});
+    const double longest = std::max({distance(p, q), distance(q, r), distance(r, p)});
+    return twice_area(p, q, r) < longest * std::max(kMinHeight, kMinRelativeArea * longest);
 }
 
 /// Whether the certain signs of a triangle for the face's active surfaces tell its region, by the tape of
@@ -219,6 +220,8 @@ bool Cell::split_face(int f, std::size_t p, int round) {
     const TreeNode& other = tree_.nio[tree_.nio_index(morton_encode(xyz_[0] + static_cast<u32>(d[0]),
                                                                     xyz_[1] + static_cast<u32>(d[1]),
                                                                     xyz_[2] + static_cast<u32>(d[2])))];
+    // Of the face, not of the cell: both sides must stop at the same triangle.
+    const auto on_face = static_cast<std::size_t>(std::count(active, active + n, std::uint8_t{1}));
     mixed_.clear();
     for (const auto& t : fan_) {
         if (round > 0 && is_resolved(t, active, other)) continue;
@@ -237,7 +240,7 @@ bool Cell::split_face(int f, std::size_t p, int round) {
         const LocalNode na = fan_nodes_[a];
         const LocalNode nb = fan_nodes_[b];
         if (sign(na, p) * sign(nb, p) >= 0) continue;  // an end was snapped
-        if (fan_.size() >= std::max(kFewestTriangles, kMostWork / n)) {
+        if (fan_.size() >= std::max(kFewestTriangles, kMostWork / on_face)) {
             ++counters.refused;
             return false;
         }

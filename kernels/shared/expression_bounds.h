@@ -1,9 +1,9 @@
 // Interval arithmetic for general expressions, in float with outward rounding.
 //
 // Every result holds all values of expression_value over the argument intervals: each operation widens its
-// result by a relative 2^-22 (multiplying by 1 ± 2^-24 is not conservative, opencl.md). A result that is not
-// a number, such as the root of a negative interval, becomes (-inf, inf), so that a cell is never decided by
-// it.
+// result by a relative 2^-22 (multiplying by 1 ± 2^-24 is not conservative, opencl.md). Where a value may not
+// be a number, such as the root of a negative interval, the ends are not numbers, and stay so through every
+// later operation: a cell is never decided by them.
 #ifndef MORTISE_SHARED_EXPRESSION_BOUNDS_H
 #define MORTISE_SHARED_EXPRESSION_BOUNDS_H
 
@@ -25,6 +25,14 @@ MORTISE_FUNCTION Interval make_interval(float low, float high) {
     return result;
 }
 
+// Bounds of what may not be a number: ends that are not numbers either, so that nothing is decided by them.
+MORTISE_FUNCTION Interval undefined_interval(void) {
+    Interval result;
+    result.low = (float)kMortiseNan;
+    result.high = (float)kMortiseNan;
+    return result;
+}
+
 MORTISE_FUNCTION float smaller(float a, float b) { return a < b ? a : b; }
 MORTISE_FUNCTION float larger(float a, float b) { return a > b ? a : b; }
 
@@ -33,7 +41,7 @@ MORTISE_FUNCTION Interval interval_multiply(Interval a, Interval b) {
     const float q = a.low * b.high;
     const float r = a.high * b.low;
     const float s = a.high * b.high;
-    if (p != p || q != q || r != r || s != s) return make_interval(-kFloatHuge * 2, kFloatHuge * 2);
+    if (p != p || q != q || r != r || s != s) return undefined_interval();
     return make_interval(smaller(smaller(p, q), smaller(r, s)), larger(larger(p, q), larger(r, s)));
 }
 
@@ -61,6 +69,10 @@ MORTISE_FUNCTION Interval interval_sin(Interval a, i32 quarter) {
 
 MORTISE_FUNCTION Interval interval_apply(i32 operation, Interval a, Interval b) {
     const float huge = kFloatHuge * 2;
+    // Ends that are not numbers stand for "may not be a number", which every later operation keeps.
+    if (a.low != a.low || (operation >= kExprAdd && operation <= kExprMax && b.low != b.low)) {
+        return undefined_interval();
+    }
     switch (operation) {
         case kExprNegate: return make_interval(-a.high, -a.low);
         case kExprAbs:
@@ -68,7 +80,7 @@ MORTISE_FUNCTION Interval interval_apply(i32 operation, Interval a, Interval b) 
             if (a.high <= 0) return make_interval(-a.high, -a.low);
             return make_interval(0, larger(-a.low, a.high));
         case kExprSqrt:
-            if (!(a.low >= 0)) return make_interval(-huge, huge);
+            if (!(a.low >= 0)) return undefined_interval();
             return make_interval((float)mortise_sqrt((double)a.low), (float)mortise_sqrt((double)a.high));
         case kExprSquare: {
             const float p = a.low * a.low;
@@ -81,7 +93,7 @@ MORTISE_FUNCTION Interval interval_apply(i32 operation, Interval a, Interval b) 
         case kExprMultiply: return interval_multiply(a, b);
         case kExprDivide: {
             Interval inverse;
-            if (!(b.low > 0 || b.high < 0)) return make_interval(-huge, huge);
+            if (!(b.low > 0 || b.high < 0)) return undefined_interval();
             inverse = make_interval((float)(1.0 / (double)b.high), (float)(1.0 / (double)b.low));
             return interval_multiply(a, inverse);
         }
@@ -93,7 +105,7 @@ MORTISE_FUNCTION Interval interval_apply(i32 operation, Interval a, Interval b) 
             return make_interval((float)expression_exp((double)a.low),
                                  a.high < 88.0f ? (float)expression_exp((double)a.high) : huge);
         default:
-            if (!(a.low > 0)) return make_interval(-huge, huge);
+            if (!(a.low > 0)) return undefined_interval();
             return make_interval((float)expression_log((double)a.low), (float)expression_log((double)a.high));
     }
 }

@@ -111,7 +111,9 @@ MORTISE_FUNCTION int surface_sign(MORTISE_GLOBAL Surface* s, MORTISE_GLOBAL Expr
     const SurfaceSample sample = surface_sample(s, ops, x, y, z);
     const double squared = sample.gradient[0] * sample.gradient[0] + sample.gradient[1] * sample.gradient[1] +
                            sample.gradient[2] * sample.gradient[2];
-    const double tolerance = kSignTolerance * cell_size * mortise_sqrt(squared);
+    // Where a formula overflows on the way, the gradient tells nothing of the distance.
+    const double tolerance =
+        squared < kMortiseInfinity ? kSignTolerance * cell_size * mortise_sqrt(squared) : 0;
     if (sample.value < -tolerance) return -1;
     if (sample.value > tolerance) return 1;
     return mortise_fabs(sample.value) <= tolerance ? 0 : 1;
@@ -161,17 +163,16 @@ MORTISE_FUNCTION double segment_root(MORTISE_GLOBAL Surface* s, MORTISE_GLOBAL E
         const double t = quadric_root(s, a, b);
         if (t > 0) return t;
     }
-    // Illinois: regula falsi that halves the weight of an end kept twice.
+    // Illinois: regula falsi that halves the weight of an end kept twice; every other step is a bisection
+    // once it is slow (steep or flat formulas).
     int kept = 0;
-    double last = -1;
     for (int i = 0; i < kRootIterations && high - low > 1e-12; ++i) {
         double t = low + (high - low) * (f_low / (f_low - f_high));
-        if (!(t > low && t < high)) t = 0.5 * (low + high);
+        if (!(t > low && t < high) || (i >= 8 && (i & 1) == 0)) t = 0.5 * (low + high);
         {
             const double f = surface_value(s, ops, a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1]),
                                            a[2] + t * (b[2] - a[2]));
-            if (f == 0 || mortise_fabs(t - last) < 1e-15) return t;
-            last = t;
+            if (f == 0) return t;
             if ((f < 0) == (f_low < 0)) {
                 low = t;
                 f_low = f;
