@@ -4,6 +4,7 @@
 # For figures worth keeping, let nothing else run. Compared with Gmsh if `gmsh` is on PATH.
 set -uo pipefail
 root="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
+# shellcheck source=.ci/setup.sh
 . "$root/.ci/setup.sh"
 install_packages || exit 5
 folder="$root/build/bench"

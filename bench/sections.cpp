@@ -51,9 +51,9 @@ json octree_section(const Settings& settings) {
         "Octree descent: cells classified as in, out or undecided, in million cells/s on one core\n"
         "  kernels: time in `descend` and `gather_children` by OpenCL profiling, one device thread\n"
         "  stage: wall time of the whole octree stage, one device thread (adds scans, bitmaps, downloads)\n"
-        "  reference: the scalar host code (double precision, not tuned) on the same model, one thread; it "
-        "does\n"
-        "  not drop redundant surfaces, so its cells can be a few more\n");
+        "  reference: the scalar host code (double precision, not tuned) on the same model, one thread; the\n"
+        "  two differ in a few cells, as their bounds round differently and only one drops redundant "
+        "surfaces\n");
     json result = json::array();
     Table table({{"model, level", ""},
                  {"surfaces", ""},

@@ -56,7 +56,11 @@ MORTISE_FUNCTION double surface_value(MORTISE_GLOBAL Surface* s, MORTISE_GLOBAL 
         return s->form[0] * (u[0] * u[0]) + s->form[1] * (u[1] * u[1]) + s->form[2] * (u[2] * u[2]) +
                s->form[3];
     }
-    if (s->kind == kSurfaceExpression) return expression_value(ops + s->first_op, s->op_count, u);
+    if (s->kind == kSurfaceExpression) {
+        // Where a formula is no number is outside: a root search then ends at the edge of its domain.
+        const double value = expression_value(ops + s->first_op, s->op_count, u);
+        return value == value ? value : kMortiseInfinity;
+    }
     {
         const double radial = mortise_sqrt(u[0] * u[0] + u[1] * u[1]);
         if (s->kind == kSurfaceCone) return radial + u[2];

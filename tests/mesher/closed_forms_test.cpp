@@ -81,7 +81,7 @@ TEST_CASE("polyhedral solids have exact volume and topology, however they lie") 
     for (const Polyhedron& plain : polyhedra()) {
         for (const Affine& map : maps) {
             const Polyhedron solid = turned(plain, map);
-            CAPTURE(solid.name);
+            CAPTURE(std::string(solid.name));
             CAPTURE(map[1]);
             const Meshed result = mesh_and_check(one_solid(solid.build), 5);
             CHECK(result.defects == "");
