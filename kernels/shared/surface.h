@@ -86,6 +86,7 @@ MORTISE_FUNCTION SurfaceSample surface_sample(MORTISE_GLOBAL Surface* s, MORTISE
         for (int i = 0; i < 3; ++i) d[i] = 2 * s->form[i] * u[i];
     } else if (s->kind == kSurfaceExpression) {
         result.value = expression_sample(ops + s->first_op, s->op_count, u, d);
+        if (result.value != result.value) result.value = kMortiseInfinity;
     } else {
         const double radial = mortise_sqrt(u[0] * u[0] + u[1] * u[1]);
         const double inverse = radial > 0 ? 1 / radial : 0;
@@ -160,7 +161,7 @@ MORTISE_FUNCTION double segment_root(MORTISE_GLOBAL Surface* s, MORTISE_GLOBAL E
     double f_high = surface_value(s, ops, b[0], b[1], b[2]);
     if (!((f_low < 0 && f_high > 0) || (f_low > 0 && f_high < 0))) {
         const double total = mortise_fabs(f_low) + mortise_fabs(f_high);
-        return total > 0 ? mortise_fabs(f_low) / total : 0.5;
+        return total > 0 && total < kMortiseInfinity ? mortise_fabs(f_low) / total : 0.5;
     }
     if (s->kind == kSurfacePlane) return f_low / (f_low - f_high);
     if (s->kind == kSurfaceQuadric) {
