@@ -284,13 +284,16 @@ class Assembler {
                 next += hexahedra_here;
             }
             if (!is_snio) continue;
+            // IN leaves that were promoted for nothing are what they were.
+            const bool is_in = tree.nio[i].tape_length == 0 && leaf.displaced == 0;
+            const auto kind = static_cast<std::uint8_t>(is_in ? ElementKind::kIn : ElementKind::kSnio);
             for (std::size_t t = 0; t < kElementTypes; ++t) {
                 const std::size_t begin =
                     offsets_[t][i] +
                     (t == 0 && hexahedra_here > 0 ? next - hexahedra_here - offsets_[0][i] : 0);
                 for (std::size_t k = 0; k < offsets_[t][i + 1] - offsets_[t][i]; ++k) {
                     mesh_.elements[t].region[begin + k] = leaf.region;
-                    mesh_.elements[t].kind[begin + k] = static_cast<std::uint8_t>(ElementKind::kSnio);
+                    mesh_.elements[t].kind[begin + k] = kind;
                 }
             }
         }

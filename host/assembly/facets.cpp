@@ -23,8 +23,8 @@ struct Neighbour {
     enum class Kind { kNothing, kIn, kSnio, kCnio } kind = Kind::kNothing;
     std::uint64_t morton = 0;
     std::uint32_t nio = 0;
-    std::uint16_t region = 0;   ///< kIn, kSnio
-    std::uint16_t pattern = 0;  ///< kSnio
+    std::uint16_t region = 0;        ///< kIn, kSnio
+    const SnioLeaf* leaf = nullptr;  ///< kSnio
     const cnio::CellRecord* record = nullptr;
 };
 
@@ -43,21 +43,24 @@ Neighbour across(const Input& input, const CnioCells& cells, std::uint16_t singl
         result.nio = input.tree.nio_index(result.morton);
         result.record = cells.record(result.nio);
         result.kind = result.record != nullptr ? Neighbour::Kind::kCnio : Neighbour::Kind::kSnio;
-        result.region = input.classification.leaves[result.nio].region;
-        result.pattern = input.classification.leaves[result.nio].pattern;
+        result.leaf = &input.classification.leaves[result.nio];
+        result.region = result.leaf->region;
     }
     return result;
 }
 
-/// Region of a template's element behind a facet of face f, told by a corner of the facet: a polygon of a cut
-/// face holds corners of one side only.
+/// Region of a template's element behind a facet of face f, told by a corner of the facet that is not on the
+/// surface: a polygon of a cut face holds corners of one side only. Where all are on it, by whether the
+/// template has volume.
 std::uint16_t template_region(const Neighbour& other, const cnio::FaceFacet& facet, int f) {
+    const SnioLeaf& leaf = *other.leaf;
+    if (leaf.method == kMethodHexahedron) return other.region;
     for (const std::uint16_t code : facet.node) {
-        if (code >= 8) continue;
         const int corner = code ^ (1 << (f / 2));
-        return ((other.pattern >> corner) & 1) != 0 ? other.region : std::uint16_t{0};
+        if (code >= 8 || ((leaf.on >> corner) & 1) != 0) continue;
+        return ((leaf.pattern >> corner) & 1) != 0 ? other.region : std::uint16_t{0};
     }
-    return 0;
+    return leaf.pattern != 0 ? other.region : std::uint16_t{0};
 }
 
 }  // namespace

@@ -25,7 +25,7 @@ Examples:
 
 constexpr const char* kExitCodes = R"(
 Exit codes:
-  0 success                       4 quality floor not met (reserved)
+  0 success                       4 quality floor not met (mesh is written)
   1 wrong usage                   5 no OpenCL device, kernel build, memory
   2 model not understood, empty   6 file not found, not readable or writable
     or unbounded, damaged mesh    130, 143 interrupted (SIGINT, SIGTERM)
@@ -90,9 +90,12 @@ int parse_integer(const std::string& option, const std::string& text, int smalle
 
 /// The words as CLI11 leaves them.
 struct Words {
-    std::string level, size, elements, threads, work_group;
+    std::string level, size, elements, floor, threads, work_group;
     std::vector<std::string> box;
     bool no_templates = false;
+    bool no_snap = false;
+    bool no_improve = false;
+    std::string smooth;
 };
 
 /// An empty word, as from an unset shell variable, is a mistake.
@@ -124,9 +127,16 @@ void add_mesh_options(CLI::App& app, Arguments& arguments, Words& words) {
     app.add_option("--elements", words.elements, "hex: mostly hexahedra (default); tet: tetrahedra only")
         ->option_text("hex|tet");
     app.add_flag("--no-templates", words.no_templates, "mesh simple surface cells like complex ones");
+    app.add_option("--smooth", words.smooth, "rounds of moving nodes to better places, 0 to 100 (4)");
+    app.add_flag("--no-improve", words.no_improve, "leave elements as templates and certificate make them");
+    app.add_flag("--no-snap", words.no_snap, "do not move grid vertices onto the surface");
     app.add_option("--picture", arguments.picture, "draw the mesh, .png")->option_text("FILE");
     app.add_option("--report", arguments.report, "write figures and times, .json")->option_text("FILE");
     app.add_flag("--check", arguments.check, "validate the mesh first; write nothing if it has defects");
+    app.add_option("--features", arguments.features, "write creases and corners, .vtp")->option_text("FILE");
+    app.add_flag("--quality", arguments.quality, "report shapes, distance to the model, features");
+    app.add_option("--quality-floor", words.floor, "exit 4 if a scaled Jacobian is below X, 0 to 1")
+        ->option_text("X");
     app.add_option("--device", arguments.options.device, "number or part of a name from `mortise devices`")
         ->option_text("DEVICE");
     app.add_option("--threads", words.threads, "host threads, default all cores")->option_text("COUNT");
@@ -166,6 +176,19 @@ void read_mesh_words(const Words& words, Arguments& arguments) {
     }
     options.tetrahedra = words.elements == "tet";
     options.templates = !words.no_templates;
+    options.snap = !words.no_snap;
+    options.improve = !words.no_improve;
+    if (!words.smooth.empty()) {
+        options.smooth = parse_integer("--smooth", words.smooth, 0, "rounds, 0 to 100");
+        if (options.smooth > 100) refuse("--smooth '" + words.smooth + "': at most 100 rounds");
+    }
+    options.quality = arguments.quality;
+    if (!words.floor.empty()) {
+        arguments.quality_floor = parse_number("--quality-floor", words.floor);
+        if (arguments.quality_floor < 0 || arguments.quality_floor > 1) {
+            refuse("--quality-floor '" + words.floor + "': expected a scaled Jacobian from 0 to 1");
+        }
+    }
     if (!words.threads.empty()) options.threads = parse_integer("--threads", words.threads, 1, "");
     if (!words.work_group.empty()) {
         options.work_group_size = parse_integer("--work-group", words.work_group, 1, "");
@@ -190,9 +213,10 @@ Arguments parse_arguments(int count, const char* const* values) {
     app.set_help_flag("-h,--help", "print this help");
     add_mesh_options(app, arguments, words);
 
-    CLI::App* check =
-        add_command(app, "check", "mortise check FILE [--json]", "validate a mesh file, .vtu or .msh");
+    CLI::App* check = add_command(app, "check", "mortise check FILE [--quality] [--json]",
+                                  "validate a mesh file, .vtu or .msh");
     check->add_option("FILE", arguments.file);
+    check->add_flag("--quality", arguments.quality, "report the elements' shapes, too");
     CLI::App* devices = add_command(app, "devices", "mortise devices [--json]", "list OpenCL devices");
     CLI::App* doctor =
         add_command(app, "doctor", "mortise doctor", "check the OpenCL installation, and how to repair it");

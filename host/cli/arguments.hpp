@@ -16,9 +16,12 @@ struct Arguments {
     std::vector<std::string> outputs;  ///< mesh files, each once
     std::string picture;               ///< empty: none
     std::string report;                ///< empty: none
+    std::string features;              ///< file of creases and corners; empty: none
     bool json = false;
     bool quiet = false;
     bool check = false;
+    bool quality = false;       ///< print the quality report
+    double quality_floor = -1;  ///< smallest scaled Jacobian that is good enough; negative: any
     MeshOptions options;
     std::string text;  ///< kPrint: what to print, for --help and --version
 };

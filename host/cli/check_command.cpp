@@ -2,6 +2,7 @@
 #include "host/cli/commands.hpp"
 #include "host/cli/documents.hpp"
 #include "host/cli/files.hpp"
+#include "host/cli/quality_text.hpp"
 #include "mortise/io.hpp"
 
 namespace mortise::cli {
@@ -28,15 +29,21 @@ std::string figures_text(const CheckReport& report) {
 }  // namespace
 
 ExitCode check_command(const Arguments& arguments) {
-    const CheckReport report = check_mesh(read_mesh(arguments.file));
+    const Mesh mesh = read_mesh(arguments.file);
+    const CheckReport report = check_mesh(mesh);
+    QualityReport quality;
+    if (arguments.quality) quality = element_quality(mesh);
     if (arguments.json) {
         Json document = check_document(report);
         document["file"] = arguments.file;
+        if (arguments.quality) document["quality"] = quality_document(quality);
         print(to_text(document));
     } else {
         std::string text = arguments.file + (report.valid() ? ": valid\n" : ": invalid\n");
         for (const Defect& defect : report.defects) text += "  defect     " + describe(defect) + "\n";
-        print(text + figures_text(report));
+        text += figures_text(report);
+        if (arguments.quality) text += quality_text(quality);
+        print(text);
     }
     return report.valid() ? ExitCode::kOk : ExitCode::kMeshing;
 }

@@ -70,6 +70,11 @@ Json mesh_document(const Mesh& mesh, const MeshReport& report, const MeshFigures
     json["min_scaled_jacobian"] = worst_by_type(figures.elements, figures.min_scaled_jacobian);
     json["regions"] = names_with_counts(mesh.region_names, in_region, "elements");
     json["surfaces"] = names_with_counts(mesh.surface_names, on_surface, "facets");
+    double crease_length = 0;
+    for (const FeatureCurve& curve : report.features.curves) crease_length += curve.length;
+    json["features"] = {{"creases", report.features.curves.size()},
+                        {"crease_length", crease_length},
+                        {"corners", report.features.corners.size()}};
     json["cells"] = {{"evaluated", report.cells_evaluated},
                      {"in", report.in_cells},
                      {"nio", report.nio_cells},

@@ -1,4 +1,5 @@
 // `mortise MODEL -o FILE`: read, mesh, check, write, report.
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <ctime>
@@ -7,6 +8,7 @@
 #include "host/cli/documents.hpp"
 #include "host/cli/files.hpp"
 #include "host/cli/progress.hpp"
+#include "host/cli/quality_text.hpp"
 #include "host/cli/signals.hpp"
 #include "mortise/io.hpp"
 
@@ -54,7 +56,7 @@ std::string summary(const Arguments& arguments, const Mesh& mesh, const MeshRepo
     text += "  device     " + report.device + "\n";
     std::string files;
     for (const std::string& path : arguments.outputs) files += (files.empty() ? "" : ", ") + path;
-    for (const std::string& path : {arguments.picture, arguments.report}) {
+    for (const std::string& path : {arguments.picture, arguments.report, arguments.features}) {
         if (!path.empty()) files += ", " + path;
     }
     return text + "  written    " + files + "\n";
@@ -64,6 +66,7 @@ void check_outputs(const Arguments& arguments) {
     for (const std::string& path : arguments.outputs) check_mesh_output(path);
     if (!arguments.picture.empty()) check_other_output("--picture", arguments.picture, ".png");
     if (!arguments.report.empty()) check_other_output("--report", arguments.report, ".json");
+    if (!arguments.features.empty()) check_other_output("--features", arguments.features, ".vtp");
 }
 
 constexpr const char* kNothingWritten =
@@ -83,6 +86,19 @@ void refuse_defects(const CheckReport& check) {
     if (check.valid()) return;
     throw Error(ExitCode::kMeshing,
                 "the mesh is not valid: " + describe(check.defects.front()) + kNothingWritten);
+}
+
+/// The files are written: the user may want to look at what is bad.
+void refuse_below(const Mesh& mesh, double floor) {
+    if (floor < 0) return;
+    const std::vector<float> values = scaled_jacobians(mesh);
+    const auto below = std::count_if(values.begin(), values.end(),
+                                     [floor](float value) { return static_cast<double>(value) < floor; });
+    if (below == 0) return;
+    const WorstElement worst = element_quality(mesh, 1).worst.front();
+    throw Error(ExitCode::kQuality,
+                "quality floor " + short_number(floor) + " not met: " + std::to_string(below) + " of " +
+                    std::to_string(values.size()) + " elements are below; the worst is " + describe(worst));
 }
 
 }  // namespace
@@ -120,6 +136,10 @@ ExitCode mesh_command(const Arguments& arguments) {
     timed("write", after, mesh.element_count(), [&] {
         for (const std::string& path : arguments.outputs) write_mesh(mesh, path);
     });
+    if (!arguments.features.empty()) {
+        timed("write features", after, report.features.curves.size(),
+              [&] { write_features(mesh, report.features, arguments.features); });
+    }
     if (!arguments.picture.empty()) {
         timed("picture", after, mesh.facets.size(), [&] { write_picture(mesh, arguments.picture); });
     }
@@ -132,11 +152,14 @@ ExitCode mesh_command(const Arguments& arguments) {
         document["model"] = arguments.file;
         document["outputs"] = arguments.outputs;
         if (arguments.check) document["check"] = check_document(check);
+        if (report.quality) document["quality"] = quality_document(*report.quality, &report.features);
         const std::string text = to_text(document);
         if (!arguments.report.empty()) write_text(arguments.report, text);
         if (arguments.json) print(text);
     }
     if (!arguments.json && !arguments.quiet) print(summary(arguments, mesh, report, figures));
+    if (!arguments.json && report.quality) print(quality_text(*report.quality, &report.features));
+    refuse_below(mesh, arguments.quality_floor);
     return ExitCode::kOk;
 }
 

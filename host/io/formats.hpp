@@ -15,6 +15,9 @@ Mesh read_vtu(const FileReader& file);
 void write_msh(const Mesh& mesh, TemporaryFile& file);
 Mesh read_msh(const FileReader& file);
 
+/// Reads Gmsh's text formats 4.1 and 2.2, as other programs write them.
+Mesh read_gmsh_text(const FileReader& file);
+
 /// The first thing wrong with a mesh's array lengths, indices or regions; empty if all is in range.
 std::string find_range_error(const Mesh& mesh);
 

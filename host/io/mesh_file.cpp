@@ -66,6 +66,8 @@ std::string io::find_range_error(const Mesh& mesh) {
     if (!all_below(facets.inside, regions + 1) || !none_zero(facets.inside) ||
         !all_below(facets.outside, regions + 1))
         return "facet with a region out of range";
+    if (!mesh.model_dimension.empty() && mesh.model_dimension.size() != nodes)
+        return "model_dimension and points of unequal length";
     return {};
 }
 

@@ -1,4 +1,5 @@
-// Reads the .msh files of msh_write.cpp; anything else is refused with a reason.
+// Reads the .msh files of msh_write.cpp; text files go to gmsh_text_read.cpp, anything else is refused with a
+// reason.
 //
 // Counts are compared with the bytes left in the file before anything is allocated for them.
 #include <algorithm>
@@ -215,6 +216,14 @@ class MshReader {
 
 }  // namespace
 
-Mesh read_msh(const FileReader& file) { return MshReader(file).read(); }
+Mesh read_msh(const FileReader& file) {
+    SequentialReader bytes(file);
+    bytes.line();
+    // "4.1 1 8" is ours; a 0 in the second place means text.
+    const std::string format = bytes.line();
+    const std::size_t blank = format.find(' ');
+    if (blank != std::string::npos && format.compare(blank, 2, " 0") == 0) return read_gmsh_text(file);
+    return MshReader(file).read();
+}
 
 }  // namespace mortise::io

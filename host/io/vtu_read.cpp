@@ -211,6 +211,10 @@ Mesh read_vtu(const FileReader& file) {
     mesh.region_names = reader.names("region_names");
     mesh.surface_names = reader.names("surface_names");
     mesh.points = reader.array<double>(reader.piece().child("Points"), "Points", "Float64");
+    const pugi::xml_node point_data = reader.piece().child("PointData");
+    if (point_data.find_child_by_attribute("DataArray", "Name", "model_dimension")) {
+        mesh.model_dimension = reader.array<std::uint8_t>(point_data, "model_dimension", "UInt8");
+    }
     read_types(reader, mesh);
     const pugi::xml_node offsets =
         reader.piece().child("Cells").find_child_by_attribute("DataArray", "Name", "offsets");

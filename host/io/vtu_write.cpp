@@ -2,12 +2,12 @@
 //
 // Elements come by type, in the order of ElementType. Connectivity and offsets are Int32 where all their
 // values fit and Int64 otherwise: half the bytes to compress, and every reader takes both. Cell arrays:
-// region (Int32), kind (UInt8, see ElementKind), scaled_jacobian (Float32). VTK has no facets beside cells,
-// so these travel in FieldData: facet_nodes (4 per facet, a triangle repeats its last node), facet_surface,
-// facet_inside, facet_outside (as in FacetBlock), and the names as VTK string arrays region_names and
-// surface_names, inline as character codes.
+// region (Int32), kind (UInt8, see ElementKind), scaled_jacobian (Float32). Point array, if it is known:
+// model_dimension (UInt8, see Features). VTK has no facets beside cells, so these travel in FieldData:
+// facet_nodes (4 per facet, a triangle repeats its last node), facet_surface, facet_inside, facet_outside (as
+// in FacetBlock), and the names as VTK string arrays region_names and surface_names, inline as character
+// codes.
 #include <algorithm>
-#include <cstring>
 #include <limits>
 #include <string>
 #include <vector>
@@ -15,53 +15,11 @@
 #include "host/io/compressed_array.hpp"
 #include "host/io/element_table.hpp"
 #include "host/io/formats.hpp"
+#include "host/io/vtk_xml.hpp"
 #include "mortise/check.hpp"
 
 namespace mortise::io {
 namespace {
-
-constexpr std::size_t kOffsetDigits = 20;
-
-struct ArrayToWrite {
-    std::size_t size;  ///< bytes
-    ByteSource source;
-    std::uint64_t offset_at;  ///< where the header has room for the offset
-};
-
-/// Collects the header's text and the arrays that it announces.
-class VtuWriter {
-  public:
-    explicit VtuWriter(TemporaryFile& file) : file_(file) {}
-
-    void text(const std::string& line) { header_ += line + "\n"; }
-
-    void array(const std::string& type, const std::string& name, const std::string& attributes,
-               std::size_t size, const ByteSource& source) {
-        header_ += "<DataArray type=\"" + type + "\" Name=\"" + name + "\"" + attributes +
-                   " format=\"appended\" offset=\"";
-        arrays_.push_back({size, source, header_.size()});
-        header_ += std::string(kOffsetDigits + 1, ' ') + "/>\n";
-    }
-
-    void finish() {
-        text("<AppendedData encoding=\"raw\">");
-        header_ += "_";
-        file_.write(header_);
-        const std::uint64_t base = file_.size();
-        for (const ArrayToWrite& array : arrays_) {
-            // The quote follows the number, the room left stays blank behind it.
-            const std::string offset = std::to_string(file_.size() - base) + "\"";
-            write_compressed(file_, array.size, array.source);
-            file_.write_at(array.offset_at, offset.data(), offset.size());
-        }
-        file_.write("\n</AppendedData>\n</VTKFile>\n");
-    }
-
-  private:
-    TemporaryFile& file_;
-    std::string header_;
-    std::vector<ArrayToWrite> arrays_;
-};
 
 /// Source of an array of Value whose items [first, last) are made by fill(first, last, Value* out).
 template <class Value, class Fill>
@@ -84,7 +42,7 @@ void split_by_type(const std::array<std::size_t, kElementTypes + 1>& runs, std::
 }
 
 template <class Index>
-void add_cells(const Mesh& mesh, const char* type_name, VtuWriter& writer) {
+void add_cells(const Mesh& mesh, const char* type_name, VtkXmlWriter& writer) {
     std::array<std::size_t, kElementTypes + 1> node_runs{}, element_runs{};
     for (std::size_t t = 0; t < kElementTypes; ++t) {
         node_runs[t + 1] = node_runs[t] + mesh.elements[t].nodes.size();
@@ -142,49 +100,18 @@ void add_cells(const Mesh& mesh, const char* type_name, VtuWriter& writer) {
                      }));
 }
 
-void add_names(const char* name, const std::vector<std::string>& values, VtuWriter& writer) {
-    std::string text = "<Array type=\"String\" Name=\"" + std::string(name) + "\" NumberOfTuples=\"" +
-                       std::to_string(values.size()) + "\" format=\"ascii\">";
-    for (const std::string& value : values) {
-        text += "\n";
-        for (const char c : value) text += std::to_string(static_cast<unsigned char>(c)) + " ";
-        text += "0";
-    }
-    writer.text(text + "\n</Array>");
-}
-
-template <class Value>
-void add_field(const char* type, const char* name, int components, const std::vector<Value>& values,
-               VtuWriter& writer) {
-    const std::string attributes =
-        (components > 1 ? " NumberOfComponents=\"" + std::to_string(components) + "\"" : std::string()) +
-        " NumberOfTuples=\"" + std::to_string(values.size() / static_cast<std::size_t>(components)) + "\"";
-    writer.array(type, name, attributes, values.size() * sizeof(Value), memory_source(values.data()));
-}
-
-bool is_little_endian() {
-    const std::uint16_t one = 1;
-    unsigned char low;
-    std::memcpy(&low, &one, 1);
-    return low == 1;
-}
-
 }  // namespace
 
 void write_vtu(const Mesh& mesh, TemporaryFile& file) {
-    VtuWriter writer(file);
-    writer.text("<?xml version=\"1.0\"?>");
-    writer.text("<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"" +
-                std::string(is_little_endian() ? "LittleEndian" : "BigEndian") +
-                "\" header_type=\"UInt64\" compressor=\"vtkZLibDataCompressor\">");
+    VtkXmlWriter writer(file, "UnstructuredGrid");
     writer.text("<UnstructuredGrid>");
     writer.text("<FieldData>");
-    add_names("region_names", mesh.region_names, writer);
-    add_names("surface_names", mesh.surface_names, writer);
-    add_field("UInt32", "facet_nodes", 4, mesh.facets.nodes, writer);
-    add_field("UInt32", "facet_surface", 1, mesh.facets.surface, writer);
-    add_field("UInt16", "facet_inside", 1, mesh.facets.inside, writer);
-    add_field("UInt16", "facet_outside", 1, mesh.facets.outside, writer);
+    writer.names("region_names", mesh.region_names);
+    writer.names("surface_names", mesh.surface_names);
+    writer.field("UInt32", "facet_nodes", 4, mesh.facets.nodes);
+    writer.field("UInt32", "facet_surface", 1, mesh.facets.surface);
+    writer.field("UInt16", "facet_inside", 1, mesh.facets.inside);
+    writer.field("UInt16", "facet_outside", 1, mesh.facets.outside);
     writer.text("</FieldData>");
     writer.text("<Piece NumberOfPoints=\"" + std::to_string(mesh.node_count()) + "\" NumberOfCells=\"" +
                 std::to_string(mesh.element_count()) + "\">");
@@ -192,6 +119,12 @@ void write_vtu(const Mesh& mesh, TemporaryFile& file) {
     writer.array("Float64", "Points", " NumberOfComponents=\"3\"", mesh.points.size() * sizeof(double),
                  memory_source(mesh.points.data()));
     writer.text("</Points>");
+    if (!mesh.model_dimension.empty()) {
+        writer.text("<PointData>");
+        writer.array("UInt8", "model_dimension", "", mesh.model_dimension.size(),
+                     memory_source(mesh.model_dimension.data()));
+        writer.text("</PointData>");
+    }
     std::size_t entries = 0;
     for (const ElementBlock& block : mesh.elements) entries += block.nodes.size();
     constexpr std::size_t limit = std::numeric_limits<std::int32_t>::max();

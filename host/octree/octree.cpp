@@ -112,14 +112,13 @@ class Descent {
     std::uint64_t evaluated_ = 0;
 };
 
-/// Ranks of a bitmap; returns the number of set bits.
+}  // namespace
+
 std::uint64_t make_rank(Device& device, const Buffer& bits, std::size_t words, Buffer& rank) {
     rank = device.allocate((words + 1) * sizeof(std::uint32_t));
     device.launch(device.kernel("octree/leaves.cl", "count_word"), words, bits, rank);
     return device.exclusive_scan_u32(rank, rank, words);
 }
-
-}  // namespace
 
 Octree build(Device& device, const tape::BoundModel& model, int level, DeviceTree* on_device) {
     if (level < 1 || level > kMaxUniformLevel) {
@@ -169,9 +168,11 @@ std::vector<std::uint16_t> in_regions(const Octree& tree, std::uint16_t* single)
     std::vector<std::uint16_t> regions(tree.in_count);
     for (const InNode& node : tree.in_nodes) {
         const int depth = tree.level - static_cast<int>(node.level);
+        // Leaves below the node may have left the IN leaves since.
+        const std::uint64_t last = ((node.morton + 1) << (3 * depth)) - 1;
         const std::uint32_t first = tree.in_index(node.morton << (3 * depth));
-        std::fill_n(regions.begin() + first, std::size_t{1} << (3 * depth),
-                    static_cast<std::uint16_t>(node.region));
+        const std::uint32_t end = tree.in_index(last) + (tree.is_in(last) ? 1 : 0);
+        std::fill(regions.begin() + first, regions.begin() + end, static_cast<std::uint16_t>(node.region));
     }
     return regions;
 }

@@ -19,7 +19,7 @@ struct Octree {
     std::vector<std::uint32_t> nio_bits;  ///< length: words()
     std::vector<std::uint32_t> in_rank;   ///< length: words() + 1
     std::vector<std::uint32_t> nio_rank;  ///< length: words() + 1
-    std::vector<InNode> in_nodes;         ///< IN nodes of all levels, by level, then Morton code
+    std::vector<InNode> in_nodes;         ///< IN nodes of all levels as found, by level, then Morton code
     std::uint64_t in_count = 0;           ///< IN leaves at the finest level
     std::uint64_t cells_evaluated = 0;
 
@@ -55,6 +55,10 @@ inline constexpr int kMaxUniformLevel = 10;
 /// on their closed cells; NIO leaves carry the tape of what is undecided; order and content do not depend on
 /// the device's scheduling.
 Octree build(device::Device& device, const tape::BoundModel& model, int level, DeviceTree* on_device);
+
+/// Ranks of a bitmap of `words` words into a new buffer of words + 1; returns the number of set bits.
+std::uint64_t make_rank(device::Device& device, const device::Buffer& bits, std::size_t words,
+                        device::Buffer& rank);
 
 /// Region of each IN leaf, by IN index. Empty if there is one region only (then it is `single`).
 std::vector<std::uint16_t> in_regions(const Octree& tree, std::uint16_t* single);

@@ -10,7 +10,10 @@
 #include "host/assembly/assembly.hpp"
 #include "host/cnio/extract.hpp"
 #include "host/device/device.hpp"
+#include "host/features/features.hpp"
+#include "host/improve/improve.hpp"
 #include "host/octree/octree.hpp"
+#include "host/report/report.hpp"
 #include "host/snio/classify.hpp"
 #include "host/tape/compile.hpp"
 #include "host/tetrahedra/split.hpp"
@@ -152,6 +155,22 @@ void name_surfaces(const tape::CompiledModel& compiled, const tape::BoundModel& 
     for (std::uint32_t& surface : mesh.facets.surface) surface = place[model.surface_name[surface]];
 }
 
+/// Names the surfaces and classifies the nodes; the quality report if it is wanted.
+void describe_mesh(const tape::CompiledModel& compiled, const tape::BoundModel& bound, const Root& root,
+                   const MeshOptions& options, Stages& stages, Mesh& mesh, MeshReport& out) {
+    stages.begin("features", 0.96);
+    const std::vector<std::uint32_t> facet_surface = mesh.facets.surface;
+    name_surfaces(compiled, bound, mesh);
+    out.features = features::find_features(mesh, facet_surface, bound);
+    mesh.model_dimension = out.features.model_dimension;
+    stages.end(mesh.facets.size());
+    if (!options.quality) return;
+    stages.begin("quality", 0.97);
+    out.quality = report::assess(mesh, facet_surface, bound, out.features,
+                                 {root.level, kWorstElements, options.threads});
+    stages.end(mesh.element_count());
+}
+
 /// What the report wants of all extractions.
 struct Extracted {
     cnio::CellCounters counters;
@@ -222,18 +241,27 @@ Mesh generate_mesh(const Model& model, const MeshOptions& options, MeshReport* r
 
     stages.begin("octree", 0.05);
     octree::DeviceTree on_device;
-    const octree::Octree tree = octree::build(device, bound, root.level, &on_device);
+    octree::Octree tree = octree::build(device, bound, root.level, &on_device);
     stages.end(tree.cells_evaluated);
 
     stages.begin("classify", 0.3);
-    const snio::Classification classification = snio::classify(device, tree, on_device, options.templates);
+    out.in_cells = tree.in_count;
+    out.nio_cells = tree.nio.size();
+    const snio::Classification classification =
+        snio::classify(device, tree, on_device, options.templates, options.snap);
     stages.end(tree.nio.size());
 
     Mesh mesh;
     const Extracted extracted =
         mesh_pieces(device, options, bound, tree, on_device, classification, stages, &mesh);
+    if (options.improve) {
+        stages.begin("improve", 0.93);
+        improve::Counters counters;
+        mesh = improve::improve(std::move(mesh), bound, {root.level, options.smooth, options.threads},
+                                &counters);
+        stages.end(counters.zone_elements);
+    }
     mesh.region_names = compiled.region_names;
-    name_surfaces(compiled, bound, mesh);
     if (mesh.element_count() == 0) {
         throw Error(ExitCode::kInput, model.source +
                                           ": the solid is empty, or thinner than the cells everywhere; "
@@ -245,14 +273,13 @@ Mesh generate_mesh(const Model& model, const MeshOptions& options, MeshReport* r
         mesh = tetrahedra::split(mesh);
         stages.end(mesh.element_count());
     }
+    describe_mesh(compiled, bound, root, options, stages, mesh, out);
 
     out.level = root.level;
     out.cell_size = std::ldexp(root.side, -root.level);
     out.root = {root.origin,
                 {root.origin[0] + root.side, root.origin[1] + root.side, root.origin[2] + root.side}};
     out.cells_evaluated = tree.cells_evaluated;
-    out.in_cells = tree.in_count;
-    out.nio_cells = tree.nio.size();
     out.cnio_cells = classification.cnio.size();
     out.snio_cells = out.nio_cells - out.cnio_cells;
     out.refused_splits = extracted.counters.refused;

@@ -30,12 +30,19 @@ CornerList corner_list(ElementType type) {
     }
 }
 
-void add_angle(const Vector& first_normal, const Vector& second_normal, ShapeFigures& figures) {
+/// False: there is no angle.
+bool find_cosine(const Vector& first_normal, const Vector& second_normal, double* cosine) {
     const double square = dot(first_normal, first_normal) * dot(second_normal, second_normal);
-    if (!(square > 0)) return;
-    const double cosine = -dot(first_normal, second_normal) / std::sqrt(square);
-    figures.min_cosine = std::min(figures.min_cosine, std::max(cosine, -1.0));
-    figures.max_cosine = std::max(figures.max_cosine, std::min(cosine, 1.0));
+    if (!(square > 0)) return false;
+    *cosine = std::clamp(-dot(first_normal, second_normal) / std::sqrt(square), -1.0, 1.0);
+    return true;
+}
+
+void add_angle(const Vector& first_normal, const Vector& second_normal, ShapeFigures& figures) {
+    double cosine;
+    if (!find_cosine(first_normal, second_normal, &cosine)) return;
+    figures.min_cosine = std::min(figures.min_cosine, cosine);
+    figures.max_cosine = std::max(figures.max_cosine, cosine);
 }
 
 template <bool with_angles>
@@ -65,6 +72,23 @@ ShapeFigures figures_of(ElementType type, const Vector* p) {
 
 ShapeFigures shape_figures(ElementType type, const Corners& corners) {
     return figures_of<true>(type, corners.p);
+}
+
+int dihedral_cosines(ElementType type, const Corners& corners, double* cosines) {
+    const CornerList list = corner_list(type);
+    const Vector* p = corners.p;
+    int count = 0;
+    for (int i = 0; i < list.count; ++i) {
+        const Corner& corner = list.corners[i];
+        const Vector a = p[corner[1]] - p[corner[0]];
+        const Vector b = p[corner[2]] - p[corner[0]];
+        const Vector c = p[corner[3]] - p[corner[0]];
+        const Vector ab = cross(a, b), bc = cross(b, c), ca = cross(c, a);
+        count += find_cosine(ab, ca, cosines + count) ? 1 : 0;
+        count += find_cosine(ab, bc, cosines + count) ? 1 : 0;
+        count += find_cosine(bc, ca, cosines + count) ? 1 : 0;
+    }
+    return count;
 }
 
 double scaled_jacobian(ElementType type, const Corners& corners) {

@@ -21,6 +21,12 @@ struct ShapeFigures {
 
 ShapeFigures shape_figures(ElementType type, const Corners& corners);
 
+/// Most dihedral angles of one element: a hexahedron's, three at each corner.
+inline constexpr int kMostAngles = 24;
+
+/// Cosines of all dihedral angles of an element, degenerate ones left out; returns how many.
+int dihedral_cosines(ElementType type, const Corners& corners, double* cosines);
+
 /// The scaled Jacobian alone.
 double scaled_jacobian(ElementType type, const Corners& corners);
 

@@ -1,32 +1,113 @@
 #include "host/snio/classify.hpp"
 
-namespace mortise::snio {
+#include <utility>
 
-Classification classify(device::Device& device, const octree::Octree& tree, octree::DeviceTree& on_device,
-                        bool templates) {
-    const std::size_t count = tree.nio.size();
-    Classification result;
-    if (templates) {
-        device::Buffer leaves = device.allocate(count * sizeof(SnioLeaf));
-        device::Buffer used = device.allocate(count * sizeof(std::uint32_t));
-        device::Buffer counts = device.allocate(kElementTypes * count * sizeof(std::uint32_t));
-        device::Buffer facets = device.allocate(count * sizeof(std::uint32_t));
-        device.launch(device.kernel("snio/classify.cl", "classify"), count, on_device.nio, on_device.tapes,
-                      on_device.surfaces, on_device.ops, leaves, used, counts, facets,
-                      static_cast<std::uint32_t>(count), static_cast<std::int32_t>(tree.level));
-        result.leaves = device.download<SnioLeaf>(leaves, count);
-        result.used = device.download<std::uint32_t>(used, count);
-        result.facets = device.download<std::uint32_t>(facets, count);
-        for (std::size_t t = 0; t < kElementTypes; ++t) {
-            result.elements[t] = device.download<std::uint32_t>(counts, count, t * count);
-        }
-    } else {
-        result.leaves.assign(count, {0, kPatternCnio, 0});
-        result.used.assign(count, 0);
-        result.facets.assign(count, 0);
-        for (auto& elements : result.elements) elements.assign(count, 0);
+namespace mortise::snio {
+namespace {
+
+using device::Buffer;
+using device::Device;
+
+/// Runs kernels/snio over all NIO leaves.
+class Classifier {
+  public:
+    Classifier(Device& device, octree::Octree& tree, octree::DeviceTree& on_device, bool snap)
+        : device_(device), tree_(tree), on_device_(on_device), snap_(snap ? 1 : 0) {}
+
+    Classification run() {
+        candidates_ = device_.allocate(count() * sizeof(SnioCandidate));
+        device_.launch(device_.kernel("snio/classify.cl", "classify"), count(), on_device_.nio,
+                       on_device_.tapes, on_device_.surfaces, on_device_.ops, candidates_, level(), snap_);
+        if (snap_ != 0) promote();
+        device_.launch(device_.kernel("snio/snap.cl", "test_subsets"), count(), on_device_.nio,
+                       on_device_.surfaces, on_device_.ops, candidates_, level(), snap_);
+        moved_ = device_.allocate(count() * sizeof(std::uint8_t));
+        device_.launch(device_.kernel("snio/snap.cl", "decide"), count(), on_device_.in_bits,
+                       on_device_.nio_bits, on_device_.nio_rank, on_device_.nio, candidates_, moved_,
+                       level());
+        return fill();
     }
-    for (std::uint32_t i = 0; i < count; ++i) {
+
+  private:
+    std::size_t count() const { return tree_.nio.size(); }
+    std::int32_t level() const { return tree_.level; }
+
+    /// IN leaves with a corner on the surface join the NIO leaves, here and on the device.
+    void promote() {
+        const std::size_t words = tree_.words();
+        Buffer near = device_.allocate(count() * sizeof(std::uint8_t));
+        Buffer promoted = device_.allocate(words * sizeof(std::uint32_t));
+        device_.fill_zero(promoted);
+        device_.launch(device_.kernel("snio/snap.cl", "mark_vertices"), count(), on_device_.in_bits,
+                       on_device_.nio_bits, on_device_.nio_rank, on_device_.nio, candidates_, near, promoted,
+                       level());
+        Buffer old_nio_bits = device_.allocate(words * sizeof(std::uint32_t));
+        device_.launch(device_.kernel("snio/snap.cl", "promote_words"), words, on_device_.in_bits,
+                       on_device_.nio_bits, old_nio_bits, promoted);
+        const Buffer old_nio_rank = std::move(on_device_.nio_rank);
+        tree_.in_count = octree::make_rank(device_, on_device_.in_bits, words, on_device_.in_rank);
+        const std::uint64_t all = octree::make_rank(device_, on_device_.nio_bits, words, on_device_.nio_rank);
+        Buffer nio = device_.allocate(all * sizeof(TreeNode));
+        Buffer candidates = device_.allocate(all * sizeof(SnioCandidate));
+        device_.launch(device_.kernel("snio/snap.cl", "promote_leaves"), words, on_device_.nio_bits,
+                       on_device_.nio_rank, old_nio_bits, old_nio_rank, on_device_.nio, candidates_, near,
+                       nio, candidates, level());
+        device_.finish();
+        on_device_.nio = std::move(nio);
+        candidates_ = std::move(candidates);
+        tree_.nio = device_.download<TreeNode>(on_device_.nio, all);
+        tree_.in_bits = device_.download<std::uint32_t>(on_device_.in_bits, words);
+        tree_.nio_bits = device_.download<std::uint32_t>(on_device_.nio_bits, words);
+        tree_.in_rank = device_.download<std::uint32_t>(on_device_.in_rank, words + 1);
+        tree_.nio_rank = device_.download<std::uint32_t>(on_device_.nio_rank, words + 1);
+    }
+
+    Classification fill() {
+        Classification result;
+        Buffer leaves = device_.allocate(count() * sizeof(SnioLeaf));
+        Buffer used = device_.allocate(count() * sizeof(std::uint32_t));
+        Buffer counts = device_.allocate(kElementTypes * count() * sizeof(std::uint32_t));
+        Buffer facets = device_.allocate(count() * sizeof(std::uint32_t));
+        device_.launch(device_.kernel("snio/fill.cl", "fill"), count(), on_device_.in_bits,
+                       on_device_.nio_bits, on_device_.nio_rank, on_device_.nio, candidates_, moved_,
+                       on_device_.surfaces, on_device_.ops, leaves, used, counts, facets,
+                       static_cast<std::uint32_t>(count()), level(), snap_);
+        result.leaves = device_.download<SnioLeaf>(leaves, count());
+        result.used = device_.download<std::uint32_t>(used, count());
+        result.facets = device_.download<std::uint32_t>(facets, count());
+        for (std::size_t t = 0; t < kElementTypes; ++t) {
+            result.elements[t] = device_.download<std::uint32_t>(counts, count(), t * count());
+        }
+        return result;
+    }
+
+    Device& device_;
+    octree::Octree& tree_;
+    octree::DeviceTree& on_device_;
+    std::int32_t snap_;
+    Buffer candidates_;
+    Buffer moved_;
+};
+
+/// Every leaf is left to the certificate.
+Classification all_complex(std::size_t count) {
+    Classification result;
+    SnioLeaf leaf{};
+    leaf.pattern = kPatternCnio;
+    result.leaves.assign(count, leaf);
+    result.used.assign(count, 0);
+    result.facets.assign(count, 0);
+    for (auto& elements : result.elements) elements.assign(count, 0);
+    return result;
+}
+
+}  // namespace
+
+Classification classify(Device& device, octree::Octree& tree, octree::DeviceTree& on_device, bool templates,
+                        bool snap) {
+    Classification result =
+        templates ? Classifier(device, tree, on_device, snap).run() : all_complex(tree.nio.size());
+    for (std::uint32_t i = 0; i < tree.nio.size(); ++i) {
         if (result.leaves[i].pattern == kPatternCnio) result.cnio.push_back(i);
     }
     return result;

@@ -1,4 +1,4 @@
-// Binning of NIO leaves by topology (kernels/snio/classify.cl).
+// Binning of NIO leaves by topology, and snapping of vertices (kernels/snio).
 #pragma once
 
 #include <array>
@@ -22,7 +22,10 @@ struct Classification {
 };
 
 /// Classifies all NIO leaves; with templates off every one is left to the certificate.
-Classification classify(device::Device& device, const octree::Octree& tree, octree::DeviceTree& on_device,
-                        bool templates);
+///
+/// With `snap`, vertices near a smooth surface are moved onto it. Then the IN leaves around them are
+/// promoted: `tree` and `on_device` change, and hold these leaves as NIO leaves with an empty tape.
+Classification classify(device::Device& device, octree::Octree& tree, octree::DeviceTree& on_device,
+                        bool templates, bool snap);
 
 }  // namespace mortise::snio

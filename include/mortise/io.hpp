@@ -4,6 +4,7 @@
 #include <string>
 
 #include "mortise/mesh.hpp"
+#include "mortise/quality.hpp"
 
 namespace mortise {
 
@@ -16,9 +17,15 @@ void write_mesh(const Mesh& mesh, const std::string& path);
 /// unwritable folder. Called before the work starts.
 void check_writable(const std::string& path);
 
-/// Reads a file that write_mesh made. Throws Error(kFiles) or Error(kInput) with the cause; never crashes on
-/// damaged bytes. A .vtu carries facets and names too, so that a round trip is exact.
+/// Reads a file that write_mesh made, or first-order elements in Gmsh's text formats 4.1 and 2.2: regions are
+/// then the file's volume entities, and facets carry no surfaces of a model. Throws Error(kFiles) or
+/// Error(kInput) with the cause; never crashes on damaged bytes. A .vtu carries facets and names too, so that
+/// a round trip is exact.
 Mesh read_mesh(const std::string& path);
+
+/// Writes crease curves and corners as VTK XML PolyData (.vtp); arrays: host/io/vtp_write.cpp. Throws
+/// Error(kFiles) with the cause; the file is whole or not there.
+void write_features(const Mesh& mesh, const Features& features, const std::string& path);
 
 /// Draws the boundary facets (flat shading, element edges, colour by surface) into a PNG picture.
 void write_picture(const Mesh& mesh, const std::string& path, int width = 1200, int height = 900);

@@ -59,9 +59,10 @@ struct FacetBlock {
 struct Mesh {
     std::vector<double> points;  ///< length: 3 × nodes; x, y, z in model units
     std::array<ElementBlock, kElementTypes> elements;
-    FacetBlock facets;                       ///< outer boundary and interfaces between regions
-    std::vector<std::string> region_names;   ///< region r is region_names[r - 1]
-    std::vector<std::string> surface_names;  ///< unique, file-safe
+    FacetBlock facets;                          ///< outer boundary and interfaces between regions
+    std::vector<std::string> region_names;      ///< region r is region_names[r - 1]
+    std::vector<std::string> surface_names;     ///< unique, file-safe
+    std::vector<std::uint8_t> model_dimension;  ///< length: nodes, or empty; see Features::model_dimension
 
     std::size_t node_count() const { return points.size() / 3; }
     std::size_t element_count() const {

@@ -9,6 +9,7 @@
 
 #include "mortise/mesh.hpp"
 #include "mortise/model.hpp"
+#include "mortise/quality.hpp"
 
 namespace mortise {
 
@@ -20,8 +21,12 @@ struct MeshOptions {
     double size = 0;          ///< edge length of a cell in model units; 0: from `level`
     std::optional<Box3> box;  ///< cuts the solid; its faces become boundaries box_xmin, ...
     bool templates = true;    ///< false: every NIO cell by the certificate
+    bool snap = true;         ///< vertices near a smooth surface move onto it; needs `templates`
+    bool improve = true;      ///< false: elements stay as templates and certificate make them
+    int smooth = 4;           ///< rounds of node repositioning; 0: nodes move only onto the model
     bool tetrahedra = false;  ///< split everything into tetrahedra
     int pieces = 1;           ///< parts of the Morton range that are meshed apart and merged: the same mesh
+    bool quality = false;     ///< also make MeshReport::quality
     int threads = 0;          ///< host threads for extraction; 0: all cores
     std::string device;       ///< as printed by `mortise devices`; empty: environment, else default
     int work_group_size = 0;  ///< 0: the device class's default
@@ -52,6 +57,8 @@ struct MeshReport {
     std::uint64_t refused_splits = 0;  ///< bisections that would have made an element too flat
     std::uint64_t unresolved = 0;      ///< tetrahedra that were labelled by their centroid
     std::uint64_t dropped_features = 0;
+    Features features;                     ///< nodes against the model, creases and corners
+    std::optional<QualityReport> quality;  ///< if MeshOptions::quality
     std::vector<StageTime> stages;
     std::vector<std::string> warnings;
 };

@@ -8,8 +8,9 @@
 // A leaf's nodes are numbered base[leaf], base[leaf] + 1, …: first the owned bits of its mask, then (CNIO
 // leaves) its owned extra nodes. Leaves are indexed by their rank among meshed leaves: IN rank + NIO rank.
 #include "shared/bounds.h"
+#include "shared/cell_boundary.h"
+#include "shared/snap.h"
 #include "shared/snio.h"
-#include "shared/surface.h"
 #include "shared/template_table.h"
 #include "shared/tree.h"
 
@@ -81,7 +82,8 @@ void store_point(__global double* points, uint id, double4 origin_side, double x
     points[3 * (ulong)id + 2] = origin_side.z + origin_side.w * z;
 }
 
-// Positions of owned grid vertices (all leaves) and of owned roots and interior nodes (SNIO leaves).
+// Positions of owned grid vertices (all leaves), moved ones on their surface, and of owned roots and interior
+// nodes (SNIO leaves).
 //
 // Reads the tree, nio, leaves, surfaces, ops, owned, base; writes points (three doubles per node). The host
 // writes the other nodes of CNIO leaves. One work-item handles one word of the bitmaps.
@@ -95,6 +97,7 @@ MORTISE_KERNEL void place_nodes(__global const uint* in_bits, __global const uin
     if (get_global_id(0) >= items) return;
     {
         const double cell = 1.0 / (double)(1u << level);
+        const double unit = cell / (double)kCellUnits;
         const uint in = in_bits[word];
         uint rest = in | nio_bits[word];
         uint nio = nio_rank[word];
@@ -108,61 +111,39 @@ MORTISE_KERNEL void place_nodes(__global const uint* in_bits, __global const uin
             const uint z = gather_bits(morton >> 2);
             const uint mask = owned[rank];
             uint id = base[rank];
+            SnioLeaf leaf;
+            leaf.pattern = kPatternCnio;
+            leaf.displaced = 0;
+            if (!is_in) leaf = leaves[nio++];
             for (uint c = 0; c < 8; ++c) {
-                if ((mask >> c) & 1) {
-                    store_point(points, id++, origin_side, (x + (c & 1)) * cell, (y + ((c >> 1) & 1)) * cell,
-                                (z + (c >> 2)) * cell);
+                double corner[3];
+                int displacement[3] = {0, 0, 0};
+                if (((mask >> c) & 1) == 0) continue;
+                corner[0] = (x + (c & 1)) * cell;
+                corner[1] = (y + ((c >> 1) & 1)) * cell;
+                corner[2] = (z + (c >> 2)) * cell;
+                if ((leaf.displaced >> c) & 1) {
+                    snap_displacement(surfaces + leaf.surface, ops, corner, cell, displacement);
                 }
+                store_point(points, id++, origin_side, corner[0] + displacement[0] * unit,
+                            corner[1] + displacement[1] * unit, corner[2] + displacement[2] * unit);
             }
-            if (!is_in) {
-                const SnioLeaf leaf = leaves[nio];
-                ++nio;
-                if (leaf.pattern == kPatternCnio || (mask >> 8) == 0) continue;
-                {
-                    __global const Surface* surface = surfaces + leaf.surface;
-                    const uint mean = kTemplateRows[leaf.pattern].interior_mean;
-                    const uint cuts = kTemplateRows[leaf.pattern].cuts;
-                    double sum[3] = {0, 0, 0};
-                    if ((mask >> kInteriorNodeBit) & 1) {
-                        for (uint c = 0; c < 8; ++c) {
-                            if ((mean >> c) & 1) {
-                                sum[0] += c & 1;
-                                sum[1] += (c >> 1) & 1;
-                                sum[2] += c >> 2;
-                            }
-                        }
-                    }
-                    for (uint e = 0; e < 12; ++e) {
-                        if (!((cuts >> e) & 1)) continue;
-                        {
-                            const uint c = kEdgeCorners[e][0];
-                            const uint axis = e / 4;
-                            double offset[3];
-                            double a[3];
-                            double b[3];
-                            offset[0] = c & 1;
-                            offset[1] = (c >> 1) & 1;
-                            offset[2] = c >> 2;
-                            a[0] = (x + offset[0]) * cell;
-                            a[1] = (y + offset[1]) * cell;
-                            a[2] = (z + offset[2]) * cell;
-                            for (uint j = 0; j < 3; ++j) b[j] = a[j] + (axis == j ? cell : 0);
-                            offset[axis] = (double)edge_root(surface, ops, a, b) / (double)kCellUnits;
-                            if ((mask >> (8 + e)) & 1) {
-                                store_point(points, id++, origin_side, (x + offset[0]) * cell,
-                                            (y + offset[1]) * cell, (z + offset[2]) * cell);
-                            }
-                            if ((mean >> (8 + e)) & 1) {
-                                for (uint j = 0; j < 3; ++j) sum[j] += offset[j];
-                            }
-                        }
-                    }
-                    if ((mask >> kInteriorNodeBit) & 1) {
-                        const double count = (double)popcount(mean);
-                        store_point(points, id, origin_side, (x + sum[0] / count) * cell,
-                                    (y + sum[1] / count) * cell, (z + sum[2] / count) * cell);
-                    }
-                }
+            if (leaf.pattern == kPatternCnio) continue;
+            for (uint e = 0; e < 12; ++e) {
+                const uint c = kEdgeCorners[e][0];
+                double a[3];
+                double b[3];
+                if (((mask >> (8 + e)) & 1) == 0) continue;
+                a[0] = (x + (c & 1)) * cell;
+                a[1] = (y + ((c >> 1) & 1)) * cell;
+                a[2] = (z + (c >> 2)) * cell;
+                for (uint j = 0; j < 3; ++j) b[j] = a[j] + (e / 4 == j ? cell : 0);
+                a[e / 4] += edge_root(surfaces + leaf.surface, ops, a, b) * unit;
+                store_point(points, id++, origin_side, a[0], a[1], a[2]);
+            }
+            if ((mask >> kInteriorNodeBit) & 1) {
+                store_point(points, id, origin_side, x * cell + leaf.point[0] * unit,
+                            y * cell + leaf.point[1] * unit, z * cell + leaf.point[2] * unit);
             }
         }
     }
@@ -234,7 +215,7 @@ MORTISE_KERNEL void write_hexahedra(__global const uint* in_bits, __global const
     }
 }
 
-// Elements and surface facets of SNIO leaves from the template table, in Morton order.
+// Elements and surface facets of SNIO leaves, in Morton order.
 //
 // Reads the tree, nio, leaves, used, owned, base, offsets[t * stride + i] of elements of type t before leaf i
 // and facet_offsets; writes the node numbers of each type and of the facets. One work-item handles one NIO
@@ -258,7 +239,7 @@ MORTISE_KERNEL void write_templates(__global const uint* in_bits, __global const
         const uint z = gather_bits(morton >> 2);
         const uint mask = used[item];
         uint ids[21];
-        if (leaf.pattern == kPatternCnio || leaf.pattern == 0) return;
+        if (leaf.pattern == kPatternCnio || leaf.method == kMethodNothing) return;
         for (uint c = 0; c < 8; ++c) {
             if ((mask >> c) & 1) {
                 ids[c] = vertex_id(in_bits, nio_bits, in_rank, nio_rank, used, owned, base, foreign, range,
@@ -279,27 +260,77 @@ MORTISE_KERNEL void write_templates(__global const uint* in_bits, __global const
             const uint rank = rank_of(in_bits, in_rank, morton) + item;
             ids[kInteriorNodeBit] = base[rank] + mask_rank(owned[rank], kInteriorNodeBit);
         }
-        if (leaf.pattern == 255) {
-            __global uint* out =
-                hexahedra + 8 * (ulong)(rank_of(in_bits, in_rank, morton) - in_first + offsets[item]);
-            for (uint i = 0; i < 8; ++i) out[i] = ids[kHexahedronCorner[i]];
-            return;
-        }
         {
-            const TemplateRow row = kTemplateRows[leaf.pattern];
             __global uint* out[4];
             const uint sizes[4] = {8, 6, 5, 4};
-            uint at = row.first_node;
+            __global uint* facet_out = facets + 4 * (ulong)facet_offsets[item];
             out[0] = hexahedra + 8 * (ulong)(rank_of(in_bits, in_rank, morton) - in_first + offsets[item]);
             out[1] = wedges + 6 * (ulong)offsets[stride + item];
             out[2] = pyramids + 5 * (ulong)offsets[2 * stride + item];
             out[3] = tetrahedra + 4 * (ulong)offsets[3 * stride + item];
-            for (int type = 0; type < 4; ++type) {
-                for (uint i = 0; i < row.elements[type] * sizes[type]; ++i)
-                    out[type][i] = ids[kTemplateNodes[at++]];
+            if (leaf.method == kMethodRow) {
+                const TemplateRow row = kTemplateRows[leaf.pattern];
+                uint at = row.first_node;
+                for (int type = 0; type < 4; ++type) {
+                    for (uint i = 0; i < row.elements[type] * sizes[type]; ++i)
+                        out[type][i] = ids[kTemplateNodes[at++]];
+                }
+                for (uint i = 0; i < 4u * row.facets; ++i) {
+                    facet_out[i] = ids[kTemplateFacets[4 * row.first_facet + i]];
+                }
+                return;
             }
-            for (uint i = 0; i < 4u * row.facets; ++i) {
-                facets[4 * (ulong)facet_offsets[item] + i] = ids[kTemplateFacets[4 * row.first_facet + i]];
+            if (leaf.method == kMethodHexahedron) {
+                for (uint i = 0; i < 8; ++i) out[0][i] = ids[kHexahedronCorner[i]];
+                if (leaf.boundary == 0) return;
+            }
+            {
+                CellBoundary boundary;
+                int off_loop = 1;
+                make_outline(leaf.method == kMethodHexahedron ? 0xff : leaf.pattern, leaf.on, &boundary);
+                for (int f = 0; f < 6; ++f) boundary.mesh[f] = (leaf.faces >> (2 * f)) & 3;
+                for (int f = 0; f < 6; ++f) {
+                    for (int i = 0; i < 3; ++i) {
+                        uchar facet[4];
+                        const int size = face_facet(&boundary, f, i, facet);
+                        if (size == 0) break;
+                        if (leaf.method == kMethodCone && !facet_holds(facet, size, leaf.apex)) {
+                            __global uint* to = out[size == 4 ? 2 : 3];
+                            for (int k = 0; k < size; ++k) to[k] = ids[facet[k]];
+                            to[size] = ids[leaf.apex];
+                            out[size == 4 ? 2 : 3] = to + size + 1;
+                        }
+                        if ((leaf.boundary >> f) & 1) {
+                            // Outward.
+                            for (int k = 0; k < 4; ++k) {
+                                facet_out[k] = ids[facet[k < size ? size - 1 - k : 0]];
+                            }
+                            facet_out += 4;
+                        }
+                    }
+                }
+                if (leaf.method == kMethodWedge) {
+                    int n[6];
+                    wedge_nodes(&boundary, leaf.apex, n);
+                    for (int i = 0; i < 6; ++i) out[1][i] = ids[n[i]];
+                    off_loop = 0;
+                }
+                for (int i = 0; i < boundary.loop_size; ++i) {
+                    if (boundary.loop[i] == leaf.apex) off_loop = 0;
+                }
+                for (uint i = 0; i < leaf.facet_count; ++i) {
+                    uint n[4];
+                    for (int k = 0; k < 4; ++k) n[k] = ids[boundary.loop[(leaf.facets[i] >> (4 * k)) & 15]];
+                    for (int k = 0; k < 4; ++k) facet_out[k] = n[k];
+                    facet_out += 4;
+                    if (off_loop) {
+                        const int size = n[3] != n[2] ? 4 : 3;
+                        __global uint* to = out[size == 4 ? 2 : 3];
+                        for (int k = 0; k < size; ++k) to[k] = n[size - 1 - k];
+                        to[size] = ids[leaf.apex];
+                        out[size == 4 ? 2 : 3] = to + size + 1;
+                    }
+                }
             }
         }
     }

@@ -6,10 +6,42 @@
 
 #define kPatternCnio 256  // SnioLeaf::pattern of a leaf that the certificate meshes
 
+// SnioLeaf::method.
+#define kMethodNothing 0     // no inside corner, or the certificate
+#define kMethodHexahedron 1  // all eight corners
+#define kMethodRow 2         // row `pattern` of template_table.h
+#define kMethodCone 3        // cone.h
+#define kMethodWedge 4       // between two triangular faces
+
+// One leaf. Corners that are neither inside nor on the surface are outside.
 typedef struct SnioLeaf {
-    u32 surface;  // the one surface; undefined for CNIO
-    u16 pattern;  // bit c: corner c is inside; 0: nothing, 255: a whole hexahedron; kPatternCnio
-    u16 region;   // of the inside
+    u32 surface;     // the one surface; undefined for CNIO
+    u16 pattern;     // bit c: corner c is inside; kPatternCnio
+    u16 region;      // of the inside
+    u8 on;           // bit c: corner c is on the surface
+    u8 displaced;    // bit c: corner c was moved there
+    u8 method;       // kMethodNothing …
+    u8 apex;         // of the cone: node code; of the wedge: its axis
+    u16 faces;       // two bits per face: its mesh (cell_boundary.h)
+    u8 boundary;     // bit f: face f, all of whose corners are on the surface, is boundary, and listed here
+    u8 facet_count;  // of Γ
+    u16 facets[6];   // of Γ, for cones and wedges: cone.h
+    i32 point[3];    // of the interior node of a cone, in lattice units
 } SnioLeaf;
+
+// What is known of a leaf before vertices are snapped.
+typedef struct SnioCandidate {
+    u32 surface;
+    u16 region;
+    u8 inside;  // bit c: the side of corner c is the region; means nothing where `zero` is set
+    u8 zero;    // bit c: corner c is on the surface where it is
+    u8 near;    // bit c: corner c may be moved onto the surface
+    u8 flags;   // kCandidate…
+    u8 padding[2];
+} SnioCandidate;
+
+#define kCandidateSimple 1    // one surface, and a template for the corners as they are
+#define kCandidateSafe 2      // a template whichever of the `near` corners are moved
+#define kCandidatePromoted 4  // was an IN leaf
 
 #endif

@@ -1,0 +1,315 @@
+#include "host/improve/block.hpp"
+
+#include <algorithm>
+
+namespace mortise::improve {
+namespace {
+
+/// Edges shorter than this, in cells, are collapsed where what is left is good.
+constexpr double kShortEdge = 0.35;
+/// Searches per tetrahedron of the block, at most; blocks around ordinary features need two or three.
+constexpr std::uint64_t kMostTries = 4;
+constexpr std::uint8_t kEdgeEnds[6][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
+
+std::array<std::uint32_t, 3> sorted_face(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+    std::array<std::uint32_t, 3> key = {a, b, c};
+    std::sort(key.begin(), key.end());
+    return key;
+}
+
+bool has(const std::array<std::uint32_t, 4>& node, std::uint32_t n) {
+    return node[0] == n || node[1] == n || node[2] == n || node[3] == n;
+}
+
+}  // namespace
+
+void Block::Change::clear() {
+    removed.clear();
+    added.clear();
+    retagged.clear();
+    before = 2;
+    after = 2;
+    needed = 0;
+    collapse = false;
+}
+
+void Block::load(const Zone& zone, const std::vector<std::uint32_t>& tetrahedra,
+                 const std::vector<std::uint32_t>& pyramids, const std::vector<std::uint8_t>& free,
+                 std::vector<std::uint32_t>& place) {
+    zone_node_.clear();
+    points_.clear();
+    free_.clear();
+    joined_.clear();
+    strata_.clear();
+    tetrahedra_.clear();
+    pyramids_.clear();
+    for (auto& list : star_) list.clear();
+    for (auto& list : pyramid_star_) list.clear();
+    const auto local = [&](ZoneNode n) {
+        if (place[n] == kNone) {
+            place[n] = static_cast<Local>(zone_node_.size());
+            zone_node_.push_back(n);
+            points_.push_back(zone.points[n]);
+            free_.push_back(free[n]);
+            joined_.push_back(zone.joined[n]);
+            strata_.emplace_back(zone.surfaces(n), zone.surfaces(n) + zone.stratum_size(n));
+        }
+        return place[n];
+    };
+    for (const std::uint32_t i : tetrahedra) {
+        Tetrahedron t = zone.tetrahedra[i];
+        for (auto& n : t.node) n = local(n);
+        tetrahedra_.push_back(t);
+    }
+    for (const std::uint32_t i : pyramids) {
+        std::array<Local, 5> p{};
+        for (std::size_t k = 0; k < 5; ++k) p[k] = local(zone.pyramids[i].node[k]);
+        pyramids_.push_back(p);
+    }
+    alive_.assign(tetrahedra_.size(), 1);
+    original_ = tetrahedra_;
+    clock_ = 1;
+    changed_.assign(points_.size(), 0);
+    rested_.assign(points_.size(), 0);
+    tried_.assign(tetrahedra_.size(), 0);
+    for (std::size_t i = 0; i < tetrahedra_.size(); ++i) tried_[i] = tetrahedra_[i].stuck ? 1 : 0;
+    if (star_.size() < points_.size()) star_.resize(points_.size());
+    if (pyramid_star_.size() < points_.size()) pyramid_star_.resize(points_.size());
+    for (std::size_t i = 0; i < tetrahedra_.size(); ++i) {
+        for (const Local n : tetrahedra_[i].node) star_[n].push_back(static_cast<std::uint32_t>(i));
+    }
+    for (std::size_t i = 0; i < pyramids_.size(); ++i) {
+        for (const Local n : pyramids_[i]) pyramid_star_[n].push_back(static_cast<std::uint32_t>(i));
+    }
+    for (const ZoneNode n : zone_node_) place[n] = kNone;
+}
+
+std::vector<Tetrahedron> Block::store(std::vector<Point>& points) const {
+    for (std::size_t i = 0; i < points_.size(); ++i) {
+        if (free_[i] != 0) points[zone_node_[i]] = points_[i];
+    }
+    std::vector<Tetrahedron> result;
+    for (std::size_t i = 0; i < tetrahedra_.size(); ++i) {
+        if (alive_[i] == 0) continue;
+        Tetrahedron t = tetrahedra_[i];
+        const bool inside =
+            std::all_of(t.node.begin(), t.node.end(), [this](Local n) { return free_[n] != 0; });
+        t.stuck = inside && !has_changed(static_cast<std::uint32_t>(i));
+        for (auto& n : t.node) n = zone_node_[n];
+        result.push_back(t);
+    }
+    return result;
+}
+
+double Block::quality(const std::array<Local, 4>& n) const {
+    return tetrahedron_quality(points_[n[0]], points_[n[1]], points_[n[2]], points_[n[3]]);
+}
+
+std::array<Point, 5> Block::corners(const std::array<Local, 5>& n) const {
+    return {points_[n[0]], points_[n[1]], points_[n[2]], points_[n[3]], points_[n[4]]};
+}
+
+bool Block::has_changed(std::uint32_t tetrahedron) const {
+    const auto& node = tetrahedra_[tetrahedron].node;
+    return tried_[tetrahedron] == 0 ||
+           std::any_of(node.begin(), node.end(), [&](Local n) { return changed_[n] > tried_[tetrahedron]; });
+}
+
+/// The star of a node is about to change, or has changed.
+void Block::touch(Local node) {
+    for (const std::uint32_t i : star_[node]) {
+        for (const Local n : tetrahedra_[i].node) changed_[n] = clock_;
+    }
+}
+
+void Block::apply(const Change& change) {
+    ++clock_;
+    for (const std::uint32_t i : change.removed) {
+        alive_[i] = 0;
+        for (const Local n : tetrahedra_[i].node) {
+            changed_[n] = clock_;
+            auto& star = star_[n];
+            star.erase(std::find(star.begin(), star.end(), i));
+        }
+    }
+    for (const Change::Retag& r : change.retagged) tetrahedra_[r.tetrahedron].tag[r.face] = r.tag;
+    for (const Tetrahedron& t : change.added) {
+        const auto i = static_cast<std::uint32_t>(tetrahedra_.size());
+        tetrahedra_.push_back(t);
+        alive_.push_back(1);
+        tried_.push_back(0);
+        for (const Local n : t.node) {
+            star_[n].push_back(i);
+            changed_[n] = clock_;
+        }
+    }
+    ++(change.collapse ? counters.collapsed : counters.swapped);
+}
+
+std::uint32_t Block::across(std::uint32_t tetrahedron, std::size_t face) const {
+    const auto& node = tetrahedra_[tetrahedron].node;
+    const Local a = node[kOpposite[face][0]];
+    const Local b = node[kOpposite[face][1]];
+    const Local c = node[kOpposite[face][2]];
+    const Local least = star_[a].size() <= star_[b].size() ? (star_[a].size() <= star_[c].size() ? a : c)
+                                                           : (star_[b].size() <= star_[c].size() ? b : c);
+    for (const std::uint32_t i : star_[least]) {
+        if (i != tetrahedron && has(tetrahedra_[i].node, a) && has(tetrahedra_[i].node, b) &&
+            has(tetrahedra_[i].node, c))
+            return i;
+    }
+    return kNone;
+}
+
+FaceTag Block::tag_of(std::uint32_t tetrahedron, Local a, Local b, Local c) const {
+    const Tetrahedron& t = tetrahedra_[tetrahedron];
+    for (std::size_t f = 0; f < 4; ++f) {
+        if (t.node[f] != a && t.node[f] != b && t.node[f] != c) return t.tag[f];
+    }
+    return 0;
+}
+
+bool Block::gather_ring(Local a, Local b, std::size_t longest, Ring& ring) const {
+    ring.tetrahedra.clear();
+    ring.nodes.clear();
+    // Positive (a, b, c, d): the ring runs from c to d, counter-clockwise seen from b.
+    std::array<std::array<Local, 3>, 16> link{};
+    std::size_t count = 0;
+    for (const std::uint32_t i : star_[a].size() <= star_[b].size() ? star_[a] : star_[b]) {
+        const auto& n = tetrahedra_[i].node;
+        if (!has(n, a) || !has(n, b)) continue;
+        if (count == longest) return false;
+        const auto ia = static_cast<std::size_t>(std::find(n.begin(), n.end(), a) - n.begin());
+        // Nodes of the face opposite a, inward: (a, x, y, z) is positive.
+        Local x = n[kOpposite[ia][0]];
+        Local y = n[kOpposite[ia][1]];
+        Local z = n[kOpposite[ia][2]];
+        while (x != b) {
+            const Local first = x;
+            x = y;
+            y = z;
+            z = first;
+        }
+        link[count++] = {y, z, i};
+    }
+    if (count == 0) return false;
+    std::size_t start = 0;
+    ring.closed = true;
+    for (std::size_t k = 0; k < count; ++k) {
+        bool preceded = false;
+        for (std::size_t j = 0; j < count; ++j) preceded = preceded || link[j][1] == link[k][0];
+        if (preceded) continue;
+        if (!ring.closed) return false;  // two gaps around the edge
+        ring.closed = false;
+        start = k;
+    }
+    std::size_t at = start;
+    ring.nodes.push_back(link[at][0]);
+    while (true) {
+        ring.tetrahedra.push_back(link[at][2]);
+        const Local end = link[at][1];
+        if (ring.closed && end == ring.nodes[0]) break;
+        ring.nodes.push_back(end);
+        std::size_t next = count;
+        for (std::size_t k = 0; k < count; ++k) {
+            if (link[k][0] == end) next = k;
+        }
+        if (next == count) break;
+        at = next;
+        if (ring.tetrahedra.size() == count) return false;
+    }
+    return ring.tetrahedra.size() == count;
+}
+
+void Block::tag_added(Change& change, const std::vector<FaceEntry>& entries) const {
+    if (entries.empty()) return;
+    for (Tetrahedron& t : change.added) {
+        for (std::size_t f = 0; f < 4; ++f) {
+            const auto key =
+                sorted_face(t.node[kOpposite[f][0]], t.node[kOpposite[f][1]], t.node[kOpposite[f][2]]);
+            for (const FaceEntry& e : entries) {
+                if (e.node == key && e.region == t.region) t.tag[f] = e.tag;
+            }
+        }
+    }
+}
+
+double Block::alignment(std::uint32_t surface, const Point& a, const Point& b, const Point& c) const {
+    const Point normal = cross(b - a, c - a);
+    const Surfaces::Sample s = surfaces_.sample(surface, (1.0 / 3) * (a + b + c));
+    const double product = length(normal) * (s.valid ? length(s.gradient) : 0);
+    return product > 0 ? dot(normal, s.gradient) / product : 0;
+}
+
+void Block::collapse_short_edges() {
+    for (std::uint32_t i = 0; i < tetrahedra_.size(); ++i) {
+        for (int e = 0; e < 6 && alive_[i] != 0; ++e) {
+            const Local a = tetrahedra_[i].node[kEdgeEnds[e][0]];
+            const Local b = tetrahedra_[i].node[kEdgeEnds[e][1]];
+            if (!(squared_length(points_[a] - points_[b]) < kShortEdge * kShortEdge)) continue;
+            bool found = false;
+            for (int side = 0; side < 2; ++side) {
+                const double better_than = found ? best_.after : 0;
+                if (!examine_collapse(side == 0 ? a : b, side == 0 ? b : a, true, better_than, trial_))
+                    continue;
+                std::swap(trial_, best_);
+                found = true;
+            }
+            if (found) apply(best_);
+        }
+    }
+}
+
+bool Block::improve(std::uint32_t tetrahedron) {
+    bool found = false;
+    const auto better_than = [&] { return found ? best_.after : 0; };
+    const auto consider = [&](bool better) {
+        if (!better) return;
+        std::swap(trial_, best_);
+        found = true;
+    };
+    const std::array<Local, 4> node = tetrahedra_[tetrahedron].node;
+    for (const auto& ends : kEdgeEnds) {
+        const Local a = node[ends[0]];
+        const Local b = node[ends[1]];
+        consider(examine_edge_removal(a, b, better_than(), trial_));
+        consider(examine_collapse(a, b, false, better_than(), trial_));
+        consider(examine_collapse(b, a, false, better_than(), trial_));
+    }
+    for (std::size_t f = 0; f < 4; ++f) consider(examine_face_removal(tetrahedron, f, better_than(), trial_));
+    if (found) {
+        apply(best_);
+        return true;
+    }
+    if (!options_.reposition) return false;
+    bool moved = false;
+    for (const Local n : node) moved = smooth(n) || moved;
+    return moved;
+}
+
+void Block::run(const BlockOptions& options) {
+    options_ = options;
+    project_nodes();
+    collapse_short_edges();
+    // Where the model itself has no room for good elements, the search must end.
+    const std::uint64_t most = kMostTries * tetrahedra_.size();
+    for (int round = 0; round < options.rounds && counters.tried < most; ++round) {
+        bool changed = false;
+        for (std::uint32_t i = 0; i < tetrahedra_.size(); ++i) {
+            if (alive_[i] == 0 || tetrahedra_[i].quality >= options.target || !has_changed(i)) continue;
+            ++counters.tried;
+            if (improve(i)) {
+                changed = true;
+            } else {
+                tried_[i] = clock_;
+            }
+        }
+        for (const auto& p : pyramids_) {
+            if (!options.reposition || pyramid_quality(corners(p)) >= options.target) continue;
+            for (const Local n : p) changed = smooth(n) || changed;
+        }
+        if (!changed) break;
+    }
+}
+
+}  // namespace mortise::improve

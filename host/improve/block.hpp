@@ -1,0 +1,164 @@
+// Improvement of the tetrahedra of one block of the lattice.
+//
+// A block's elements are those of the zone with their centroid in it. Nodes all of whose elements are in the
+// block are free: they move along their stratum, and edges collapse and flip where only they are concerned.
+// Everything else stays, so blocks do not know each other and may be done at once (algorithms.md §7).
+//
+// Every change is accepted only if the worst element that it touches gets better, and all stay positive.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "host/improve/stratum.hpp"
+#include "host/improve/zone.hpp"
+
+namespace mortise::improve {
+
+/// A change must lift the worst quality by at least this factor, so that rounding never makes a loop.
+inline constexpr double kLeastGain = 1.002;
+
+struct BlockOptions {
+    bool reposition = true;        ///< move nodes (besides their projection onto the model)
+    bool change_boundary = true;   ///< false: facets stay as they are
+    double target = kGoodQuality;  ///< elements at least this good are left alone
+    int rounds = 6;
+};
+
+/// What was done.
+struct BlockCounters {
+    std::uint64_t collapsed = 0;
+    std::uint64_t swapped = 0;  ///< edges and faces removed
+    std::uint64_t moved = 0;
+    std::uint64_t tried = 0;     ///< elements for which changes were sought
+    std::uint64_t repeated = 0;  ///< blocks that were done again with their facets left alone
+    std::uint64_t given_up = 0;  ///< blocks that were left as they were
+};
+
+class Block {
+  public:
+    explicit Block(const Surfaces& surfaces) : surfaces_(surfaces) {}
+
+    /// Loads the elements with these indices of the zone; `place` is scratch of one number per node of the
+    /// zone, all kNone, and is left so. free[i]: node i of the zone may move.
+    void load(const Zone& zone, const std::vector<std::uint32_t>& tetrahedra,
+              const std::vector<std::uint32_t>& pyramids, const std::vector<std::uint8_t>& free,
+              std::vector<std::uint32_t>& place);
+
+    void run(const BlockOptions& options);
+
+    /// Whether the block still is a mesh with the same outside: every face has its partner, or is a facet, or
+    /// lies on the block's border as before; nodes do not coincide.
+    bool verify() const;
+
+    /// Writes moved nodes to the zone's points, and returns the tetrahedra that are left.
+    std::vector<Tetrahedron> store(std::vector<Point>& points) const;
+
+    BlockCounters counters;
+
+  private:
+    using Local = std::uint32_t;
+
+    /// A change of connectivity that has been examined but not made.
+    struct Change {
+        std::vector<std::uint32_t> removed;
+        std::vector<Tetrahedron> added;
+        struct Retag {
+            std::uint32_t tetrahedron;
+            std::uint32_t face;
+            FaceTag tag;
+        };
+        std::vector<Retag> retagged;
+        double before = 0;  ///< quality of the worst that is removed
+        double after = 0;   ///< of the worst that is added
+        double needed = 0;  ///< `after` must be above this
+        bool collapse = false;
+
+        void clear();
+    };
+
+    /// The facet on a face, for tetrahedra that are to be added.
+    struct FaceEntry {
+        std::array<Local, 3> node;  ///< ascending
+        std::uint16_t region;
+        FaceTag tag;
+    };
+
+    /// A node of the link of a node that a collapse removes.
+    struct LinkNode {
+        Local node;
+        std::uint32_t outer = 0;     ///< facets of the outer boundary at the edge from the removed node
+        bool at_edge = false;        ///< shares a tetrahedron with both ends of the collapsed edge
+        bool facet = false;          ///< a facet holds it and the removed node
+        bool facet_at_edge = false;  ///< one that has the collapsed edge
+    };
+
+    /// Tetrahedra around an edge in order, and the nodes opposite.
+    struct Ring {
+        std::vector<std::uint32_t> tetrahedra;
+        std::vector<Local> nodes;  ///< tetrahedron i has nodes i and i + 1 (cyclic if closed)
+        bool closed = false;
+    };
+
+    // block.cpp
+    void apply(const Change& change);
+    double quality(const std::array<Local, 4>& node) const;
+    std::array<Point, 5> corners(const std::array<Local, 5>& pyramid) const;
+    std::uint32_t across(std::uint32_t tetrahedron, std::size_t face) const;
+    bool gather_ring(Local a, Local b, std::size_t longest, Ring& ring) const;
+    void tag_added(Change& change, const std::vector<FaceEntry>& entries) const;
+    FaceTag tag_of(std::uint32_t tetrahedron, Local a, Local b, Local c) const;
+    double alignment(std::uint32_t surface, const Point& a, const Point& b, const Point& c) const;
+    bool is_plane(std::uint32_t surface) const { return surfaces_.is_plane(surface); }
+    bool improve(std::uint32_t tetrahedron);
+    bool has_changed(std::uint32_t tetrahedron) const;
+    void touch(Local node);
+    void collapse_short_edges();
+
+    // collapse.cpp
+    bool examine_collapse(Local gone, Local kept, bool good_will_do, double better_than, Change& change);
+    bool edge_is_on_stratum(Local gone, Local kept) const;
+    bool links_allow(Local gone, Local kept);
+
+    // swap.cpp
+    bool examine_edge_removal(Local a, Local b, double better_than, Change& change);
+    bool examine_face_removal(std::uint32_t tetrahedron, std::size_t face, double better_than,
+                              Change& change);
+    bool fill_polygon(const std::vector<Local>& polygon, Local a, Local b, std::uint16_t region,
+                      Change& change);
+
+    // smooth.cpp
+    void project_nodes();
+    bool smooth(Local node);
+    void gather_views(Local node);
+    double quality_at(const Point& p, double enough);
+    double star_quality(Local node, double enough) const;
+    double worst_alignment(Local node) const;
+
+    const Surfaces& surfaces_;
+    BlockOptions options_;
+    std::vector<Local> zone_node_;
+    std::vector<Point> points_;
+    std::vector<std::uint8_t> free_;
+    std::vector<std::uint8_t> joined_;
+    std::vector<std::vector<std::uint32_t>> strata_;
+    std::vector<Tetrahedron> tetrahedra_;
+    std::vector<std::uint8_t> alive_;
+    std::vector<Tetrahedron> original_;   ///< as they were loaded
+    std::uint32_t clock_ = 0;             ///< counts changes
+    std::vector<std::uint32_t> changed_;  ///< per node: when its star changed last
+    std::vector<std::uint32_t> rested_;   ///< per node: when it was last found in its best place, plus 1
+    std::vector<std::uint32_t> tried_;    ///< per tetrahedron: when it was last tried in vain
+    std::vector<std::array<Local, 5>> pyramids_;
+    std::vector<std::vector<std::uint32_t>> star_;          ///< per node: its tetrahedra
+    std::vector<std::vector<std::uint32_t>> pyramid_star_;  ///< per node: its pyramids
+    Change trial_;
+    Change best_;
+    Ring ring_;
+    std::vector<FaceEntry> entries_;
+    std::vector<LinkNode> link_;
+    std::vector<std::array<Point, 3>> views_;
+};
+
+}  // namespace mortise::improve

@@ -1,0 +1,226 @@
+#include <algorithm>
+
+#include "host/improve/block.hpp"
+
+namespace mortise::improve {
+namespace {
+
+constexpr double kLongestEdge = 1.75;  ///< cells: an edge that a collapse makes; longer ones may only shrink
+constexpr double kLeastAlignment = 0.9;  ///< cosine between a new facet and its surface
+constexpr double kChordError = 0.1;  ///< distance of a new crease edge's middle to its surfaces, per length
+
+bool has(const std::array<std::uint32_t, 4>& node, std::uint32_t n) {
+    return node[0] == n || node[1] == n || node[2] == n || node[3] == n;
+}
+
+}  // namespace
+
+/// Whether the edge runs along everything that `gone` lies on.
+bool Block::edge_is_on_stratum(Local gone, Local kept) const {
+    const std::vector<std::uint32_t>& on = strata_[gone];
+    if (on.empty()) return true;
+    if (on.size() > 2) return false;
+    if (!std::includes(strata_[kept].begin(), strata_[kept].end(), on.begin(), on.end())) return false;
+    std::uint32_t seen[2] = {0, 0};
+    for (const std::uint32_t i : star_[gone]) {
+        const Tetrahedron& t = tetrahedra_[i];
+        if (!has(t.node, kept)) continue;
+        for (std::size_t f = 0; f < 4; ++f) {
+            if (t.tag[f] == 0 || t.node[f] == gone || t.node[f] == kept) continue;
+            const std::uint32_t surface = tag_surface(t.tag[f]);
+            for (std::size_t k = 0; k < on.size(); ++k) seen[k] += surface == on[k] ? 1u : 0u;
+            if (std::find(on.begin(), on.end(), surface) == on.end()) return false;
+        }
+    }
+    return seen[0] > 0 && (on.size() == 1 || seen[1] > 0);
+}
+
+/// Whether a node may be merged with a neighbour: the star of `gone` is one piece with manifold boundary, and
+/// whatever touches both ends touches their edge (Dey, Edelsbrunner, Guha, Nekhayev 1999). Positive
+/// tetrahedra are not enough: where features are finer than the mesh shows them, sheets of the boundary may
+/// cross.
+bool Block::links_allow(Local gone, Local kept) {
+    using Seen = LinkNode;
+    std::vector<LinkNode>& seen = link_;
+    seen.clear();
+    const auto find = [&](Local n) -> Seen& {
+        for (Seen& s : seen) {
+            if (s.node == n) return s;
+        }
+        seen.push_back({n, 0, false, false, false});
+        return seen.back();
+    };
+    std::size_t outer = 0;
+    for (const std::uint32_t i : star_[gone]) {
+        const Tetrahedron& t = tetrahedra_[i];
+        const bool at_edge = has(t.node, kept);
+        for (std::size_t f = 0; f < 4; ++f) {
+            const Local n = t.node[f];
+            if (n == gone) continue;
+            Seen& s = find(n);
+            s.at_edge = s.at_edge || at_edge;
+            if (t.tag[f] == 0) continue;
+            // The facet opposite n holds `gone`.
+            const bool is_outer = (t.tag[f] & kTagInterface) == 0;
+            outer += is_outer ? 1 : 0;
+            for (const std::uint8_t k : kOpposite[f]) {
+                const Local m = t.node[k];
+                if (m == gone) continue;
+                Seen& other = find(m);
+                other.outer += is_outer ? 1 : 0;
+                other.facet = true;
+                if (at_edge && n != kept) other.facet_at_edge = true;
+            }
+        }
+    }
+    for (const Seen& s : seen) {
+        if (s.outer != 0 && s.outer != 2) return false;
+    }
+    // Euler characteristic of the link: a sphere, or a disk on the outer boundary.
+    const std::size_t tetrahedra = star_[gone].size();
+    const std::size_t edges = (3 * tetrahedra + outer) / 2;
+    if (seen.size() + tetrahedra != edges + (outer == 0 ? 2u : 1u)) return false;
+    const auto is_in_link = [&](Local n) {
+        return std::find_if(seen.begin(), seen.end(), [n](const Seen& s) { return s.node == n; });
+    };
+    if (free_[kept] == 0) {
+        // Elements of `kept` in other blocks may hold nodes that are not free either.
+        for (const Seen& s : seen) {
+            if (s.node != kept && !s.at_edge && free_[s.node] == 0) return false;
+        }
+    }
+    for (const std::uint32_t i : star_[kept]) {
+        const Tetrahedron& t = tetrahedra_[i];
+        if (has(t.node, gone)) continue;
+        for (std::size_t f = 0; f < 4; ++f) {
+            const Local n = t.node[f];
+            if (n == kept) continue;
+            const auto s = is_in_link(n);
+            if (s != seen.end() && !s->at_edge) return false;
+            // A triangle over the other two nodes that both ends have needs its tetrahedron at the edge.
+            Local pair[2] = {kNone, kNone};
+            std::size_t count = 0;
+            for (const Local m : t.node) {
+                if (m != kept && m != n) pair[count++] = m;
+            }
+            if (is_in_link(pair[0]) == seen.end() || is_in_link(pair[1]) == seen.end()) continue;
+            bool with_gone = false;
+            bool at_edge = false;
+            for (const std::uint32_t j : star_[gone]) {
+                const auto& m = tetrahedra_[j].node;
+                if (!has(m, pair[0]) || !has(m, pair[1])) continue;
+                with_gone = true;
+                at_edge = at_edge || has(m, kept);
+            }
+            if (with_gone && !at_edge) return false;
+        }
+        for (std::size_t f = 0; f < 4; ++f) {
+            if (t.tag[f] == 0 || t.node[f] == kept) continue;
+            for (const std::uint8_t k : kOpposite[f]) {
+                if (t.node[k] == kept) continue;
+                const auto s = is_in_link(t.node[k]);
+                if (s != seen.end() && s->facet && !s->facet_at_edge) return false;
+            }
+        }
+    }
+    return true;
+}
+
+bool Block::examine_collapse(Local gone, Local kept, bool good_will_do, double better_than, Change& change) {
+    if (free_[gone] == 0 || joined_[gone] != 0 || strata_[gone].size() > 2) return false;
+    if (!options_.change_boundary && !strata_[gone].empty()) return false;
+    if (!edge_is_on_stratum(gone, kept)) return false;
+    change.clear();
+    change.collapse = true;
+    entries_.clear();
+    const bool on_surface = !strata_[gone].empty();
+    double longest_before = kLongestEdge * kLongestEdge;
+    double alignment_before = kLeastAlignment;
+    for (const std::uint32_t i : star_[gone]) {
+        const Tetrahedron& t = tetrahedra_[i];
+        change.removed.push_back(i);
+        change.before = std::min(change.before, t.quality);
+        for (const Local n : t.node)
+            longest_before = std::max(longest_before, squared_length(points_[n] - points_[gone]));
+    }
+    change.needed = std::max(change.before * kLeastGain, kLowestQuality);
+    if (good_will_do) change.needed = std::min(change.needed, options_.target);
+    change.needed = std::max(change.needed, better_than);
+    for (const std::uint32_t i : star_[gone]) {
+        const Tetrahedron& t = tetrahedra_[i];
+        const auto ig =
+            static_cast<std::size_t>(std::find(t.node.begin(), t.node.end(), gone) - t.node.begin());
+        if (!has(t.node, kept)) {
+            Tetrahedron moved = t;
+            moved.node[ig] = kept;
+            moved.quality = quality(moved.node);
+            if (!(moved.quality > change.needed)) return false;
+            change.after = std::min(change.after, moved.quality);
+            for (const Local n : t.node) {
+                if (n != gone && squared_length(points_[n] - points_[kept]) > longest_before) return false;
+            }
+            change.added.push_back(moved);
+            continue;
+        }
+        const auto ik =
+            static_cast<std::size_t>(std::find(t.node.begin(), t.node.end(), kept) - t.node.begin());
+        const FaceTag opposite_gone = t.tag[ig];
+        const FaceTag opposite_kept = t.tag[ik];
+        if (opposite_gone != 0 && opposite_kept != 0) return false;  // two sheets would meet
+        if (opposite_gone != 0) {
+            std::array<Local, 3> face = {t.node[kOpposite[ig][0]], t.node[kOpposite[ig][1]],
+                                         t.node[kOpposite[ig][2]]};
+            std::sort(face.begin(), face.end());
+            entries_.push_back({face, t.region, opposite_gone});
+        }
+        if (opposite_kept != 0) {
+            const std::uint32_t other = across(i, ig);
+            if (other == kNone) return false;
+            const auto& n = tetrahedra_[other].node;
+            for (std::uint32_t f = 0; f < 4; ++f) {
+                if (!has(t.node, n[f])) change.retagged.push_back({other, f, opposite_kept});
+            }
+        }
+    }
+    if (change.added.empty()) return false;
+    if (!links_allow(gone, kept)) return false;
+    if (!on_surface) {
+        tag_added(change, entries_);
+        return true;
+    }
+    for (const std::uint32_t i : star_[gone]) {
+        const Tetrahedron& t = tetrahedra_[i];
+        for (std::size_t f = 0; f < 4; ++f) {
+            if (t.tag[f] == 0 || t.node[f] == gone) continue;
+            const std::uint32_t surface = tag_surface(t.tag[f]);
+            const auto& o = kOpposite[f];
+            std::array<Local, 3> face = {t.node[o[0]], t.node[o[1]], t.node[o[2]]};
+            const double before = alignment(surface, points_[face[0]], points_[face[1]], points_[face[2]]);
+            if (has(t.node, kept) && t.node[f] != kept) continue;  // the facet vanishes
+            for (Local& n : face) n = n == gone ? kept : n;
+            const double after = alignment(surface, points_[face[0]], points_[face[1]], points_[face[2]]);
+            const double sign = before < 0 ? -1 : 1;
+            alignment_before = std::min(kLeastAlignment, sign * before);
+            if (!(sign * after >= alignment_before)) return false;
+        }
+    }
+    if (strata_[gone].size() == 2) {
+        // The crease's next node on the other side: its new edge must stay close to both surfaces.
+        for (const std::uint32_t i : star_[gone]) {
+            const Tetrahedron& t = tetrahedra_[i];
+            for (const Local n : t.node) {
+                if (n == gone || n == kept || strata_[n].size() < 2 || !edge_is_on_stratum(gone, n)) continue;
+                const Point middle = 0.5 * (points_[n] + points_[kept]);
+                const double limit = kChordError * length(points_[n] - points_[kept]);
+                for (const std::uint32_t surface : strata_[gone]) {
+                    const Surfaces::Sample s = surfaces_.sample(surface, middle);
+                    if (!s.valid || !(std::fabs(s.value) <= limit * length(s.gradient))) return false;
+                }
+            }
+        }
+    }
+    tag_added(change, entries_);
+    return true;
+}
+
+}  // namespace mortise::improve

@@ -1,0 +1,180 @@
+#include "host/improve/improve.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "host/common/parallel.hpp"
+
+namespace mortise::improve {
+namespace {
+
+constexpr double kBlockCells = 16;
+/// Shifts of the blocks along the diagonal. A coordinate is near a block's boundary in at most one of four
+/// passes, so every node is inside a block in at least one.
+constexpr int kPasses = 4;
+constexpr std::uint32_t kMixed = 0xfffffffeu;
+
+struct Group {
+    std::uint64_t block;
+    std::vector<std::uint32_t> tetrahedra;
+    std::vector<std::uint32_t> pyramids;
+    bool poor = false;
+};
+
+class Improver {
+  public:
+    Improver(Zone& zone, const Surfaces& surfaces, const Options& options)
+        : zone_(zone), surfaces_(surfaces), options_(options) {}
+
+    void pass(double shift, Counters& counters) {
+        group(shift);
+        find_free_nodes();
+        std::vector<std::vector<Tetrahedron>> results(groups_.size());
+        const auto threads = static_cast<std::size_t>(thread_count(options_.threads));
+        std::vector<std::vector<std::uint32_t>> place(threads);
+        std::vector<BlockCounters> counted(groups_.size());
+        BlockOptions block_options;
+        block_options.reposition = options_.smooth > 0;
+        block_options.rounds = std::max(2, 2 * options_.smooth);
+        std::vector<Block> blocks(threads, Block(surfaces_));
+        parallel_chunks(groups_.size(), 1, options_.threads, [&](std::size_t begin, std::size_t, int thread) {
+            const Group& group = groups_[begin];
+            if (!group.poor) return;
+            auto& scratch = place[static_cast<std::size_t>(thread)];
+            if (scratch.empty()) scratch.assign(zone_.points.size(), kNone);
+            Block& block = blocks[static_cast<std::size_t>(thread)];
+            // Whatever goes wrong in a block, the mesh stays valid: the block is done again more carefully,
+            // or left as it was.
+            BlockOptions tried = block_options;
+            for (int attempt = 0; attempt < 2; ++attempt) {
+                block.counters = {};
+                block.load(zone_, group.tetrahedra, group.pyramids, free_, scratch);
+                block.run(tried);
+                if (block.verify()) {
+                    results[begin] = block.store(zone_.points);
+                    counted[begin] = block.counters;
+                    return;
+                }
+                tried.change_boundary = false;
+                counted[begin].repeated = 1;
+            }
+            for (const std::uint32_t i : group.tetrahedra) results[begin].push_back(zone_.tetrahedra[i]);
+            counted[begin].given_up = 1;
+        });
+        std::vector<Tetrahedron> all;
+        for (std::size_t g = 0; g < groups_.size(); ++g) {
+            if (groups_[g].poor) {
+                all.insert(all.end(), results[g].begin(), results[g].end());
+            } else {
+                for (const std::uint32_t i : groups_[g].tetrahedra) all.push_back(zone_.tetrahedra[i]);
+            }
+            counters.block.collapsed += counted[g].collapsed;
+            counters.block.swapped += counted[g].swapped;
+            counters.block.moved += counted[g].moved;
+            counters.block.tried += counted[g].tried;
+            counters.block.repeated += counted[g].repeated;
+            counters.block.given_up += counted[g].given_up;
+        }
+        zone_.tetrahedra = std::move(all);
+    }
+
+    bool is_done() const {
+        return std::none_of(zone_.tetrahedra.begin(), zone_.tetrahedra.end(),
+                            [](const Tetrahedron& t) { return t.quality < kGoodQuality; }) &&
+               std::none_of(zone_.pyramids.begin(), zone_.pyramids.end(),
+                            [this](const Pyramid& p) { return quality_of(p) < kGoodQuality; });
+    }
+
+  private:
+    double quality_of(const Pyramid& p) const {
+        std::array<Point, 5> corners;
+        for (std::size_t k = 0; k < 5; ++k) corners[k] = zone_.points[p.node[k]];
+        return pyramid_quality(corners);
+    }
+
+    template <class Nodes>
+    std::uint64_t block_of(const Nodes& nodes, double shift) const {
+        Point sum = {0, 0, 0};
+        for (const ZoneNode n : nodes) sum = sum + zone_.points[n];
+        std::uint64_t key = 0;
+        for (const double x : sum) {
+            const double at = x / static_cast<double>(nodes.size()) + shift + kBlockCells;
+            key = (key << 20) | static_cast<std::uint64_t>(std::max(0.0, std::floor(at / kBlockCells)));
+        }
+        return key;
+    }
+
+    void group(double shift) {
+        const std::size_t tetrahedra = zone_.tetrahedra.size();
+        std::vector<std::pair<std::uint64_t, std::uint32_t>> order(tetrahedra + zone_.pyramids.size());
+        parallel_chunks(order.size(), 4096, options_.threads, [&](std::size_t begin, std::size_t end, int) {
+            for (std::size_t i = begin; i < end; ++i) {
+                order[i] = {i < tetrahedra ? block_of(zone_.tetrahedra[i].node, shift)
+                                           : block_of(zone_.pyramids[i - tetrahedra].node, shift),
+                            static_cast<std::uint32_t>(i)};
+            }
+        });
+        std::sort(order.begin(), order.end());
+        groups_.clear();
+        for (const auto& entry : order) {
+            if (groups_.empty() || groups_.back().block != entry.first)
+                groups_.push_back({entry.first, {}, {}, false});
+            Group& group = groups_.back();
+            if (entry.second < tetrahedra) {
+                group.tetrahedra.push_back(entry.second);
+                group.poor = group.poor || zone_.tetrahedra[entry.second].quality < kGoodQuality;
+            } else {
+                const auto i = static_cast<std::uint32_t>(entry.second - tetrahedra);
+                group.pyramids.push_back(i);
+                group.poor = group.poor || quality_of(zone_.pyramids[i]) < kGoodQuality;
+            }
+        }
+    }
+
+    void find_free_nodes() {
+        std::vector<std::uint32_t> owner(zone_.points.size(), kNone);
+        const auto use = [&](ZoneNode n, std::uint32_t group) {
+            owner[n] = owner[n] == kNone || owner[n] == group ? group : kMixed;
+        };
+        for (std::uint32_t g = 0; g < groups_.size(); ++g) {
+            for (const std::uint32_t i : groups_[g].tetrahedra) {
+                for (const ZoneNode n : zone_.tetrahedra[i].node) use(n, g);
+            }
+            for (const std::uint32_t i : groups_[g].pyramids) {
+                for (const ZoneNode n : zone_.pyramids[i].node) use(n, g);
+            }
+        }
+        free_.assign(zone_.points.size(), 0);
+        for (std::size_t i = 0; i < owner.size(); ++i) free_[i] = owner[i] < kMixed && zone_.frozen[i] == 0;
+    }
+
+    Zone& zone_;
+    const Surfaces& surfaces_;
+    const Options& options_;
+    std::vector<Group> groups_;
+    std::vector<std::uint8_t> free_;
+};
+
+}  // namespace
+
+Mesh improve(Mesh mesh, const tape::BoundModel& model, const Options& options, Counters* counters) {
+    CellFrame frame;
+    frame.origin = {model.origin[0], model.origin[1], model.origin[2]};
+    frame.cell = std::ldexp(model.side, -options.level);
+    frame.level = options.level;
+    Zone zone = open_zone(mesh, frame, options.threads);
+    Counters local;
+    local.zone_elements = zone.tetrahedra.size() + zone.pyramids.size();
+    if (!zone.tetrahedra.empty()) {
+        const Surfaces surfaces(model, options.level);
+        Improver improver(zone, surfaces, options);
+        for (int pass = 0; pass < kPasses && (pass == 0 || !improver.is_done()); ++pass) {
+            improver.pass(kBlockCells / kPasses * pass, local);
+        }
+        mesh = close_zone(mesh, frame, zone);
+    }
+    if (counters != nullptr) *counters = local;
+    return mesh;
+}
+
+}  // namespace mortise::improve

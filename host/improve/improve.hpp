@@ -1,0 +1,26 @@
+// Improves a mesh's poor elements: collapses, swaps and repositioning in fixed blocks of the lattice
+// (algorithms.md §4, §7).
+#pragma once
+
+#include "host/improve/block.hpp"
+#include "host/tape/compile.hpp"
+#include "mortise/mesh.hpp"
+
+namespace mortise::improve {
+
+struct Options {
+    int level = 0;    ///< of the cells
+    int smooth = 4;   ///< rounds of repositioning; 0: nodes move only onto the model
+    int threads = 0;  ///< host threads; 0: all cores
+};
+
+struct Counters {
+    std::uint64_t zone_elements = 0;
+    BlockCounters block;
+};
+
+/// Precondition: the mesh's facets carry surfaces of `model` (indices into BoundModel::surfaces), in model
+/// coordinates; region and surface names are not looked at. The result does not depend on the threads.
+Mesh improve(Mesh mesh, const tape::BoundModel& model, const Options& options, Counters* counters);
+
+}  // namespace mortise::improve

@@ -1,0 +1,78 @@
+#include "host/improve/quality.hpp"
+
+#include <algorithm>
+
+namespace mortise::improve {
+
+double tetrahedron_quality(const Point& a, const Point& b, const Point& c, const Point& d) {
+    const Point ab = b - a;
+    const Point ac = c - a;
+    const Point ad = d - a;
+    const Point abc = cross(ac, ab);  // outward normals of the faces, twice their areas long
+    const double volume = -dot(abc, ad);
+    if (!(volume > 0)) return kInvertedQuality;
+    const Point bc = c - b;
+    const Point bd = d - b;
+    const Point cd = d - c;
+    const Point abd = cross(ab, ad);
+    const Point acd = cross(ad, ac);
+    const Point bcd = cross(bc, bd);
+    const double n_abc = length(abc);
+    const double n_abd = length(abd);
+    const double n_acd = length(acd);
+    const double n_bcd = length(bcd);
+    const double l_ab = length(ab);
+    const double l_ac = length(ac);
+    const double l_ad = length(ad);
+    const double l_bc = length(bc);
+    const double l_bd = length(bd);
+    const double l_cd = length(cd);
+    const double span = std::max(std::max(l_ab, l_ac), std::max(l_ad, std::max(l_bc, std::max(l_bd, l_cd))));
+    if (!(volume > kVolumeRounding * (span * span))) return kInvertedQuality;
+    // The sine of the angle between two faces is 6 V · (length of their edge) / (product of the normals).
+    const auto sine = [volume](const Point& n, const Point& m, double edge, double product) {
+        const double value = volume * edge / product;
+        return dot(n, m) > 0 ? kObtuseWeight * value : value;
+    };
+    double worst = sine(abc, abd, l_ab, n_abc * n_abd);
+    worst = std::min(worst, sine(abc, acd, l_ac, n_abc * n_acd));
+    worst = std::min(worst, sine(abd, acd, l_ad, n_abd * n_acd));
+    worst = std::min(worst, sine(abc, bcd, l_bc, n_abc * n_bcd));
+    worst = std::min(worst, sine(abd, bcd, l_bd, n_abd * n_bcd));
+    worst = std::min(worst, sine(acd, bcd, l_cd, n_acd * n_bcd));
+    const double longest = std::max(std::max(l_ab * l_ac * l_ad, l_ab * l_bc * l_bd),
+                                    std::max(l_ac * l_bc * l_cd, l_ad * l_bd * l_cd));
+    return std::min(worst, kJacobianWeight * volume / longest);
+}
+
+double corner_quality(const Point& u, const Point& v, const Point& w) {
+    const Point uv = cross(u, v);
+    const double volume = dot(uv, w);
+    if (!(volume > 0)) return kInvertedQuality;
+    const Point vw = cross(v, w);
+    const Point wu = cross(w, u);
+    const double n_uv = length(uv);
+    const double n_vw = length(vw);
+    const double n_wu = length(wu);
+    const double l_u = length(u);
+    const double l_v = length(v);
+    const double l_w = length(w);
+    const auto sine = [volume](const Point& n, const Point& m, double edge, double product) {
+        const double value = volume * edge / product;
+        return dot(n, m) > 0 ? kObtuseWeight * value : value;
+    };
+    double worst = kJacobianWeight * volume / (l_u * l_v * l_w);
+    worst = std::min(worst, sine(uv, wu, l_u, n_uv * n_wu));
+    worst = std::min(worst, sine(uv, vw, l_v, n_uv * n_vw));
+    return std::min(worst, sine(vw, wu, l_w, n_vw * n_wu));
+}
+
+double pyramid_quality(const std::array<Point, 5>& p) {
+    double worst = 1;
+    for (std::size_t i = 0; i < 4; ++i) {
+        worst = std::min(worst, corner_quality(p[(i + 1) % 4] - p[i], p[(i + 3) % 4] - p[i], p[4] - p[i]));
+    }
+    return worst;
+}
+
+}  // namespace mortise::improve

@@ -1,0 +1,45 @@
+// Quality by which elements are compared while they are improved.
+//
+// One number, from the worst dihedral angle and the worst scaled Jacobian, scaled so that 18 degrees, 155
+// degrees and a scaled Jacobian of 0.2 are the same value: kGoodQuality. Only + - * / and square roots
+// decide, so that results do not depend on the platform's library.
+#pragma once
+
+#include <array>
+#include <cmath>
+
+namespace mortise::improve {
+
+using Point = std::array<double, 3>;
+
+inline Point operator-(const Point& a, const Point& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
+inline Point operator+(const Point& a, const Point& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
+inline Point operator*(double s, const Point& a) { return {s * a[0], s * a[1], s * a[2]}; }
+inline double dot(const Point& a, const Point& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+inline Point cross(const Point& a, const Point& b) {
+    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+inline double squared_length(const Point& a) { return dot(a, a); }
+inline double length(const Point& a) { return std::sqrt(dot(a, a)); }
+
+inline constexpr double kGoodQuality = 0.309;     ///< sin 18°
+inline constexpr double kObtuseWeight = 0.7312;   ///< sin 18° / sin 155°
+inline constexpr double kJacobianWeight = 1.545;  ///< sin 18° / 0.2
+inline constexpr double kInvertedQuality = -1;    ///< of elements that are not positive
+
+/// No change may make an element flatter than this, whatever it replaces: rounding decides nothing.
+inline constexpr double kLowestQuality = 1e-5;
+/// Volumes below this, relative to the cube of a cell's edge times the longest edge squared, may be rounding.
+inline constexpr double kVolumeRounding = 1e-12;
+
+/// Quality of a tetrahedron, at most 1.1; kInvertedQuality if it is not positive (mesh.hpp's orientation).
+double tetrahedron_quality(const Point& a, const Point& b, const Point& c, const Point& d);
+
+/// Quality at a corner where three edges u, v, w meet, right-handed: its three dihedral angles and its
+/// scaled Jacobian.
+double corner_quality(const Point& u, const Point& v, const Point& w);
+
+/// Quality of a pyramid, by the corners of its base.
+double pyramid_quality(const std::array<Point, 5>& p);
+
+}  // namespace mortise::improve

@@ -1,0 +1,235 @@
+#include <algorithm>
+
+#include "host/improve/block.hpp"
+
+namespace mortise::improve {
+namespace {
+
+constexpr double kProjectionReach = 0.25;  ///< cells: farther, the stratum is not what the mesh shows
+constexpr double kSamePlace = 1e-6;        ///< cells: targets closer than this are one point of the model
+constexpr double kFirstStep = 0.25;        ///< of the mean length of the node's edges
+constexpr int kHalvings = 4;
+constexpr double kLeastAlignment = 0.9;
+
+}  // namespace
+
+double Block::star_quality(Local node, double enough) const {
+    double worst = 2;
+    for (const std::uint32_t i : star_[node]) {
+        worst = std::min(worst, quality(tetrahedra_[i].node));
+        if (!(worst > enough)) return worst;
+    }
+    for (const std::uint32_t i : pyramid_star_[node]) {
+        worst = std::min(worst, pyramid_quality(corners(pyramids_[i])));
+        if (!(worst > enough)) return worst;
+    }
+    return worst;
+}
+
+/// Smallest cosine between the node's facets on curved surfaces and those surfaces, whichever way both point.
+double Block::worst_alignment(Local node) const {
+    double worst = 1;
+    for (const std::uint32_t i : star_[node]) {
+        const Tetrahedron& t = tetrahedra_[i];
+        for (std::size_t f = 0; f < 4; ++f) {
+            if (t.tag[f] == 0 || t.node[f] == node || is_plane(tag_surface(t.tag[f]))) continue;
+            const auto& o = kOpposite[f];
+            worst = std::min(worst, std::fabs(alignment(tag_surface(t.tag[f]), points_[t.node[o[0]]],
+                                                        points_[t.node[o[1]]], points_[t.node[o[2]]])));
+        }
+    }
+    return worst;
+}
+
+/// Nodes of the certificate lie on their surfaces to within the chords of curved creases: puts them there.
+/// Where a mesh touches itself, two nodes may have the same target: they stay.
+void Block::project_nodes() {
+    struct Target {
+        Point at;
+        Local node;
+        bool moves;
+    };
+    std::vector<Target> targets;
+    for (Local n = 0; n < points_.size(); ++n) {
+        if (star_[n].empty() || strata_[n].empty()) continue;
+        Target t{points_[n], n, false};
+        if (free_[n] != 0 && (options_.change_boundary || strata_[n].size() < 3)) {
+            t.moves = surfaces_.project(strata_[n].data(), strata_[n].size(), kProjectionReach, &t.at) &&
+                      t.at != points_[n];
+        }
+        targets.push_back(t);
+    }
+    for (bool again = true; again;) {
+        again = false;
+        std::sort(targets.begin(), targets.end(), [](const Target& a, const Target& b) {
+            return a.at != b.at ? a.at < b.at : a.node < b.node;
+        });
+        for (std::size_t i = 0; i < targets.size(); ++i) {
+            for (std::size_t j = i + 1; j < targets.size(); ++j) {
+                const Point d = targets[j].at - targets[i].at;
+                if (d[0] > kSamePlace) break;
+                if (squared_length(d) > kSamePlace * kSamePlace) continue;
+                for (Target* t : {&targets[i], &targets[j]}) {
+                    again = again || t->moves;
+                    t->moves = false;
+                    t->at = points_[t->node];
+                }
+            }
+        }
+    }
+    std::sort(targets.begin(), targets.end(),
+              [](const Target& a, const Target& b) { return a.node < b.node; });
+    for (const Target& t : targets) {
+        if (!t.moves) continue;
+        const Point before = points_[t.node];
+        const double worst = star_quality(t.node, kInvertedQuality);
+        points_[t.node] = t.at;
+        // On its surface an element may be a little worse; but never flat.
+        if (!(star_quality(t.node, kLowestQuality) > std::max(0.5 * worst, kLowestQuality))) {
+            points_[t.node] = before;
+            continue;
+        }
+        ++clock_;
+        touch(t.node);
+        for (const std::uint32_t i : star_[t.node]) tetrahedra_[i].quality = quality(tetrahedra_[i].node);
+    }
+}
+
+/// The node's elements for a search of its place: what fails first is asked first the next time.
+void Block::gather_views(Local node) {
+    views_.clear();
+    for (const std::uint32_t i : star_[node]) {
+        const auto& n = tetrahedra_[i].node;
+        const auto k = static_cast<std::size_t>(std::find(n.begin(), n.end(), node) - n.begin());
+        // (node, x, y, z) is positive if the tetrahedron is.
+        views_.push_back(
+            {{points_[n[kOpposite[k][0]]], points_[n[kOpposite[k][1]]], points_[n[kOpposite[k][2]]]}});
+    }
+}
+
+double Block::quality_at(const Point& p, double enough) {
+    double worst = 2;
+    for (std::size_t i = 0; i < views_.size(); ++i) {
+        const auto& x = views_[i];
+        worst = std::min(worst, tetrahedron_quality(p, x[0], x[1], x[2]));
+        if (worst > enough) continue;
+        if (i > 0)
+            std::rotate(views_.begin(), views_.begin() + static_cast<std::ptrdiff_t>(i),
+                        views_.begin() + static_cast<std::ptrdiff_t>(i) + 1);
+        return worst;
+    }
+    return worst;
+}
+
+bool Block::smooth(Local node) {
+    const std::vector<std::uint32_t>& on = strata_[node];
+    if (free_[node] == 0 || on.size() > 2 || star_[node].empty()) return false;
+    if (rested_[node] > changed_[node]) return false;
+    rested_[node] = clock_ + 1;
+    double best = star_quality(node, kInvertedQuality);
+    if (best >= options_.target) return false;
+    gather_views(node);
+
+    Point mean = {0, 0, 0};
+    double size = 0;
+    double count = 0;
+    const Point start = points_[node];
+    Point away = {0, 0, 0};  // from the face opposite the node in its worst element
+    double worst = 2;
+    for (const std::uint32_t i : star_[node]) {
+        const Tetrahedron& t = tetrahedra_[i];
+        for (std::size_t k = 0; k < 4; ++k) {
+            if (t.node[k] == node) {
+                if (t.quality >= worst) continue;
+                worst = t.quality;
+                const auto& o = kOpposite[k];
+                away = cross(points_[t.node[o[2]]] - points_[t.node[o[0]]],
+                             points_[t.node[o[1]]] - points_[t.node[o[0]]]);
+                continue;
+            }
+            mean = mean + points_[t.node[k]];
+            size += length(points_[t.node[k]] - start);
+            count += 1;
+        }
+    }
+    mean = (1 / count) * mean;
+    size /= count;
+    const double norm = length(away);
+    if (norm > 0) away = (1 / norm) * away;
+
+    // Directions along the stratum.
+    std::array<Point, 9> direction;
+    std::size_t directions = 0;
+    const auto add_pair = [&](const Point& d) {
+        direction[directions++] = d;
+        direction[directions++] = -1.0 * d;
+    };
+    if (on.empty()) {
+        direction[directions++] = away;
+        add_pair({1, 0, 0});
+        add_pair({0, 1, 0});
+        add_pair({0, 0, 1});
+    } else {
+        Point normal[2];
+        for (std::size_t k = 0; k < on.size(); ++k) {
+            const Surfaces::Sample s = surfaces_.sample(on[k], start);
+            if (!s.valid) return false;
+            normal[k] = (1 / length(s.gradient)) * s.gradient;
+        }
+        if (on.size() == 2) {
+            const Point along = cross(normal[0], normal[1]);
+            const double sine = length(along);
+            if (sine < 0.05) return false;
+            add_pair((1 / sine) * along);
+        } else {
+            const Point& n = normal[0];
+            const Point axis = std::fabs(n[0]) < 0.6 ? Point{1, 0, 0} : Point{0, 1, 0};
+            Point u = cross(n, axis);
+            u = (1 / length(u)) * u;
+            const Point v = cross(n, u);
+            add_pair(u);
+            add_pair(v);
+            const Point flat = away - dot(away, n) * n;
+            const double flat_length = length(flat);
+            if (flat_length > 1e-3) direction[directions++] = (1 / flat_length) * flat;
+        }
+    }
+    const double alignment_limit = on.empty() ? 0 : std::min(kLeastAlignment, worst_alignment(node));
+    const auto attempt = [&](const Point& from, const Point& candidate) {
+        Point p = candidate;
+        if (!on.empty() && !surfaces_.project(on.data(), on.size(), kProjectionReach, &p)) return false;
+        const double needed = std::max(best * kLeastGain, kLowestQuality);
+        double value = quality_at(p, needed);
+        if (!(value > needed)) return false;
+        points_[node] = p;
+        if (!pyramid_star_[node].empty()) value = star_quality(node, needed);
+        if (value > needed && (on.empty() || worst_alignment(node) >= alignment_limit)) {
+            best = value;
+            return true;
+        }
+        points_[node] = from;
+        return false;
+    };
+
+    bool moved = on.size() < 2 && attempt(start, 0.5 * (start + mean));
+    double step = kFirstStep * size;
+    for (int h = 0; h < kHalvings; ++h, step *= 0.5) {
+        for (std::size_t d = 0; d < directions; ++d) {
+            const Point from = points_[node];
+            if (!attempt(from, from + step * direction[d])) continue;
+            moved = true;
+            // Once more the same way, while it helps.
+            const Point next = points_[node];
+            attempt(next, next + step * direction[d]);
+        }
+        if (best >= options_.target) break;
+    }
+    if (!moved) return false;
+    ++counters.moved;
+    ++clock_;
+    touch(node);
+    for (const std::uint32_t i : star_[node]) tetrahedra_[i].quality = quality(tetrahedra_[i].node);
+    return true;
+}
+
+}  // namespace mortise::improve

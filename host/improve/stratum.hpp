@@ -1,0 +1,39 @@
+// The part of the model that a node belongs to, and projection onto it.
+//
+// A node's stratum is the set of surfaces that its boundary and interface facets lie on: none (inside a
+// region), one (a model face), two (a crease), three or more (a corner). A node never leaves its stratum
+// (algorithms.md §7, §8).
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "host/improve/quality.hpp"
+#include "host/tape/compile.hpp"
+
+namespace mortise::improve {
+
+/// Surfaces in units of cells, from the root box's minimum corner.
+class Surfaces {
+  public:
+    Surfaces(const tape::BoundModel& model, int level);
+
+    struct Sample {
+        double value;
+        Point gradient;  ///< not zero; otherwise `valid` is false
+        bool valid;
+    };
+    Sample sample(std::uint32_t surface, const Point& x) const;
+
+    bool is_plane(std::uint32_t surface) const;
+
+    /// Moves x onto all of the given surfaces by Newton's method, minimum norm; false if that does not
+    /// converge within `reach`, or if the surfaces are tangent there. One, two or three surfaces.
+    bool project(const std::uint32_t* surfaces, std::size_t count, double reach, Point* x) const;
+
+  private:
+    const tape::BoundModel& model_;
+    double cell_;  ///< a cell's edge in box-local coordinates: a power of two
+};
+
+}  // namespace mortise::improve

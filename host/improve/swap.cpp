@@ -1,0 +1,243 @@
+#include <algorithm>
+
+#include "host/improve/block.hpp"
+
+namespace mortise::improve {
+namespace {
+
+constexpr std::size_t kLongestRing = 8;
+constexpr double kLeastAlignment = 0.9;  ///< cosine between a new facet and its surface
+
+std::array<std::uint32_t, 3> sorted_face(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+    std::array<std::uint32_t, 3> key = {a, b, c};
+    std::sort(key.begin(), key.end());
+    return key;
+}
+
+}  // namespace
+
+/// Triangulates the polygon, counter-clockwise seen from b, and joins it to a and b, so that the worst
+/// tetrahedron is as good as can be (Klincsek's dynamic programming).
+bool Block::fill_polygon(const std::vector<Local>& polygon, Local a, Local b, std::uint16_t region,
+                         Change& change) {
+    const std::size_t n = polygon.size();
+    if (n < 3 || n > kLongestRing + 1) return n == 2;
+    double best[kLongestRing + 1][kLongestRing + 1];
+    std::size_t middle[kLongestRing + 1][kLongestRing + 1] = {};
+    for (std::size_t i = 0; i + 1 < n; ++i) best[i][i + 1] = 2;
+    for (std::size_t span = 2; span < n; ++span) {
+        for (std::size_t i = 0; i + span < n; ++i) {
+            const std::size_t j = i + span;
+            best[i][j] = change.needed;
+            for (std::size_t k = i + 1; k < j; ++k) {
+                const double bound = std::min(best[i][k], best[k][j]);
+                if (!(bound > best[i][j])) continue;
+                double value = std::min(bound, quality({polygon[i], polygon[k], polygon[j], b}));
+                if (!(value > best[i][j])) continue;
+                value = std::min(value, quality({polygon[k], polygon[i], polygon[j], a}));
+                if (!(value > best[i][j])) continue;
+                best[i][j] = value;
+                middle[i][j] = k;
+            }
+            if (span + 1 == n && !(best[i][j] > change.needed)) return false;
+        }
+    }
+    const std::size_t first_added = change.added.size();
+    std::size_t open[kLongestRing + 1][2];
+    std::size_t count = 0;
+    open[count][0] = 0;
+    open[count++][1] = n - 1;
+    while (count > 0) {
+        --count;
+        const std::size_t i = open[count][0];
+        const std::size_t j = open[count][1];
+        if (j - i < 2) continue;
+        const std::size_t k = middle[i][j];
+        for (int side = 0; side < 2; ++side) {
+            Tetrahedron t;
+            t.node = side == 0 ? std::array<Local, 4>{polygon[i], polygon[k], polygon[j], b}
+                               : std::array<Local, 4>{polygon[k], polygon[i], polygon[j], a};
+            t.region = region;
+            t.kind = static_cast<std::uint8_t>(ElementKind::kCnio);
+            t.quality = quality(t.node);
+            change.after = std::min(change.after, t.quality);
+            change.added.push_back(t);
+        }
+        open[count][0] = i;
+        open[count++][1] = k;
+        open[count][0] = k;
+        open[count++][1] = j;
+    }
+    // The edges across the polygon must be new.
+    for (std::size_t c = first_added; c < change.added.size(); ++c) {
+        const auto& node = change.added[c].node;
+        for (std::size_t k = 0; k < 3; ++k) {
+            const Local x = node[k];
+            const Local y = node[(k + 1) % 3];
+            for (const std::uint32_t i : star_[x]) {
+                const auto& other = tetrahedra_[i].node;
+                if (std::find(other.begin(), other.end(), y) == other.end()) continue;
+                const bool goes =
+                    std::find(change.removed.begin(), change.removed.end(), i) != change.removed.end();
+                const auto ix = std::find(polygon.begin(), polygon.end(), x) - polygon.begin();
+                const auto iy = std::find(polygon.begin(), polygon.end(), y) - polygon.begin();
+                const auto apart = static_cast<std::size_t>(ix > iy ? ix - iy : iy - ix);
+                if (!goes && apart != 1 && apart + 1 != n) return false;
+            }
+        }
+    }
+    return true;
+}
+
+bool Block::examine_edge_removal(Local a, Local b, double better_than, Change& change) {
+    if (!gather_ring(a, b, kLongestRing, ring_)) return false;
+    const std::size_t count = ring_.tetrahedra.size();
+    const std::size_t nodes = ring_.nodes.size();
+    change.clear();
+    entries_.clear();
+    // Tagged faces at the edge, as places in the ring: face k lies between tetrahedra k - 1 and k.
+    std::size_t cut[2] = {0, 0};
+    std::size_t cuts = 0;
+    std::uint32_t surface = 0;
+    bool on_interface = false;
+    for (std::size_t k = 0; k < count; ++k) {
+        const std::uint32_t i = ring_.tetrahedra[k];
+        const Tetrahedron& t = tetrahedra_[i];
+        change.removed.push_back(i);
+        change.before = std::min(change.before, t.quality);
+        const Local c = ring_.nodes[k];
+        const Local d = ring_.nodes[(k + 1) % nodes];
+        const FaceTag first = tag_of(i, a, b, c);
+        const FaceTag last = tag_of(i, a, b, d);
+        if (first != 0) {
+            if (cuts == 2 || (first & kTagBorder) != 0) return false;
+            if (cuts == 1 && tag_surface(first) != surface) return false;
+            surface = tag_surface(first);
+            on_interface = on_interface || (first & kTagInterface) != 0;
+            cut[cuts++] = k;
+        }
+        if (last != 0 && !ring_.closed && k + 1 == count) {
+            if (cuts == 2 || (last & kTagBorder) != 0) return false;
+            if (cuts == 1 && tag_surface(last) != surface) return false;
+            surface = tag_surface(last);
+            on_interface = on_interface || (last & kTagInterface) != 0;
+            cut[cuts++] = k + 1;
+        }
+        for (const Local apex : {a, b}) {
+            const FaceTag tag = tag_of(i, apex, c, d);
+            if (tag != 0) entries_.push_back({sorted_face(apex, c, d), t.region, tag});
+        }
+    }
+    change.needed = std::max(std::max(change.before * kLeastGain, kLowestQuality), better_than);
+    if (ring_.closed && cuts == 0) {
+        if (nodes < 3) return false;
+        if (!fill_polygon(ring_.nodes, a, b, tetrahedra_[ring_.tetrahedra[0]].region, change)) return false;
+        tag_added(change, entries_);
+        return true;
+    }
+    if (cuts != 2 || !options_.change_boundary) return false;
+    // An open ring must end at the outer boundary on both sides: at an interface, the rest of the ring
+    // belongs to another block.
+    if (!ring_.closed && (cut[0] != 0 || cut[1] != count || on_interface)) return false;
+    const Local p = ring_.nodes[cut[0]];
+    const Local q = ring_.nodes[cut[1] % nodes];
+    // The new edge pq must be new to the surface, and its facets must lie as well on it as the old ones.
+    if (free_[p] == 0 && free_[q] == 0) return false;
+    const bool peels = std::min(cut[1] - cut[0], count - (cut[1] - cut[0])) == 1 || count == 1;
+    for (const std::uint32_t i : star_[free_[p] != 0 ? p : q]) {
+        const Tetrahedron& t = tetrahedra_[i];
+        const auto ip = static_cast<std::size_t>(std::find(t.node.begin(), t.node.end(), p) - t.node.begin());
+        const auto iq = static_cast<std::size_t>(std::find(t.node.begin(), t.node.end(), q) - t.node.begin());
+        if (ip == 4 || iq == 4) continue;
+        const bool goes = std::find(change.removed.begin(), change.removed.end(), i) != change.removed.end();
+        if (!peels && !goes) return false;
+        for (std::size_t f = 0; f < 4; ++f) {
+            if (f != ip && f != iq && t.tag[f] != 0) return false;
+        }
+    }
+    const auto on = [&](Local n) {
+        return std::find(strata_[n].begin(), strata_[n].end(), surface) != strata_[n].end();
+    };
+    if (!on(p) || !on(q) || !on(a) || !on(b)) return false;
+    const double old_first = alignment(surface, points_[a], points_[b], points_[p]);
+    const double old_last = alignment(surface, points_[b], points_[a], points_[q]);
+    const double sign = old_first < 0 ? -1 : 1;
+    const double limit = std::min(kLeastAlignment, std::min(sign * old_first, sign * old_last));
+    if (!(sign * alignment(surface, points_[a], points_[q], points_[p]) >= limit)) return false;
+    if (!(sign * alignment(surface, points_[b], points_[p], points_[q]) >= limit)) return false;
+    std::vector<Local> fan;
+    for (int side = 0; side < (ring_.closed ? 2 : 1); ++side) {
+        const std::size_t begin = cut[side];
+        const std::size_t end = side == 0 ? cut[1] : cut[0] + count;
+        fan.clear();
+        for (std::size_t k = begin; k <= end; ++k) fan.push_back(ring_.nodes[k % nodes]);
+        const std::uint32_t first = ring_.tetrahedra[begin % count];
+        const std::uint16_t region = tetrahedra_[first].region;
+        const FaceTag tag = tag_of(first, a, b, p == fan.front() ? p : q);
+        if (fan.size() == 2) {
+            // A single tetrahedron with both facets: it goes, and its other faces become the facets.
+            for (const Local apex : {a, b}) {
+                if (tag_of(first, apex, p, q) != 0) return false;
+                const Local away = apex == a ? b : a;
+                const auto& n = tetrahedra_[first].node;
+                const auto f = static_cast<std::size_t>(std::find(n.begin(), n.end(), away) - n.begin());
+                const std::uint32_t other = across(first, f);
+                if (other == kNone) return false;
+                for (std::uint32_t k = 0; k < 4; ++k) {
+                    const Local m = tetrahedra_[other].node[k];
+                    if (m != apex && m != p && m != q) change.retagged.push_back({other, k, tag});
+                }
+            }
+            continue;
+        }
+        entries_.push_back({sorted_face(a, p, q), region, tag});
+        entries_.push_back({sorted_face(b, p, q), region, tag});
+        if (!fill_polygon(fan, a, b, region, change)) return false;
+    }
+    tag_added(change, entries_);
+    return true;
+}
+
+bool Block::examine_face_removal(std::uint32_t tetrahedron, std::size_t face, double better_than,
+                                 Change& change) {
+    const Tetrahedron& t = tetrahedra_[tetrahedron];
+    if (t.tag[face] != 0) return false;
+    const std::uint32_t other = across(tetrahedron, face);
+    if (other == kNone) return false;
+    const Tetrahedron& u = tetrahedra_[other];
+    change.clear();
+    entries_.clear();
+    change.removed = {tetrahedron, other};
+    change.before = std::min(t.quality, u.quality);
+    change.needed = std::max(std::max(change.before * kLeastGain, kLowestQuality), better_than);
+    // Counter-clockwise seen from t's node: against the outward order.
+    const Local x[3] = {t.node[kOpposite[face][0]], t.node[kOpposite[face][2]], t.node[kOpposite[face][1]]};
+    const Local top = t.node[face];
+    Local bottom = kNone;
+    for (std::size_t f = 0; f < 4; ++f) {
+        if (u.node[f] != x[0] && u.node[f] != x[1] && u.node[f] != x[2]) bottom = u.node[f];
+    }
+    for (const std::uint32_t i : star_[top]) {
+        const auto& n = tetrahedra_[i].node;
+        if (std::find(n.begin(), n.end(), bottom) != n.end()) return false;  // the edge exists already
+    }
+    for (std::size_t k = 0; k < 3; ++k) {
+        Tetrahedron made;
+        made.node = {bottom, top, x[k], x[(k + 1) % 3]};
+        made.region = t.region;
+        made.kind = t.kind;
+        made.quality = quality(made.node);
+        if (!(made.quality > change.needed)) return false;
+        change.after = std::min(change.after, made.quality);
+        change.added.push_back(made);
+        for (const Local apex : {top, bottom}) {
+            const std::uint32_t source = apex == top ? tetrahedron : other;
+            const FaceTag tag = tag_of(source, apex, x[k], x[(k + 1) % 3]);
+            if (tag != 0) entries_.push_back({sorted_face(apex, x[k], x[(k + 1) % 3]), t.region, tag});
+        }
+    }
+    tag_added(change, entries_);
+    return true;
+}
+
+}  // namespace mortise::improve

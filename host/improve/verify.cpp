@@ -1,0 +1,101 @@
+#include <algorithm>
+#include <numeric>
+
+#include "host/improve/block.hpp"
+
+namespace mortise::improve {
+namespace {
+
+constexpr double kSameNode = 1e-9;  ///< cells: nodes closer than this coincide
+
+struct Face {
+    std::array<std::uint32_t, 3> node;  ///< ascending
+    bool even;                          ///< outward order is an even permutation of `node`
+    std::uint16_t region;
+    FaceTag tag;
+
+    bool operator<(const Face& other) const { return node < other.node; }
+};
+
+/// Faces without a partner and facets on one side only: what the block shows to others.
+struct Border {
+    std::array<std::uint32_t, 3> node;
+    bool even;
+    FaceTag tag;
+
+    bool operator<(const Border& other) const {
+        return node != other.node ? node < other.node : even < other.even;
+    }
+    bool operator==(const Border& other) const {
+        return node == other.node && even == other.even && tag == other.tag;
+    }
+};
+
+/// Pairs the faces of the tetrahedra that `used` selects; false if one occurs where it must not.
+template <class Use>
+bool find_border(const std::vector<Tetrahedron>& tetrahedra, const Use& used, std::vector<Border>& border) {
+    std::vector<Face> faces;
+    for (std::size_t i = 0; i < tetrahedra.size(); ++i) {
+        if (!used(i)) continue;
+        const Tetrahedron& t = tetrahedra[i];
+        for (std::size_t f = 0; f < 4; ++f) {
+            Face face{{t.node[kOpposite[f][0]], t.node[kOpposite[f][1]], t.node[kOpposite[f][2]]},
+                      true,
+                      t.region,
+                      t.tag[f]};
+            auto& n = face.node;
+            if (n[0] > n[1]) std::swap(n[0], n[1]), face.even = !face.even;
+            if (n[1] > n[2]) std::swap(n[1], n[2]), face.even = !face.even;
+            if (n[0] > n[1]) std::swap(n[0], n[1]), face.even = !face.even;
+            faces.push_back(face);
+        }
+    }
+    std::sort(faces.begin(), faces.end());
+    for (std::size_t i = 0; i < faces.size();) {
+        std::size_t end = i + 1;
+        while (end < faces.size() && faces[end].node == faces[i].node) ++end;
+        const Face& a = faces[i];
+        if (end - i == 1) {
+            // Facets of the outer boundary may change; everything else is shared with others.
+            if (a.tag == 0 || (a.tag & kTagInterface) != 0) border.push_back({a.node, a.even, a.tag});
+        } else {
+            const Face& b = faces[i + 1];
+            if (end - i > 2 || a.even == b.even || (a.tag == 0) != (b.tag == 0)) return false;
+            const bool interface = a.tag != 0;
+            if (interface != (a.region != b.region)) return false;
+            if (interface && ((a.tag ^ b.tag) != kTagInside)) return false;
+        }
+        i = end;
+    }
+    std::sort(border.begin(), border.end());
+    return true;
+}
+
+}  // namespace
+
+bool Block::verify() const {
+    std::vector<Border> before;
+    std::vector<Border> after;
+    if (!find_border(
+            original_, [](std::size_t) { return true; }, before))
+        return false;
+    if (!find_border(
+            tetrahedra_, [&](std::size_t i) { return alive_[i] != 0; }, after))
+        return false;
+    if (before != after) return false;
+    std::vector<Local> order;
+    for (Local n = 0; n < points_.size(); ++n) {
+        if (!star_[n].empty() || !pyramid_star_[n].empty()) order.push_back(n);
+    }
+    std::sort(order.begin(), order.end(), [&](Local a, Local b) { return points_[a] < points_[b]; });
+    for (std::size_t i = 0; i < order.size(); ++i) {
+        for (std::size_t j = i + 1; j < order.size(); ++j) {
+            const Point d = points_[order[j]] - points_[order[i]];
+            if (d[0] > kSameNode) break;
+            if (squared_length(d) < kSameNode * kSameNode) return false;
+        }
+    }
+    return true;
+}
+
+}  // namespace mortise::improve

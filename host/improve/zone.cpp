@@ -1,0 +1,483 @@
+#include "host/improve/zone.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "host/common/parallel.hpp"
+
+namespace mortise::improve {
+namespace {
+
+constexpr std::size_t kChunk = 4096;
+/// Below this an element's neighbourhood is improved.
+constexpr double kPoorQuality = kGoodQuality;
+/// A hexahedron, wedge or pyramid with an edge shorter than this, in cells, counts as poor: it may have right
+/// angles and still make its neighbours flat.
+constexpr double kShortestEdge = 0.35;
+/// A split into tetrahedra that is flatter than this is replaced by a cone from the element's centre.
+constexpr double kLowestSplit = 0.02;
+
+/// Bits over the cells of the root box, and one ring around it for elements whose nodes have moved out.
+class CellSet {
+  public:
+    explicit CellSet(int level)
+        : size_((std::int64_t{1} << level) + 2),
+          bits_(static_cast<std::size_t>((size_ * size_ * size_ + 63) / 64)) {}
+    std::size_t index(const Point& p) const {
+        std::int64_t at[3];
+        for (std::size_t j = 0; j < 3; ++j) {
+            at[j] = std::clamp<std::int64_t>(static_cast<std::int64_t>(std::floor(p[j])) + 1, 0, size_ - 1);
+        }
+        return static_cast<std::size_t>((at[2] * size_ + at[1]) * size_ + at[0]);
+    }
+    bool test(std::size_t i) const { return ((bits_[i >> 6] >> (i & 63)) & 1) != 0; }
+    void set(std::size_t i) { bits_[i >> 6] |= std::uint64_t{1} << (i & 63); }
+    void reset(std::size_t i) { bits_[i >> 6] &= ~(std::uint64_t{1} << (i & 63)); }
+    void set_ring(std::size_t i) {
+        const std::int64_t at[3] = {static_cast<std::int64_t>(i) % size_,
+                                    static_cast<std::int64_t>(i) / size_ % size_,
+                                    static_cast<std::int64_t>(i) / size_ / size_};
+        for (int k = 0; k < 27; ++k) {
+            const std::int64_t x = at[0] + k % 3 - 1;
+            const std::int64_t y = at[1] + k / 3 % 3 - 1;
+            const std::int64_t z = at[2] + k / 9 - 1;
+            if (std::min({x, y, z}) < 0 || std::max({x, y, z}) >= size_) continue;
+            set(static_cast<std::size_t>((z * size_ + y) * size_ + x));
+        }
+    }
+
+  private:
+    std::int64_t size_;
+    std::vector<std::uint64_t> bits_;
+};
+
+struct Element {
+    ElementType type;
+    const NodeId* node;
+    std::size_t count;
+};
+
+Element element(const Mesh& mesh, int t, std::size_t i) {
+    const auto size = static_cast<std::size_t>(kElementNodes[static_cast<std::size_t>(t)]);
+    return {static_cast<ElementType>(t), mesh.elements[static_cast<std::size_t>(t)].nodes.data() + i * size,
+            size};
+}
+
+Point in_cells(const Mesh& mesh, const CellFrame& frame, NodeId node) {
+    Point p;
+    for (std::size_t j = 0; j < 3; ++j)
+        p[j] = (mesh.points[3 * std::size_t{node} + j] - frame.origin[j]) / frame.cell;
+    return p;
+}
+
+Point centroid(const Mesh& mesh, const CellFrame& frame, const Element& e) {
+    Point sum = {0, 0, 0};
+    for (std::size_t k = 0; k < e.count; ++k) sum = sum + in_cells(mesh, frame, e.node[k]);
+    return (1.0 / static_cast<double>(e.count)) * sum;
+}
+
+double element_quality(const Mesh& mesh, const CellFrame& frame, const Element& e) {
+    std::array<Point, 8> p;
+    for (std::size_t k = 0; k < e.count; ++k) p[k] = in_cells(mesh, frame, e.node[k]);
+    const auto corner = [&](std::size_t o, std::size_t a, std::size_t b, std::size_t c) {
+        return corner_quality(p[a] - p[o], p[b] - p[o], p[c] - p[o]);
+    };
+    double worst = 2;
+    switch (e.type) {
+        case ElementType::kTetrahedron: return tetrahedron_quality(p[0], p[1], p[2], p[3]);
+        case ElementType::kPyramid: return pyramid_quality({p[0], p[1], p[2], p[3], p[4]});
+        case ElementType::kWedge:
+            for (std::size_t i = 0; i < 3; ++i) {
+                worst = std::min(worst, corner(i, (i + 1) % 3, (i + 2) % 3, i + 3));
+                worst = std::min(worst, corner(i + 3, 3 + (i + 2) % 3, 3 + (i + 1) % 3, i));
+            }
+            return worst;
+        case ElementType::kHexahedron:
+            for (std::size_t i = 0; i < 4; ++i) {
+                worst = std::min(worst, corner(i, (i + 1) % 4, (i + 3) % 4, i + 4));
+                worst = std::min(worst, corner(i + 4, 4 + (i + 3) % 4, 4 + (i + 1) % 4, i));
+            }
+            return worst;
+    }
+    return worst;
+}
+
+/// Whether an element that is no tetrahedron is too flat to be split into good ones.
+bool is_flat(const Mesh& mesh, const CellFrame& frame, const Element& e) {
+    const LocalFaces faces = local_faces(e.type);
+    for (int f = 0; f < faces.count; ++f) {
+        const LocalFace& face = faces.faces[f];
+        const std::size_t count = face[3] < 0 ? 3 : 4;
+        for (std::size_t k = 0; k < count; ++k) {
+            const Point edge =
+                in_cells(mesh, frame, e.node[face[k]]) - in_cells(mesh, frame, e.node[face[(k + 1) % count]]);
+            if (squared_length(edge) < kShortestEdge * kShortestEdge) return true;
+        }
+    }
+    return false;
+}
+
+/// Cells of the elements that are not good enough.
+std::vector<std::size_t> poor_cells(const Mesh& mesh, const CellFrame& frame, const CellSet& cells,
+                                    int threads) {
+    std::vector<std::size_t> poor;
+    for (int t = 0; t < kElementTypes; ++t) {
+        const ElementBlock& block = mesh.elements[static_cast<std::size_t>(t)];
+        std::vector<std::vector<std::size_t>> found(chunk_count(block.size(), kChunk));
+        parallel_chunks(block.size(), kChunk, threads, [&](std::size_t begin, std::size_t end, int) {
+            std::vector<std::size_t>& list = found[begin / kChunk];
+            for (std::size_t i = begin; i < end; ++i) {
+                // Hexahedra of IN cells are cubes.
+                if (t == 0 && block.kind[i] == static_cast<std::uint8_t>(ElementKind::kIn)) continue;
+                const Element e = element(mesh, t, i);
+                if (element_quality(mesh, frame, e) < kPoorQuality || (t < 3 && is_flat(mesh, frame, e)))
+                    list.push_back(cells.index(centroid(mesh, frame, e)));
+            }
+        });
+        for (const auto& list : found) poor.insert(poor.end(), list.begin(), list.end());
+    }
+    std::sort(poor.begin(), poor.end());
+    poor.erase(std::unique(poor.begin(), poor.end()), poor.end());
+    return poor;
+}
+
+using QuadKey = std::array<NodeId, 4>;
+
+QuadKey quad_key(const NodeId* node) {
+    QuadKey key = {node[0], node[1], node[2], node[3]};
+    std::sort(key.begin(), key.end());
+    return key;
+}
+
+struct QuadUse {
+    QuadKey key;
+    std::uint32_t face;  ///< 8 × (element of the zone's list) + local face
+
+    bool operator<(const QuadUse& other) const {
+        return key != other.key ? key < other.key : face < other.face;
+    }
+};
+
+struct ElementRef {
+    std::uint8_t type;
+    std::size_t index;
+    std::size_t cell;
+    std::uint8_t kept;  ///< bit f: the quadrilateral face f stays whole
+};
+
+/// Which quadrilaterals of the zone's elements stay whole: those that an element outside also has.
+void mark_kept_quads(const Mesh& mesh, const std::vector<QuadKey>& outer, std::vector<ElementRef>& elements) {
+    std::vector<QuadUse> uses;
+    for (std::size_t i = 0; i < elements.size(); ++i) {
+        elements[i].kept = 0;
+        if (elements[i].type == static_cast<std::uint8_t>(ElementType::kTetrahedron)) continue;
+        const Element e = element(mesh, elements[i].type, elements[i].index);
+        const LocalFaces faces = local_faces(e.type);
+        for (int f = 0; f < faces.count; ++f) {
+            const LocalFace& face = faces.faces[f];
+            if (face[3] < 0) continue;
+            NodeId node[4];
+            for (std::size_t k = 0; k < 4; ++k) node[k] = e.node[face[k]];
+            uses.push_back(
+                {quad_key(node), static_cast<std::uint32_t>(8 * i) + static_cast<std::uint32_t>(f)});
+        }
+    }
+    std::sort(uses.begin(), uses.end());
+    for (std::size_t i = 0; i < uses.size();) {
+        std::size_t end = i + 1;
+        while (end < uses.size() && uses[end].key == uses[i].key) ++end;
+        if (end == i + 1 && !std::binary_search(outer.begin(), outer.end(), uses[i].key)) {
+            elements[uses[i].face / 8].kept |= static_cast<std::uint8_t>(1u << (uses[i].face % 8));
+        }
+        i = end;
+    }
+}
+
+struct TriangleKey {
+    std::array<std::uint32_t, 3> node;  ///< ascending
+    std::uint32_t facet;
+    bool even;  ///< the facet's own order is an even permutation of `node`
+
+    bool operator<(const TriangleKey& other) const { return node < other.node; }
+};
+
+/// Sorts three numbers; false if that took an odd number of swaps.
+bool sort_three(std::array<std::uint32_t, 3>& n) {
+    bool even = true;
+    if (n[0] > n[1]) std::swap(n[0], n[1]), even = !even;
+    if (n[1] > n[2]) std::swap(n[1], n[2]), even = !even;
+    if (n[0] > n[1]) std::swap(n[0], n[1]), even = !even;
+    return even;
+}
+
+/// The two triangles of a quadrilateral, cut through its lowest node of the mesh.
+std::array<std::array<NodeId, 3>, 2> halves(const NodeId* node) {
+    const auto low = static_cast<std::size_t>(std::min_element(node, node + 4) - node);
+    return {{{node[low], node[(low + 1) % 4], node[(low + 2) % 4]},
+             {node[low], node[(low + 2) % 4], node[(low + 3) % 4]}}};
+}
+
+class Opener {
+  public:
+    Opener(const Mesh& mesh, const CellFrame& frame, int threads)
+        : mesh_(mesh), frame_(frame), threads_(threads), cells_(frame.level) {}
+
+    Zone open() {
+        const std::vector<std::size_t> poor = poor_cells(mesh_, frame_, cells_, threads_);
+        if (poor.empty()) return {};
+        for (const std::size_t cell : poor) cells_.set_ring(cell);
+        find_outer_quads();
+        // An element that cannot be split leaves the zone with its cell, and the others see its faces whole.
+        do {
+            collect();
+        } while (!split_elements());
+        finish_nodes();
+        tag_faces();
+        for (Tetrahedron& t : zone_.tetrahedra) {
+            t.quality = tetrahedron_quality(zone_.points[t.node[0]], zone_.points[t.node[1]],
+                                            zone_.points[t.node[2]], zone_.points[t.node[3]]);
+        }
+        return std::move(zone_);
+    }
+
+  private:
+    void find_outer_quads() {
+        const FacetBlock& facets = mesh_.facets;
+        for (std::size_t i = 0; i < facets.size(); ++i) {
+            const NodeId* node = facets.nodes.data() + 4 * i;
+            if (node[2] != node[3] && facets.outside[i] == 0) outer_quads_.push_back(quad_key(node));
+        }
+        std::sort(outer_quads_.begin(), outer_quads_.end());
+    }
+
+    void collect() {
+        zone_ = Zone{};
+        elements_.clear();
+        for (int t = 0; t < kElementTypes; ++t) {
+            const std::size_t count = mesh_.elements[static_cast<std::size_t>(t)].size();
+            std::vector<std::uint8_t>& taken = zone_.taken[static_cast<std::size_t>(t)];
+            taken.assign(count, 0);
+            std::vector<std::vector<ElementRef>> found(chunk_count(count, kChunk));
+            parallel_chunks(count, kChunk, threads_, [&](std::size_t begin, std::size_t end, int) {
+                for (std::size_t i = begin; i < end; ++i) {
+                    const std::size_t cell = cells_.index(centroid(mesh_, frame_, element(mesh_, t, i)));
+                    if (!cells_.test(cell)) continue;
+                    taken[i] = 1;
+                    found[begin / kChunk].push_back({static_cast<std::uint8_t>(t), i, cell, 0});
+                }
+            });
+            for (const auto& list : found) elements_.insert(elements_.end(), list.begin(), list.end());
+        }
+        mark_kept_quads(mesh_, outer_quads_, elements_);
+        // Nodes, in the order of their numbers.
+        place_.assign(mesh_.node_count(), kNone);
+        for (const ElementRef& r : elements_) {
+            const Element e = element(mesh_, r.type, r.index);
+            for (std::size_t k = 0; k < e.count; ++k) place_[e.node[k]] = 0;
+        }
+        for (std::size_t i = 0; i < place_.size(); ++i) {
+            if (place_[i] == kNone) continue;
+            place_[i] = static_cast<std::uint32_t>(zone_.points.size());
+            zone_.points.push_back(in_cells(mesh_, frame_, static_cast<NodeId>(i)));
+            zone_.mesh_node.push_back(static_cast<NodeId>(i));
+        }
+    }
+
+    /// Cones from one node of the element, or from its centre; false if that is too flat.
+    bool cone(const ElementRef& r, ZoneNode apex, double floor) {
+        const Element e = element(mesh_, r.type, r.index);
+        const ElementBlock& block = mesh_.elements[r.type];
+        const LocalFaces faces = local_faces(e.type);
+        for (int f = 0; f < faces.count; ++f) {
+            const LocalFace& face = faces.faces[f];
+            const std::size_t count = face[3] < 0 ? 3 : 4;
+            NodeId node[4] = {};
+            bool holds = false;
+            for (std::size_t k = 0; k < count; ++k) {
+                node[k] = e.node[face[k]];
+                holds = holds || place_[node[k]] == apex;
+            }
+            if (holds) continue;
+            if (count == 4 && ((r.kept >> f) & 1) != 0) {
+                Pyramid p;
+                for (std::size_t k = 0; k < 4; ++k) p.node[k] = place_[node[3 - k]];
+                p.node[4] = apex;
+                p.region = block.region[r.index];
+                p.kind = block.kind[r.index];
+                if (!(pyramid_quality(corners(p)) > floor)) return false;
+                zone_.pyramids.push_back(p);
+                continue;
+            }
+            std::array<std::array<NodeId, 3>, 2> triangles = {{{node[0], node[1], node[2]}, {}}};
+            if (count == 4) triangles = halves(node);
+            for (std::size_t k = 0; k < count - 2; ++k) {
+                Tetrahedron t;
+                t.node = {place_[triangles[k][0]], place_[triangles[k][2]], place_[triangles[k][1]], apex};
+                t.region = block.region[r.index];
+                t.kind = block.kind[r.index];
+                if (!(quality(t) > floor)) return false;
+                zone_.tetrahedra.push_back(t);
+            }
+        }
+        return true;
+    }
+
+    bool split_elements() {
+        bool whole = true;
+        for (const ElementRef& r : elements_) {
+            const Element e = element(mesh_, r.type, r.index);
+            const ElementBlock& block = mesh_.elements[r.type];
+            if (e.type == ElementType::kTetrahedron) {
+                Tetrahedron t;
+                for (std::size_t k = 0; k < 4; ++k) t.node[k] = place_[e.node[k]];
+                t.region = block.region[r.index];
+                t.kind = block.kind[r.index];
+                zone_.tetrahedra.push_back(t);
+                continue;
+            }
+            if (e.type == ElementType::kPyramid && r.kept != 0) {
+                Pyramid p;
+                for (std::size_t k = 0; k < 5; ++k) p.node[k] = place_[e.node[k]];
+                p.region = block.region[r.index];
+                p.kind = block.kind[r.index];
+                zone_.pyramids.push_back(p);
+                continue;
+            }
+            const std::size_t tetrahedra = zone_.tetrahedra.size();
+            const std::size_t pyramids = zone_.pyramids.size();
+            const auto undo = [&] {
+                zone_.tetrahedra.resize(tetrahedra);
+                zone_.pyramids.resize(pyramids);
+            };
+            if (r.kept == 0 && cone(r, place_[*std::min_element(e.node, e.node + e.count)], kLowestSplit))
+                continue;
+            undo();
+            zone_.points.push_back(centroid_of(e));
+            zone_.mesh_node.push_back(kNone);
+            if (cone(r, static_cast<ZoneNode>(zone_.points.size() - 1), 0)) continue;
+            undo();
+            zone_.points.pop_back();
+            zone_.mesh_node.pop_back();
+            if (r.kept == 0 && cone(r, place_[*std::min_element(e.node, e.node + e.count)], 0)) continue;
+            cells_.reset(r.cell);
+            whole = false;
+        }
+        return whole;
+    }
+
+    void finish_nodes() {
+        const std::size_t count = zone_.points.size();
+        zone_.original = zone_.points;
+        zone_.frozen.assign(count, 0);
+        zone_.joined.assign(count, 0);
+        for (const Pyramid& p : zone_.pyramids) {
+            for (const ZoneNode node : p.node) zone_.joined[node] = 1;
+        }
+        for (int t = 0; t < kElementTypes; ++t) {
+            const std::vector<std::uint8_t>& taken = zone_.taken[static_cast<std::size_t>(t)];
+            for (std::size_t i = 0; i < taken.size(); ++i) {
+                if (taken[i] != 0) continue;
+                const Element e = element(mesh_, t, i);
+                for (std::size_t k = 0; k < e.count; ++k) {
+                    if (place_[e.node[k]] != kNone) zone_.frozen[place_[e.node[k]]] = 1;
+                }
+            }
+        }
+        std::vector<std::pair<ZoneNode, std::uint32_t>> on;
+        const FacetBlock& facets = mesh_.facets;
+        for (std::size_t i = 0; i < facets.size(); ++i) {
+            for (std::size_t k = 0; k < 4; ++k) {
+                const ZoneNode node = place_[facets.nodes[4 * i + k]];
+                if (node != kNone) on.push_back({node, facets.surface[i]});
+            }
+        }
+        std::sort(on.begin(), on.end());
+        on.erase(std::unique(on.begin(), on.end()), on.end());
+        zone_.stratum_begin.assign(count + 1, 0);
+        for (const auto& entry : on) {
+            ++zone_.stratum_begin[entry.first + 1];
+            zone_.stratum.push_back(entry.second);
+        }
+        for (std::size_t i = 0; i < count; ++i) zone_.stratum_begin[i + 1] += zone_.stratum_begin[i];
+    }
+
+    void tag_faces() {
+        const FacetBlock& facets = mesh_.facets;
+        std::vector<TriangleKey> triangles;
+        const auto add = [&](std::size_t i, const std::array<NodeId, 3>& node) {
+            TriangleKey key{
+                {place_[node[0]], place_[node[1]], place_[node[2]]}, static_cast<std::uint32_t>(i), true};
+            key.even = sort_three(key.node);
+            triangles.push_back(key);
+        };
+        for (std::size_t i = 0; i < facets.size(); ++i) {
+            const NodeId* node = facets.nodes.data() + 4 * i;
+            if (std::any_of(node, node + 4, [&](NodeId n) { return place_[n] == kNone; })) continue;
+            if (node[2] == node[3]) {
+                add(i, {node[0], node[1], node[2]});
+            } else {
+                for (const auto& half : halves(node)) add(i, half);
+            }
+        }
+        std::sort(triangles.begin(), triangles.end());
+        std::vector<std::uint8_t> sides(facets.size(), 0);
+        std::vector<std::pair<std::size_t, std::uint32_t>> tagged;  // 4 × tetrahedron + face, facet
+        for (std::size_t i = 0; i < zone_.tetrahedra.size(); ++i) {
+            Tetrahedron& t = zone_.tetrahedra[i];
+            for (std::size_t f = 0; f < 4; ++f) {
+                TriangleKey key{
+                    {t.node[kOpposite[f][0]], t.node[kOpposite[f][1]], t.node[kOpposite[f][2]]}, 0, true};
+                if (zone_.stratum_size(key.node[0]) == 0 || zone_.stratum_size(key.node[1]) == 0 ||
+                    zone_.stratum_size(key.node[2]) == 0)
+                    continue;
+                const bool even = sort_three(key.node);
+                const auto found = std::lower_bound(triangles.begin(), triangles.end(), key);
+                if (found == triangles.end() || found->node != key.node) continue;
+                t.tag[f] = make_tag(facets.surface[found->facet]);
+                if (facets.outside[found->facet] != 0) t.tag[f] |= kTagInterface;
+                const bool inside = found->even == even;
+                if (inside) t.tag[f] |= kTagInside;
+                sides[found->facet] |= inside ? 1 : 2;
+                tagged.push_back({4 * i + f, found->facet});
+            }
+        }
+        // Facets between the zone and the rest of the mesh stay in the mesh's own list.
+        zone_.facet_taken.assign(facets.size(), 0);
+        for (const auto& entry : tagged) {
+            const std::size_t facet = entry.second;
+            if (sides[facet] == 3 || facets.outside[facet] == 0) {
+                zone_.facet_taken[facet] = 1;
+            } else {
+                zone_.tetrahedra[entry.first / 4].tag[entry.first % 4] |= kTagBorder;
+            }
+        }
+    }
+
+    std::array<Point, 5> corners(const Pyramid& p) const {
+        std::array<Point, 5> result;
+        for (std::size_t k = 0; k < 5; ++k) result[k] = zone_.points[p.node[k]];
+        return result;
+    }
+    double quality(const Tetrahedron& t) const {
+        return tetrahedron_quality(zone_.points[t.node[0]], zone_.points[t.node[1]], zone_.points[t.node[2]],
+                                   zone_.points[t.node[3]]);
+    }
+    Point centroid_of(const Element& e) const { return centroid(mesh_, frame_, e); }
+
+    const Mesh& mesh_;
+    const CellFrame& frame_;
+    int threads_;
+    CellSet cells_;
+    Zone zone_;
+    std::vector<QuadKey> outer_quads_;
+    std::vector<ElementRef> elements_;
+    std::vector<std::uint32_t> place_;  ///< per node of the mesh: its place in the zone
+};
+
+}  // namespace
+
+Zone open_zone(const Mesh& mesh, const CellFrame& frame, int threads) {
+    return Opener(mesh, frame, threads).open();
+}
+
+}  // namespace mortise::improve

@@ -1,0 +1,82 @@
+// The part of a mesh that is improved: cells with poor elements and one ring of cells around them, all as
+// tetrahedra, but for the pyramids that join them to the elements left alone.
+//
+// Coordinates are in cells, from the root box's minimum corner. Which cell an element belongs to is told by
+// its centroid.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "host/improve/quality.hpp"
+#include "host/improve/stratum.hpp"
+#include "mortise/mesh.hpp"
+
+namespace mortise::improve {
+
+/// Index of a node of the zone.
+using ZoneNode = std::uint32_t;
+inline constexpr std::uint32_t kNone = 0xffffffffu;
+
+/// The facet on a face of a tetrahedron: 0 if there is none.
+using FaceTag = std::uint32_t;
+inline constexpr FaceTag kTagInside = 1;     ///< the facet's region `inside` is that of this tetrahedron
+inline constexpr FaceTag kTagInterface = 2;  ///< there is a region on the other side too
+inline constexpr FaceTag kTagBorder = 4;     ///< an interface to an element outside the zone: stays as it is
+inline FaceTag make_tag(std::uint32_t surface) { return (surface + 1) << 3; }
+inline std::uint32_t tag_surface(FaceTag tag) { return (tag >> 3) - 1; }
+
+struct Tetrahedron {
+    std::array<std::uint32_t, 4> node{};  ///< positive, as in mesh.hpp
+    std::array<FaceTag, 4> tag{};         ///< of the face opposite each node
+    double quality = 0;
+    std::uint16_t region = 0;
+    std::uint8_t kind = 0;
+    bool stuck = false;  ///< nothing helped, with all its nodes free, and nothing near it has changed since
+};
+
+/// Nodes of the face opposite node i of a tetrahedron, outward.
+inline constexpr std::array<std::array<std::uint8_t, 3>, 4> kOpposite = {
+    {{1, 2, 3}, {2, 0, 3}, {0, 1, 3}, {0, 2, 1}}};
+
+struct Pyramid {
+    std::array<std::uint32_t, 5> node{};
+    std::uint16_t region = 0;
+    std::uint8_t kind = 0;
+};
+
+struct Zone {
+    std::vector<Point> points;
+    std::vector<std::uint8_t> frozen;  ///< used by an element outside the zone: never moves
+    std::vector<std::uint8_t> joined;  ///< used by a pyramid: never removed
+    std::vector<Tetrahedron> tetrahedra;
+    std::vector<Pyramid> pyramids;
+    /// Surfaces of node i: stratum[stratum_begin[i]] to stratum[stratum_begin[i + 1]], ascending.
+    std::vector<std::uint32_t> stratum;
+    std::vector<std::uint32_t> stratum_begin;
+
+    std::size_t stratum_size(ZoneNode i) const { return stratum_begin[i + 1] - stratum_begin[i]; }
+    const std::uint32_t* surfaces(ZoneNode i) const { return stratum.data() + stratum_begin[i]; }
+
+    // How it goes back into the mesh.
+    std::vector<NodeId> mesh_node;  ///< kNone: a new node
+    std::vector<Point> original;    ///< points as they were, to tell which nodes moved
+    std::array<std::vector<std::uint8_t>, kElementTypes> taken;  ///< per element of the mesh: in the zone
+    std::vector<std::uint8_t> facet_taken;                       ///< per facet: made anew from tags
+};
+
+/// Where cells lie in model coordinates.
+struct CellFrame {
+    Point origin;
+    double cell;  ///< edge of a cell in model units
+    int level;
+};
+
+/// Collects the zone. `threads` host threads; the result does not depend on them.
+Zone open_zone(const Mesh& mesh, const CellFrame& frame, int threads);
+
+/// Puts the zone's elements, facets and moved nodes in place of those that were taken.
+Mesh close_zone(const Mesh& mesh, const CellFrame& frame, const Zone& zone);
+
+}  // namespace mortise::improve

@@ -1,0 +1,264 @@
+// Reads .msh files of other programs: Gmsh's text formats 4.1 and 2.2, first-order elements.
+//
+// Only volume elements are taken, and the nodes that they use, in the file's order. Each volume entity
+// becomes a region; the facets are the boundary and the interfaces between regions, without the model's
+// surfaces.
+#include <algorithm>
+#include <array>
+#include <cstdlib>
+#include <map>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "host/io/element_table.hpp"
+#include "host/io/formats.hpp"
+
+namespace mortise::io {
+namespace {
+
+constexpr std::array<int, 4> kLowerTypes = {15, 1, kGmshTriangle, kGmshQuadrilateral};
+constexpr NodeId kUnused = 0xffffffffu;
+
+/// Numbers of one line.
+class Line {
+  public:
+    Line(const FileReader& file, std::string text) : file_(file), text_(std::move(text)) {}
+
+    double number() {
+        char* end = nullptr;
+        const double value = std::strtod(text_.c_str() + at_, &end);
+        const std::size_t next = static_cast<std::size_t>(end - text_.c_str());
+        if (next == at_) file_.damaged("'" + text_.substr(0, 40) + "' found, expected more numbers");
+        at_ = next;
+        return value;
+    }
+    std::uint64_t whole() {
+        const double value = number();
+        if (!(value >= 0 && value <= 9e15)) {
+            file_.damaged("'" + text_.substr(0, 40) + "' found, expected whole numbers");
+        }
+        return static_cast<std::uint64_t>(value);
+    }
+
+  private:
+    const FileReader& file_;
+    std::string text_;
+    std::size_t at_ = 0;
+};
+
+class GmshTextReader {
+  public:
+    explicit GmshTextReader(const FileReader& file) : file_(file), bytes_(file) {}
+
+    Mesh read() {
+        if (text() != "$MeshFormat") file_.damaged("it does not begin with $MeshFormat");
+        Line format = line();
+        const double version = format.number();
+        if (format.number() != 0)
+            file_.damaged("a binary Gmsh file that mortise did not write; save it as text");
+        if (version != 4.1 && version != 2.2) file_.damaged("expected Gmsh format 4.1 or 2.2");
+        skip_to("$EndMeshFormat");
+        while (bytes_.remaining() > 0) {
+            const std::string section = text();
+            if (section == "$Nodes") {
+                version == 4.1 ? read_nodes_4() : read_nodes_2();
+                skip_to("$EndNodes");
+            } else if (section == "$Elements") {
+                version == 4.1 ? read_elements_4() : read_elements_2();
+                skip_to("$EndElements");
+            } else if (!section.empty() && section[0] == '$') {
+                skip_to("$End" + section.substr(1));
+            }
+        }
+        if (mesh_.element_count() == 0) file_.damaged("no volume elements in it");
+        number_regions();
+        take_used_nodes();
+        list_facets();
+        return std::move(mesh_);
+    }
+
+  private:
+    std::string text() {
+        std::string line = bytes_.line();
+        while (!line.empty() && (line.back() == '\r' || line.back() == ' ')) line.pop_back();
+        return line;
+    }
+    Line line() { return {file_, text()}; }
+    void skip_to(const std::string& end) {
+        while (text() != end) continue;  // the end of the file throws
+    }
+
+    void add_node(std::uint64_t tag, Line& coordinates) {
+        if (!places_.emplace(tag, static_cast<NodeId>(mesh_.node_count())).second) {
+            file_.damaged("node " + std::to_string(tag) + " is listed twice");
+        }
+        if (mesh_.node_count() >= kUnused) file_.damaged("too many nodes");
+        for (int j = 0; j < 3; ++j) mesh_.points.push_back(coordinates.number());
+    }
+
+    void read_nodes_4() {
+        const std::uint64_t blocks = line().whole();
+        for (std::uint64_t b = 0; b < blocks; ++b) {
+            Line head = line();
+            for (int skipped = 0; skipped < 3; ++skipped) head.number();
+            const std::uint64_t count = head.whole();
+            bytes_.expect(count, 2);
+            std::vector<std::uint64_t> tags;
+            for (std::uint64_t i = 0; i < count; ++i) tags.push_back(line().whole());
+            for (const std::uint64_t tag : tags) {
+                Line coordinates = line();
+                add_node(tag, coordinates);
+            }
+        }
+    }
+
+    void read_nodes_2() {
+        const std::uint64_t count = line().whole();
+        for (std::uint64_t i = 0; i < count; ++i) {
+            Line node = line();
+            const std::uint64_t tag = node.whole();
+            add_node(tag, node);
+        }
+    }
+
+    /// One element; its type and entity are known, the nodes come next.
+    void add_element(std::uint64_t type, std::uint64_t entity, Line& nodes) {
+        for (const int lower : kLowerTypes) {
+            if (type == static_cast<std::uint64_t>(lower)) return;
+        }
+        std::size_t t = 0;
+        while (t < kElementTypes && static_cast<std::uint64_t>(kElementTable[t].gmsh.type) != type) ++t;
+        if (t == kElementTypes) {
+            file_.damaged("element type " + std::to_string(type) + "; only first-order elements can be read");
+        }
+        ElementBlock& block = mesh_.elements[t];
+        const std::size_t count = nodes_per_element(t);
+        const std::size_t first = block.nodes.size();
+        block.nodes.resize(first + count);
+        for (std::size_t k = 0; k < count; ++k) {
+            const std::uint64_t tag = nodes.whole();
+            const auto found = places_.find(tag);
+            if (found == places_.end())
+                file_.damaged("an element uses node " + std::to_string(tag) + ", which is not there");
+            block.nodes[first + static_cast<std::size_t>(kElementTable[t].gmsh.nodes[k])] = found->second;
+        }
+        const auto region = entities_.emplace(entity, entities_.size() + 1).first;
+        if (region->second > 65535) file_.damaged("more than 65535 volume entities");
+        block.region.push_back(static_cast<std::uint16_t>(region->second));
+        block.kind.push_back(static_cast<std::uint8_t>(ElementKind::kCnio));
+    }
+
+    void read_elements_4() {
+        const std::uint64_t blocks = line().whole();
+        for (std::uint64_t b = 0; b < blocks; ++b) {
+            Line head = line();
+            head.number();
+            const std::uint64_t entity = head.whole(), type = head.whole(), count = head.whole();
+            for (std::uint64_t i = 0; i < count; ++i) {
+                Line element = line();
+                element.number();
+                add_element(type, entity, element);
+            }
+        }
+    }
+
+    void read_elements_2() {
+        const std::uint64_t count = line().whole();
+        for (std::uint64_t i = 0; i < count; ++i) {
+            Line element = line();
+            element.number();
+            const std::uint64_t type = element.whole(), tags = element.whole();
+            std::uint64_t entity = 0;  // the second tag, the elementary entity
+            for (std::uint64_t k = 0; k < tags; ++k) {
+                const std::uint64_t tag = element.whole();
+                if (k < 2) entity = tag;
+            }
+            add_element(type, entity, element);
+        }
+    }
+
+    /// Regions in the order of their entities' tags.
+    void number_regions() {
+        std::vector<std::uint16_t> target(entities_.size() + 1, 0);
+        for (const auto& [entity, region] : entities_) {
+            mesh_.region_names.push_back("volume_" + std::to_string(entity));
+            target[region] = static_cast<std::uint16_t>(mesh_.region_names.size());
+        }
+        for (ElementBlock& block : mesh_.elements) {
+            for (std::uint16_t& region : block.region) region = target[region];
+        }
+    }
+
+    void take_used_nodes() {
+        std::vector<NodeId> place(mesh_.node_count(), kUnused);
+        for (const ElementBlock& block : mesh_.elements) {
+            for (const NodeId node : block.nodes) place[node] = 0;
+        }
+        NodeId next = 0;
+        for (std::size_t i = 0; i < place.size(); ++i) {
+            if (place[i] == kUnused) continue;
+            for (std::size_t j = 0; j < 3; ++j)
+                mesh_.points[3 * std::size_t{next} + j] = mesh_.points[3 * i + j];
+            place[i] = next++;
+        }
+        mesh_.points.resize(3 * std::size_t{next});
+        for (ElementBlock& block : mesh_.elements) {
+            for (NodeId& node : block.nodes) node = place[node];
+        }
+    }
+
+    /// Faces of elements without a partner, and those between two regions, seen from the lower region.
+    void list_facets() {
+        struct Face {
+            std::array<NodeId, 4> key;  ///< sorted; a triangle ends with kUnused
+            std::array<NodeId, 4> nodes;
+            std::uint16_t region;
+        };
+        std::vector<Face> faces;
+        for (std::size_t t = 0; t < kElementTypes; ++t) {
+            const ElementBlock& block = mesh_.elements[t];
+            const LocalFaces local = local_faces(static_cast<ElementType>(t));
+            for (std::size_t i = 0; i < block.size(); ++i) {
+                for (int f = 0; f < local.count; ++f) {
+                    Face face{{}, {}, block.region[i]};
+                    for (std::size_t k = 0; k < 4; ++k) {
+                        const int corner = local.faces[f][k];
+                        face.key[k] =
+                            corner < 0
+                                ? kUnused
+                                : block.nodes[nodes_per_element(t) * i + static_cast<std::size_t>(corner)];
+                        face.nodes[k] = corner < 0 ? face.nodes[k - 1] : face.key[k];
+                    }
+                    std::sort(face.key.begin(), face.key.end());
+                    faces.push_back(face);
+                }
+            }
+        }
+        std::sort(faces.begin(), faces.end(), [](const Face& a, const Face& b) {
+            return std::tie(a.key, a.region, a.nodes) < std::tie(b.key, b.region, b.nodes);
+        });
+        mesh_.surface_names = {"boundary", "interface"};
+        for (std::size_t i = 0, j = 0; i < faces.size(); i = j) {
+            while (j < faces.size() && faces[j].key == faces[i].key) ++j;
+            const std::uint16_t outside = j - i == 1 ? std::uint16_t{0} : faces[j - 1].region;
+            if (outside == faces[i].region) continue;
+            mesh_.facets.nodes.insert(mesh_.facets.nodes.end(), faces[i].nodes.begin(), faces[i].nodes.end());
+            mesh_.facets.surface.push_back(outside == 0 ? 0 : 1);
+            mesh_.facets.inside.push_back(faces[i].region);
+            mesh_.facets.outside.push_back(outside);
+        }
+    }
+
+    const FileReader& file_;
+    SequentialReader bytes_;
+    Mesh mesh_;
+    std::map<std::uint64_t, NodeId> places_;         ///< by tag
+    std::map<std::uint64_t, std::size_t> entities_;  ///< region by the order of first use
+};
+
+}  // namespace
+
+Mesh read_gmsh_text(const FileReader& file) { return GmshTextReader(file).read(); }
+
+}  // namespace mortise::io

@@ -1,0 +1,51 @@
+// Writes VTK's XML files: a header that announces arrays, then the arrays, appended raw and compressed.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "host/io/compressed_array.hpp"
+#include "host/io/temporary_file.hpp"
+
+namespace mortise::io {
+
+/// Collects the header's text and the arrays that it announces. Sources must live until finish().
+class VtkXmlWriter {
+  public:
+    /// `type`: of the data set, such as UnstructuredGrid.
+    VtkXmlWriter(TemporaryFile& file, const std::string& type);
+
+    void text(const std::string& line) { header_ += line + "\n"; }
+
+    void array(const std::string& type, const std::string& name, const std::string& attributes,
+               std::size_t size, const ByteSource& source);
+
+    /// An array in memory, for FieldData: with the number of its tuples.
+    template <class Value>
+    void field(const char* type, const char* name, int components, const std::vector<Value>& values) {
+        const std::string attributes =
+            (components > 1 ? " NumberOfComponents=\"" + std::to_string(components) + "\"" : std::string()) +
+            " NumberOfTuples=\"" + std::to_string(values.size() / static_cast<std::size_t>(components)) +
+            "\"";
+        array(type, name, attributes, values.size() * sizeof(Value), memory_source(values.data()));
+    }
+
+    /// A VTK string array, inline as character codes.
+    void names(const char* name, const std::vector<std::string>& values);
+
+    /// Writes everything; nothing may follow.
+    void finish();
+
+  private:
+    struct ArrayToWrite {
+        std::size_t size;  ///< bytes
+        ByteSource source;
+        std::uint64_t offset_at;  ///< where the header has room for the offset
+    };
+
+    TemporaryFile& file_;
+    std::string header_;
+    std::vector<ArrayToWrite> arrays_;
+};
+
+}  // namespace mortise::io

@@ -1,0 +1,204 @@
+// See distance.hpp.
+#include "host/report/distance.hpp"
+
+#include <cmath>
+
+#include "host/report/facet_grid.hpp"
+
+namespace mortise::report {
+namespace {
+
+constexpr double kDegrees = 57.295779513082323;
+constexpr std::size_t kChunk = 2048;
+constexpr std::size_t kMostPoints = 300000;
+constexpr int kLineSteps = 8;    // that a line in a leaf is looked at in
+constexpr int kBisections = 40;  // of one of them: 2⁻⁴³ of a cell
+
+/// SplitMix64 (Steele, Lea, Flood 2014).
+class Random {
+  public:
+    explicit Random(std::uint64_t seed) : state_(seed) {}
+    double uniform() {  ///< in [0, 1)
+        std::uint64_t z = (state_ += 0x9E3779B97F4A7C15ULL);
+        z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9ULL;
+        z = (z ^ (z >> 27)) * 0x94D049BB133111EBULL;
+        return static_cast<double>((z ^ (z >> 31)) >> 11) * 0x1.0p-53;
+    }
+
+  private:
+    std::uint64_t state_;
+};
+
+/// A sum and the largest of many values, with the place of the largest.
+struct Tally {
+    std::uint64_t count = 0;
+    double weight = 0, sum = 0, maximum = -1;
+    Vector place;
+
+    void add(double value, double by, const Vector& at) {
+        if (!std::isfinite(value)) return;
+        ++count;
+        weight += by;
+        sum += by * value;
+        if (value > maximum) {
+            maximum = value;
+            place = at;
+        }
+    }
+    void add(const Tally& later) {
+        count += later.count;
+        weight += later.weight;
+        sum += later.sum;
+        if (later.maximum > maximum) {
+            maximum = later.maximum;
+            place = later.place;
+        }
+    }
+};
+
+Vec3 place_of(const tape::BoundModel& model, const Vector& local) {
+    const Vector p = features::to_model(model, local);
+    return {p.x, p.y, p.z};
+}
+
+DistanceFigures figures_of(const Tally& tally, const tape::BoundModel& model) {
+    DistanceFigures figures;
+    figures.samples = tally.count;
+    if (tally.count == 0) return figures;
+    figures.maximum = model.side * tally.maximum;
+    figures.mean = model.side * (tally.sum / tally.weight);
+    figures.place = place_of(model, tally.place);
+    return figures;
+}
+
+/// Where Newton's method along the gradient ends. Steps are limited: near a centre the gradient is small.
+Vector project(const tape::BoundModel& model, std::uint32_t surface, const Vector& from) {
+    constexpr int kSteps = 40;
+    constexpr double kLongest = 0.1;  // edges of the root box
+    Vector x = from;
+    for (int step = 0; step < kSteps; ++step) {
+        const SurfaceSample s = features::sample(model, surface, x);
+        const Vector g{s.gradient[0], s.gradient[1], s.gradient[2]};
+        Vector move = (-s.value / dot(g, g)) * g;
+        const double size = length(move);
+        if (!std::isfinite(size)) break;
+        if (size > kLongest) move = (kLongest / size) * move;
+        x = x + move;
+        if (size < 1e-14) break;
+    }
+    return x;
+}
+
+constexpr std::size_t kMostSamples = 13;
+
+std::size_t facet_samples(const Vector* p, bool is_triangle, Vector* samples) {
+    std::size_t count = 0;
+    const int corners = is_triangle ? 3 : 4;
+    for (int k = 0; k < corners; ++k) {
+        samples[count++] = p[k];
+        samples[count++] = 0.5 * (p[k] + p[(k + 1) % corners]);
+    }
+    if (is_triangle) {
+        for (int k = 0; k < 3; ++k) {
+            samples[count++] = (2.0 / 3) * p[k] + (1.0 / 6) * (p[(k + 1) % 3] + p[(k + 2) % 3]);
+        }
+        samples[count++] = (1.0 / 3) * (p[0] + p[1] + p[2]);
+    } else {
+        for (int k = 0; k < 4; ++k) {
+            samples[count++] =
+                0.5625 * p[k] + 0.1875 * (p[(k + 1) % 4] + p[(k + 3) % 4]) + 0.0625 * p[(k + 2) % 4];
+        }
+        samples[count++] = 0.25 * (p[0] + p[1] + p[2] + p[3]);
+    }
+    return count;
+}
+
+}  // namespace
+
+void report_facets(const Mesh& mesh, const std::vector<std::uint32_t>& facet_surface,
+                   const tape::BoundModel& model, int threads, QualityReport& report) {
+    const std::size_t count = mesh.facets.size();
+    std::vector<Tally> distances(chunk_count(count, kChunk)), angles(distances.size());
+    parallel_chunks(count, kChunk, threads, [&](std::size_t begin, std::size_t end, int) {
+        Tally& distance = distances[begin / kChunk];
+        Tally& angle = angles[begin / kChunk];
+        for (std::size_t f = begin; f < end; ++f) {
+            const NodeId* n = mesh.facets.nodes.data() + 4 * f;
+            Vector p[4], samples[kMostSamples];
+            for (int k = 0; k < 4; ++k) p[k] = features::to_local(model, features::point_of(mesh, n[k]));
+            const std::size_t number = facet_samples(p, n[2] == n[3], samples);
+            for (std::size_t i = 0; i < number; ++i) {
+                const Vector foot = project(model, facet_surface[f], samples[i]);
+                distance.add(length(foot - samples[i]), 1, samples[i]);
+            }
+            // The last sample is the facet's mean. A quadrilateral's normal is that of its diagonals.
+            const Vector normal =
+                n[2] == n[3] ? cross(p[1] - p[0], p[2] - p[0]) : cross(p[2] - p[0], p[3] - p[1]);
+            const Vector foot = project(model, facet_surface[f], samples[number - 1]);
+            const Vector true_normal = features::unit_normal(model, facet_surface[f], foot);
+            if (dot(normal, normal) == 0 || dot(true_normal, true_normal) == 0) continue;
+            angle.add(kDegrees *
+                          std::atan2(length(cross(normal, true_normal)), std::fabs(dot(normal, true_normal))),
+                      length(normal), samples[number - 1]);
+        }
+    });
+    Tally distance, angle;
+    for (const Tally& part : distances) distance.add(part);
+    for (const Tally& part : angles) angle.add(part);
+    report.mesh_to_model = figures_of(distance, model);
+    if (angle.count == 0) return;
+    report.max_normal_angle = angle.maximum;
+    report.mean_normal_angle = angle.sum / angle.weight;
+    report.max_normal_place = place_of(model, angle.place);
+}
+
+void sample_boundary(const tape::BoundModel& model, const Leaf& leaf, std::vector<Vector>& points) {
+    Random random(leaf.number);
+    std::vector<std::int8_t> signs;
+    const double size = 2 * leaf.cell.half;
+    for (int axis = 0; axis < 3; ++axis) {
+        double x[3];
+        for (int j = 0; j < 3; ++j) x[j] = leaf.cell.centre[j] + (random.uniform() - 0.5) * size;
+        const double low = leaf.cell.centre[axis] - leaf.cell.half;
+        const auto at = [&](double t) {
+            x[axis] = low + t * size;
+            return Vector{x[0], x[1], x[2]};
+        };
+        const auto region_at = [&](double t) {
+            leaf.signs_at(model, at(t), signs);
+            return leaf.region(signs);
+        };
+        std::int32_t before = region_at(0);
+        for (int step = 1; step <= kLineSteps; ++step) {
+            const std::int32_t after = region_at(static_cast<double>(step) / kLineSteps);
+            if (before != after) {
+                double from = static_cast<double>(step - 1) / kLineSteps,
+                       to = static_cast<double>(step) / kLineSteps;
+                for (int i = 0; i < kBisections; ++i) {
+                    const double middle = 0.5 * (from + to);
+                    (region_at(middle) == before ? from : to) = middle;
+                }
+                points.push_back(at(0.5 * (from + to)));
+            }
+            before = after;
+        }
+    }
+}
+
+DistanceFigures distance_to_facets(const Mesh& mesh, const tape::BoundModel& model, int level,
+                                   const std::vector<Vector>& points, int threads) {
+    const FacetGrid grid(mesh, model, level);
+    const std::size_t stride = points.size() / kMostPoints + 1;
+    const std::size_t count = (points.size() + stride - 1) / stride;
+    std::vector<Tally> parts(chunk_count(count, kChunk));
+    parallel_chunks(count, kChunk, threads, [&](std::size_t begin, std::size_t end, int) {
+        for (std::size_t i = begin; i < end; ++i) {
+            parts[begin / kChunk].add(grid.distance(points[i * stride]), 1, points[i * stride]);
+        }
+    });
+    Tally all;
+    for (const Tally& part : parts) all.add(part);
+    return figures_of(all, model);
+}
+
+}  // namespace mortise::report

@@ -1,0 +1,93 @@
+// The boundary leaves of a solid, found by descending with the host reference of the classification.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <vector>
+
+#include "host/common/parallel.hpp"
+#include "host/features/surfaces.hpp"
+#include "host/tape/reference.hpp"
+
+namespace mortise::report {
+
+using features::Vector;
+
+/// Deepest level that the report descends to: about a million boundary leaves.
+inline constexpr int kDeepestLevel = 8;
+
+/// A cell that the solid's boundary may pass through.
+struct Leaf {
+    tape::Cell cell{};
+    std::uint64_t number = 0;             ///< Morton code
+    std::vector<std::uint32_t> tape;      ///< pruned
+    std::vector<std::uint32_t> surfaces;  ///< of the tape, ascending
+
+    Vector centre() const { return {cell.centre[0], cell.centre[1], cell.centre[2]}; }
+
+    /// Region for the signs (-1 or 1) of the surfaces.
+    std::int32_t region(const std::vector<std::int8_t>& signs) const {
+        return tape::evaluate_signs(tape.data(), tape.size(), surfaces.data(), surfaces.size(), signs.data());
+    }
+
+    /// Signs at a point of the closed cell; zero counts as inside.
+    void signs_at(const tape::BoundModel& model, const Vector& local, std::vector<std::int8_t>& signs) const {
+        signs.resize(surfaces.size());
+        for (std::size_t i = 0; i < surfaces.size(); ++i) {
+            signs[i] = features::value(model, surfaces[i], local) <= 0 ? std::int8_t{-1} : std::int8_t{1};
+        }
+    }
+};
+
+inline void list_surfaces(Leaf& leaf) {
+    leaf.surfaces.clear();
+    for (const std::uint32_t word : leaf.tape) {
+        if (tape_operation(word) == kTapeLiteral) leaf.surfaces.push_back(tape_surface(word));
+    }
+    std::sort(leaf.surfaces.begin(), leaf.surfaces.end());
+    leaf.surfaces.erase(std::unique(leaf.surfaces.begin(), leaf.surfaces.end()), leaf.surfaces.end());
+}
+
+/// Visits the boundary leaves of `level` below a cell of `depth`, in Morton order.
+template <class Visit>
+void descend(const tape::BoundModel& model, const std::vector<std::uint32_t>& tape, const tape::Cell& cell,
+             std::uint64_t number, int depth, int level, const Visit& visit) {
+    std::vector<std::uint32_t> pruned;
+    if (tape::classify_cell(model, tape, cell, &pruned) != kUnknown) return;
+    if (depth == level) {
+        Leaf leaf{cell, number, std::move(pruned), {}};
+        list_surfaces(leaf);
+        visit(leaf);
+        return;
+    }
+    for (unsigned child = 0; child < 8; ++child) {
+        tape::Cell part{{0, 0, 0}, 0.5 * cell.half};
+        for (unsigned j = 0; j < 3; ++j) {
+            part.centre[j] = cell.centre[j] + ((child >> j & 1u) != 0 ? part.half : -part.half);
+        }
+        descend(model, pruned, part, number << 3 | child, depth + 1, level, visit);
+    }
+}
+
+/// Calls visit(leaf, result) for every boundary leaf; one result per subtree, in Morton order.
+template <class Result, class Visit>
+std::vector<Result> visit_leaves(const tape::BoundModel& model, int level, int threads, const Visit& visit) {
+    const int top = std::min(level, 3);
+    const std::size_t side = std::size_t{1} << top;
+    const double half = 0.5 / static_cast<double>(side);
+    std::vector<Result> results(side * side * side);
+    parallel_chunks(results.size(), 1, threads, [&](std::size_t begin, std::size_t, int) {
+        tape::Cell cell{{half, half, half}, half};
+        for (int bit = 0; bit < top; ++bit) {
+            for (unsigned j = 0; j < 3; ++j) {
+                if ((begin >> (3 * static_cast<unsigned>(bit) + j) & 1u) == 0) continue;
+                cell.centre[j] += 2 * half * static_cast<double>(1u << static_cast<unsigned>(bit));
+            }
+        }
+        descend(model, model.tape, cell, begin, top, level,
+                [&](const Leaf& leaf) { visit(leaf, results[begin]); });
+    });
+    return results;
+}
+
+}  // namespace mortise::report

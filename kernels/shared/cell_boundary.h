@@ -1,0 +1,360 @@
+// The boundary of the solid's part of one simple cell whose corners are inside (I), on the surface (N) or
+// outside (O): meshes of its six faces by the face rule, and the loop of Γ, the part that lies on the
+// surface.
+//
+// Node codes as in template_table.h: 0–7 corners, 8–19 the cut on edge (code - 8), 20 the interior node. Only
+// edges from I to O are cut. Positions are in cell edges from the cell's minimum corner; corners on the
+// surface may be displaced onto it, all by multiples of the lattice step, so differences are exact.
+//
+// A face mesh is a function of the face alone (algorithms.md §2): states, positions, the order of corners.
+// Face rule (quality.md), by the polygon that the face's inside part makes:
+//   triangles, and the quadrilateral of two I corners and two cuts, stay;
+//   five nodes (three corners and two cuts): a fan from the middle corner, which is opposite to the outside
+//   one, if it is I; else from the lower one of the two others;
+//   four corners stay if they are nearly a square (one I among three N only undisplaced: a pyramid on them
+//   would have a flat corner), else, as four nodes with one cut, they are split: through the only I, or the
+//   only N among four corners; through both N if these are opposite; otherwise by the diagonal whose worse
+//   triangle is the better one.
+// So no triangle of a face has all its nodes on the surface, unless all four corners are.
+// Faces without I have no inside part, except that four N corners make one: both cells beside it then decide
+// by their own I corners whether they have volume there.
+#ifndef MORTISE_SHARED_CELL_BOUNDARY_H
+#define MORTISE_SHARED_CELL_BOUNDARY_H
+
+#include "lattice.h"
+
+#define kLargestLoop 8
+#define kCellNodes 21
+#define kCellInteriorNode 20
+
+// How a face's polygon is meshed. Nodes 0 … count - 1 in the frame's order; splits name the diagonal.
+#define kFaceEmpty 0
+#define kFaceWhole 1  // five nodes: the fan from the middle corner; splits: from the one before, behind it
+#define kFaceSplit02 2
+#define kFaceSplit13 3
+
+// Four corners count as a square if they are coplanar and the cosines of their angles stay below 1/4.
+// Coplanar: the parallelepiped on three of their edges holds less than this part of the cell. A face some of
+// whose corners moved to a surface just above it must not pass, and kSignTolerance is the least that a corner
+// moves.
+#define kSquareCosineSquared 0.0625
+#define kSquareWarp 1e-6
+
+typedef struct CellBoundary {
+    u32 nodes;              // set of all nodes of the face meshes
+    i32 loop_size;          // of Γ; 0: none; -1: several loops, or one that touches itself or is too long
+    u8 count[6];            // nodes of the face's polygon
+    u8 mesh[6];             // kFaceEmpty …
+    u8 node[6][5];          // in the order of the face's frame
+    u8 loop[kLargestLoop];  // counter-clockwise seen from outside the solid
+} CellBoundary;
+
+MORTISE_FUNCTION int frame_points_outward(int f) { return (f / 2 != 1) == ((f & 1) != 0); }
+
+// Faces of the cell that a node lies on.
+MORTISE_FUNCTION u32 node_faces(int code) {
+    u32 faces = 0;
+    if (code >= kCellInteriorNode) return 0;
+    {
+        const int low = code < 8 ? code : kEdgeCorners[code - 8][0];
+        for (int axis = 0; axis < 3; ++axis) {
+            if (code < 8 || axis != (code - 8) / 4) faces |= 1u << (2 * axis + ((low >> axis) & 1));
+        }
+    }
+    return faces;
+}
+
+// Inside part of face f as a polygon in the order of the face's frame; returns its size, 0 to 5, or -1 where
+// two opposite I face two opposite O.
+MORTISE_FUNCTION int face_outline(u32 inside, u32 on, int f, u8* node) {
+    u32 in_face = 0;
+    u32 on_face = 0;
+    int count = 0;
+    for (int i = 0; i < 4; ++i) {
+        const int c = kFaceCorners[f][i];
+        in_face |= ((inside >> c) & 1u) << i;
+        on_face |= ((on >> c) & 1u) << i;
+    }
+    if (in_face == 0 && on_face != 15) return 0;
+    if (on_face == 0 && (in_face == 5 || in_face == 10)) return -1;
+    for (int i = 0; i < 4; ++i) {
+        const int next = (i + 1) & 3;
+        const u32 outside = ~(in_face | on_face);
+        if ((in_face >> i) & 1) {
+            node[count++] = kFaceCorners[f][i];
+        } else if (((on_face >> i) & 1) && !(((outside >> next) & 1) && ((outside >> ((i + 3) & 3)) & 1))) {
+            node[count++] = kFaceCorners[f][i];  // else only its point touches the solid
+        }
+        if ((((in_face >> i) & 1) && ((outside >> next) & 1)) ||
+            (((outside >> i) & 1) && ((in_face >> next) & 1))) {
+            node[count++] = (u8)(8 + kFaceEdges[f][i]);
+        }
+    }
+    return count;
+}
+
+MORTISE_FUNCTION double squared_distance(const double* a, const double* b) {
+    const double x = b[0] - a[0];
+    const double y = b[1] - a[1];
+    const double z = b[2] - a[2];
+    return x * x + y * y + z * z;
+}
+
+// Height of a triangle over its longest side, relative to it. The arithmetic is that of the certificate
+// (host/cnio/face.cpp), which meets undisplaced faces.
+MORTISE_FUNCTION double triangle_shape(const double* a, const double* b, const double* c) {
+    const double ux = b[0] - a[0];
+    const double uy = b[1] - a[1];
+    const double uz = b[2] - a[2];
+    const double vx = c[0] - a[0];
+    const double vy = c[1] - a[1];
+    const double vz = c[2] - a[2];
+    const double x = uy * vz - uz * vy;
+    const double y = uz * vx - ux * vz;
+    const double z = ux * vy - uy * vx;
+    const double ab = mortise_sqrt(squared_distance(a, b));
+    const double bc = mortise_sqrt(squared_distance(b, c));
+    const double ca = mortise_sqrt(squared_distance(c, a));
+    double longest = ab > bc ? ab : bc;
+    if (ca > longest) longest = ca;
+    return mortise_sqrt(x * x + y * y + z * z) / (longest * longest);
+}
+
+MORTISE_FUNCTION int is_nearly_square(const double (*p)[3], const u8* n) {
+    double e[4][3];
+    for (int i = 0; i < 4; ++i) {
+        for (int j = 0; j < 3; ++j) e[i][j] = p[n[(i + 1) & 3]][j] - p[n[i]][j];
+    }
+    for (int i = 0; i < 4; ++i) {
+        const double* u = e[i];
+        const double* v = e[(i + 1) & 3];
+        const double dot = u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
+        const double product =
+            (u[0] * u[0] + u[1] * u[1] + u[2] * u[2]) * (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+        if (!(dot * dot < kSquareCosineSquared * product)) return 0;
+    }
+    {
+        const double x = e[0][1] * e[1][2] - e[0][2] * e[1][1];
+        const double y = e[0][2] * e[1][0] - e[0][0] * e[1][2];
+        const double z = e[0][0] * e[1][1] - e[0][1] * e[1][0];
+        return mortise_fabs(x * e[2][0] + y * e[2][1] + z * e[2][2]) < kSquareWarp;
+    }
+}
+
+// Whether four corners lie on the grid.
+MORTISE_FUNCTION int is_undisplaced(const double (*p)[3], const u8* n) {
+    for (int i = 0; i < 4; ++i) {
+        for (int j = 0; j < 3; ++j) {
+            if (p[n[i]][j] != (double)((n[i] >> j) & 1)) return 0;
+        }
+    }
+    return 1;
+}
+
+// Place of the middle corner in a polygon of five nodes.
+MORTISE_FUNCTION int pentagon_middle(const u8* n) {
+    int middle = 0;
+    while (n[(middle + 2) % 5] < 8 || n[(middle + 3) % 5] < 8) ++middle;
+    return middle;
+}
+
+// Place of the corner from which the facets of a polygon of five nodes fan out.
+MORTISE_FUNCTION int pentagon_apex(const u8* n, int mesh) {
+    const int middle = pentagon_middle(n);
+    return mesh == kFaceWhole ? middle : mesh == kFaceSplit02 ? (middle + 4) % 5 : (middle + 1) % 5;
+}
+
+// Mesh of a face's polygon by the face rule.
+MORTISE_FUNCTION int face_mesh_of(const u8* n, int count, u32 inside, const double (*p)[3]) {
+    int ins = 0;
+    int cuts = 0;
+    int in_at = 0;
+    int on_at = 0;
+    if (count == 0) return kFaceEmpty;
+    if (count == 5) {
+        const int middle = pentagon_middle(n);
+        if ((inside >> n[middle]) & 1) return kFaceWhole;
+        return n[(middle + 4) % 5] < n[(middle + 1) % 5] ? kFaceSplit02 : kFaceSplit13;
+    }
+    if (count != 4) return kFaceWhole;
+    for (int i = 0; i < 4; ++i) {
+        if (n[i] >= 8) {
+            ++cuts;
+        } else if ((inside >> n[i]) & 1) {
+            ++ins;
+            in_at = i;
+        } else {
+            on_at = i;
+        }
+    }
+    if (cuts == 2 || ins == 4) return kFaceWhole;
+    if (cuts == 0 && is_nearly_square(p, n) && (ins != 1 || is_undisplaced(p, n))) return kFaceWhole;
+    if (ins == 1) return (in_at & 1) ? kFaceSplit13 : kFaceSplit02;
+    if (ins == 3) return (on_at & 1) ? kFaceSplit13 : kFaceSplit02;
+    if (cuts == 0 && ins == 2 && ((inside >> n[on_at ^ 2]) & 1) == 0) {
+        return (on_at & 1) ? kFaceSplit13 : kFaceSplit02;
+    }
+    {
+        double first = triangle_shape(p[n[0]], p[n[1]], p[n[2]]);
+        double second = triangle_shape(p[n[0]], p[n[1]], p[n[3]]);
+        const double first_other = triangle_shape(p[n[0]], p[n[2]], p[n[3]]);
+        const double second_other = triangle_shape(p[n[1]], p[n[2]], p[n[3]]);
+        if (first_other < first) first = first_other;
+        if (second_other < second) second = second_other;
+        if (first != second) return first > second ? kFaceSplit02 : kFaceSplit13;
+    }
+    {
+        // Ties go to the first corner of the frame's order.
+        int lowest = 0;
+        for (int i = 1; i < 4; ++i) lowest = n[i] < n[lowest] ? i : lowest;
+        return (lowest & 1) ? kFaceSplit13 : kFaceSplit02;
+    }
+}
+
+// Facet i of face f as seen from inside the cell, counter-clockwise: returns 0 (no such facet), 3 or 4.
+MORTISE_FUNCTION int face_facet(const CellBoundary* b, int f, int i, u8* facet) {
+    const int count = b->count[f];
+    const int mesh = b->mesh[f];
+    const u8* n = b->node[f];
+    int size = 3;
+    for (int k = 0; k < 4; ++k) facet[k] = 0;
+    if (mesh == kFaceEmpty) return 0;
+    if (count == 5) {
+        const int apex = pentagon_apex(n, mesh);
+        if (i >= 3) return 0;
+        facet[0] = n[apex];
+        facet[1] = n[(apex + 1 + i) % 5];
+        facet[2] = n[(apex + 2 + i) % 5];
+    } else if (mesh == kFaceWhole) {
+        if (i >= 1) return 0;
+        size = count;
+        for (int k = 0; k < count; ++k) facet[k] = n[k];
+    } else {
+        const int first = mesh == kFaceSplit02 ? 0 : 1;
+        if (i >= 2) return 0;
+        facet[0] = n[first];
+        facet[1] = n[(first + 1 + i) & 3];
+        facet[2] = n[(first + 2 + i) & 3];
+    }
+    if (frame_points_outward(f)) {
+        const u8 second = facet[1];
+        facet[1] = facet[size - 1];
+        facet[size - 1] = second;
+    }
+    return size;
+}
+
+MORTISE_FUNCTION int facet_holds(const u8* facet, int size, int code) {
+    for (int k = 0; k < size; ++k) {
+        if (facet[k] == code) return 1;
+    }
+    return 0;
+}
+
+// Outlines of all faces and the loop of Γ; face meshes are left to the caller, who knows positions.
+MORTISE_FUNCTION void make_outline(u32 inside, u32 on, CellBoundary* b) {
+    u32 corners_of[6];
+    u8 next[kCellInteriorNode];
+    u32 has_next = 0;
+    int edges = 0;
+    b->nodes = 0;
+    b->loop_size = 0;
+    for (int f = 0; f < 6; ++f) {
+        const int count = face_outline(inside, on, f, b->node[f]);
+        if (count < 0) {
+            b->loop_size = -1;
+            return;
+        }
+        b->count[f] = (u8)count;
+        corners_of[f] = 0;
+        for (int i = 0; i < b->count[f]; ++i) {
+            b->nodes |= 1u << b->node[f][i];
+            if (b->node[f][i] < 8) corners_of[f] |= 1u << b->node[f][i];
+        }
+    }
+    // Outline edges that no other face has: chords, and edges between two N.
+    for (int f = 0; f < 6; ++f) {
+        const int outward = frame_points_outward(f);
+        for (int i = 0; i < b->count[f]; ++i) {
+            const int a = b->node[f][i];
+            const int c = b->node[f][i + 1 < b->count[f] ? i + 1 : 0];
+            if (a < 8 && c < 8) {
+                const int difference = a ^ c;
+                const u32 both = (1u << a) | (1u << c);
+                if ((both & inside) != 0) continue;
+                if ((difference & (difference - 1)) == 0) {
+                    // An edge of the cell: its other face is the one that holds both and is not f.
+                    const u32 faces = node_faces(a) & node_faces(c) & ~(1u << f);
+                    int other = 0;
+                    while (((faces >> other) & 1) == 0) ++other;
+                    if ((corners_of[other] & both) == both) continue;
+                }
+            } else if ((a < 8 && ((inside >> a) & 1)) || (c < 8 && ((inside >> c) & 1))) {
+                continue;
+            }
+            {
+                const int from = outward ? c : a;
+                const int to = outward ? a : c;
+                if ((has_next >> from) & 1) {
+                    b->loop_size = -1;
+                    return;
+                }
+                has_next |= 1u << from;
+                next[from] = (u8)to;
+                ++edges;
+            }
+        }
+    }
+    if (edges > kLargestLoop) b->loop_size = -1;
+    if (edges == 0 || edges > kLargestLoop) return;
+    {
+        int at = 0;
+        int size = 0;
+        int start;
+        while (((has_next >> at) & 1) == 0) ++at;
+        start = at;
+        do {
+            b->loop[size++] = (u8)at;
+            if (((has_next >> at) & 1) == 0) {
+                b->loop_size = -1;
+                return;
+            }
+            at = next[at];
+        } while (at != start && size < edges);
+        b->loop_size = at == start && size == edges ? size : -1;
+    }
+}
+
+// Axis of the wedge that a cell's inside part is: two opposite triangular faces alike, two faces whole
+// quadrilaterals, Γ the third; -1 if it is none.
+MORTISE_FUNCTION int wedge_axis(u32 inside, u32 on, const CellBoundary* b) {
+    const u32 low_corners[3] = {0x55, 0x33, 0x0f};
+    if (b->loop_size != 4) return -1;
+    for (int axis = 0; axis < 3; ++axis) {
+        const u32 low = low_corners[axis];
+        const int step = 1 << axis;
+        int quads = 0;
+        if (b->count[2 * axis] != 3 || b->count[2 * axis + 1] != 3) continue;
+        if (((inside & low) << step) != (inside & ~low & 0xff) ||
+            ((on & low) << step) != (on & ~low & 0xff)) {
+            continue;
+        }
+        for (int f = 0; f < 6; ++f) {
+            if (f / 2 == axis || b->count[f] == 0) continue;
+            quads += b->count[f] == 4 && b->mesh[f] == kFaceWhole ? 1 : 4;
+        }
+        if (quads == 2) return axis;
+    }
+    return -1;
+}
+
+// Nodes of that wedge, right-handed.
+MORTISE_FUNCTION void wedge_nodes(const CellBoundary* b, int axis, int* n) {
+    const int low = axis == 1 ? 2 * axis + 1 : 2 * axis;
+    for (int i = 0; i < 3; ++i) {
+        n[i] = b->node[low][i];
+        n[3 + i] = b->node[low ^ 1][i];
+    }
+}
+
+#endif

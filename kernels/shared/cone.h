@@ -1,0 +1,347 @@
+// Decompositions of a simple cell's inside part into a cone: every facet of its boundary (cell_boundary.h)
+// that does not hold the apex, joined to it. The apex is a node of the boundary or one new node inside.
+//
+// Triangles become tetrahedra and quadrilaterals pyramids. Γ is divided by diagonals so that the worst
+// element over it is best; from an apex on Γ it is a fan. The decompositions without a new node that
+// quality.md lists are all of this kind, for the diagonals that its cells had.
+//
+// Quality of an element: over its scaled Jacobian / 0.15 and the sines of its dihedral angles over those of
+// 15° (acute) and 160° (obtuse), the smallest, squared; 1 or more where it meets the targets, <= 0 where it
+// is not positive. Only + - * / decide.
+#ifndef MORTISE_SHARED_CONE_H
+#define MORTISE_SHARED_CONE_H
+
+#include "cell_boundary.h"
+
+#define kJacobianScale (1.0 / 0.0225)
+#define kAcuteScale (1.0 / 0.0669872981077807)  // 1 / sin² 15°
+#define kObtuseScale (1.0 / 0.116977778440511)  // 1 / sin² 160°
+// An element counts as positive if the triple product of three edges is above this times their lengths.
+#define kLeastRelativeVolume 1e-9
+// Better than this is not distinguished.
+#define kGoodQuality 4.0
+// A cone from an interior node is tried only below this.
+#define kWorthNoNode 2.25
+#define kMostSurfaceFacets (kLargestLoop - 2)
+#define kNoApex 255
+
+typedef struct Cone {
+    double quality;   // of the worst element; <= 0: no valid cone
+    double point[3];  // of the interior node, if it is the apex
+    i32 elements;
+    u32 apex;                        // node code; kNoApex: none
+    u32 facet_count;                 // of Γ
+    u16 facets[kMostSurfaceFacets];  // places in the loop, four bits each from the lowest; triangles repeat
+                                     // the last
+} Cone;
+
+// Quality at corner o of the angles and of the triple product of edges to a, b, c (right-handed);
+// `dihedrals`: which of the three edges count.
+MORTISE_FUNCTION double corner_quality(const double* o, const double* a, const double* b, const double* c,
+                                       int dihedrals) {
+    const double ux = a[0] - o[0];
+    const double uy = a[1] - o[1];
+    const double uz = a[2] - o[2];
+    const double vx = b[0] - o[0];
+    const double vy = b[1] - o[1];
+    const double vz = b[2] - o[2];
+    const double wx = c[0] - o[0];
+    const double wy = c[1] - o[1];
+    const double wz = c[2] - o[2];
+    const double lx = vy * wz - vz * wy;  // v × w
+    const double ly = vz * wx - vx * wz;
+    const double lz = vx * wy - vy * wx;
+    const double volume = ux * lx + uy * ly + uz * lz;
+    const double u = ux * ux + uy * uy + uz * uz;
+    const double v = vx * vx + vy * vy + vz * vz;
+    const double w = wx * wx + wy * wy + wz * wz;
+    const double square = volume * volume;
+    double worst;
+    if (!(volume > 0)) return -1;
+    worst = square / (u * v * w) * kJacobianScale;
+    if (dihedrals != 0) {
+        const double mx = wy * uz - wz * uy;  // w × u
+        const double my = wz * ux - wx * uz;
+        const double mz = wx * uy - wy * ux;
+        const double nx = uy * vz - uz * vy;  // u × v
+        const double ny = uz * vx - ux * vz;
+        const double nz = ux * vy - uy * vx;
+        const double l = lx * lx + ly * ly + lz * lz;
+        const double m = mx * mx + my * my + mz * mz;
+        const double n = nx * nx + ny * ny + nz * nz;
+        double q;
+        if (dihedrals & 1) {  // along u: between u × v and u × w
+            q = square * u / (m * n) * (mx * nx + my * ny + mz * nz < 0 ? kAcuteScale : kObtuseScale);
+            if (q < worst) worst = q;
+        }
+        if (dihedrals & 2) {
+            q = square * v / (n * l) * (nx * lx + ny * ly + nz * lz < 0 ? kAcuteScale : kObtuseScale);
+            if (q < worst) worst = q;
+        }
+        if (dihedrals & 4) {
+            q = square * w / (l * m) * (lx * mx + ly * my + lz * mz < 0 ? kAcuteScale : kObtuseScale);
+            if (q < worst) worst = q;
+        }
+    }
+    return worst;
+}
+
+// Quality of the tetrahedron or pyramid over a facet that is counter-clockwise seen from the apex; less than
+// `floor` may be any value below it.
+MORTISE_FUNCTION double cone_element_quality(const double (*p)[3], const u8* facet, int size,
+                                             const double* apex, double floor) {
+    const double* a = p[facet[0]];
+    const double* b = p[facet[1]];
+    const double* c = p[facet[2]];
+    double worst;
+    if (size == 3) {
+        double q;
+        worst = corner_quality(a, b, c, apex, 7);
+        if (!(worst > floor)) return worst;
+        q = corner_quality(b, c, a, apex, 5);  // edges b–c and b–apex
+        if (q < worst) worst = q;
+        if (!(worst > floor)) return worst;
+        q = corner_quality(c, a, b, apex, 4);
+        if (q < worst) worst = q;
+        q = corner_quality(apex, a, c, b, 0);
+        return q < worst ? q : worst;
+    }
+    worst = kGoodQuality * 16;
+    for (int i = 0; i < 4; ++i) {
+        const double q = corner_quality(p[facet[i]], p[facet[(i + 1) & 3]], p[facet[(i + 3) & 3]], apex, 7);
+        if (q < worst) worst = q;
+        if (!(worst > floor)) return worst;
+    }
+    return worst;
+}
+
+// Whether the cone from node `code` has the facets of face f: the node lies off the face, or on all its
+// facets and these are triangles.
+MORTISE_FUNCTION int face_allows_apex(const CellBoundary* b, int f, int code) {
+    const int count = b->count[f];
+    const u8* n = b->node[f];
+    for (int i = 0; i < count; ++i) {
+        if (n[i] != code) continue;
+        if (count == 5) return i == pentagon_apex(n, b->mesh[f]);
+        if (b->mesh[f] == kFaceSplit02) return (i & 1) == 0;
+        if (b->mesh[f] == kFaceSplit13) return (i & 1) == 1;
+        return count == 3;
+    }
+    return 1;
+}
+
+// Divides Γ for an apex off it: dynamic programming over chains of the loop. facing: faces of the cell on
+// which no facet of Γ may lie. Writes facets and elements; returns the quality, at most kGoodQuality.
+MORTISE_FUNCTION double divide_surface(const CellBoundary* b, const double (*p)[3], const double* apex,
+                                       u32 facing, double floor, Cone* cone) {
+    const int n = b->loop_size;
+    double best[kLargestLoop][kLargestLoop];
+    u8 choice[kLargestLoop][kLargestLoop];
+    u32 faces[kLargestLoop];
+    for (int i = 0; i < n; ++i) faces[i] = node_faces(b->loop[i]) & facing;
+    for (int i = 0; i + 1 < n; ++i) best[i][i + 1] = kGoodQuality;
+    for (int length = 2; length < n; ++length) {
+        for (int i = 0; i + length < n; ++i) {
+            const int j = i + length;
+            double here = -1;
+            u8 chosen = 0;
+            // k == l: a triangle. Quadrilaterals first: fewer elements win ties.
+            for (int quads = length > 2 ? 1 : 0; quads >= 0; --quads) {
+                for (int k = i + 1; k < j; ++k) {
+                    const int last = quads ? j - 1 : k;
+                    for (int l = quads ? k + 1 : k; l <= last; ++l) {
+                        u8 facet[4];
+                        double q = best[i][k] < best[l][j] ? best[i][k] : best[l][j];
+                        if (quads && best[k][l] < q) q = best[k][l];
+                        if (!(q > here) || !(q > floor)) continue;
+                        if ((faces[i] & faces[k] & faces[l] & faces[j]) != 0) continue;
+                        // Seen from the apex.
+                        facet[0] = b->loop[j];
+                        facet[1] = b->loop[l];
+                        facet[2] = quads ? b->loop[k] : b->loop[i];
+                        facet[3] = b->loop[i];
+                        {
+                            const double element =
+                                cone_element_quality(p, facet, 3 + quads, apex, here > floor ? here : floor);
+                            if (element < q) q = element;
+                        }
+                        if (q > here) {
+                            here = q;
+                            chosen = (u8)(k | (l << 4));
+                        }
+                    }
+                }
+            }
+            if (!(here > floor)) here = -1;
+            best[i][j] = here;
+            choice[i][j] = chosen;
+        }
+    }
+    if (!(best[0][n - 1] > floor)) return -1;
+    {
+        u8 stack[2 * kLargestLoop];
+        int top = 0;
+        stack[top++] = (u8)((n - 1) << 4);
+        cone->facet_count = 0;
+        while (top > 0) {
+            const int chain = stack[--top];
+            const int i = chain & 15;
+            const int j = chain >> 4;
+            if (j - i < 2) continue;
+            {
+                const int k = choice[i][j] & 15;
+                const int l = choice[i][j] >> 4;
+                cone->facets[cone->facet_count++] =
+                    (u16)(k == l ? i | (k << 4) | (j << 8) | (j << 12) : i | (k << 4) | (l << 8) | (j << 12));
+                stack[top++] = (u8)(i | (k << 4));
+                if (k != l) stack[top++] = (u8)(k | (l << 4));
+                stack[top++] = (u8)(l | (j << 4));
+            }
+        }
+        cone->elements += (i32)cone->facet_count;
+    }
+    return best[0][n - 1];
+}
+
+// The cone from one apex; kept only if its quality is above `floor`.
+MORTISE_FUNCTION double make_cone(const CellBoundary* b, const double (*p)[3], int apex, u32 facing,
+                                  double floor, Cone* cone) {
+    double worst = kGoodQuality;
+    int place = -1;
+    cone->elements = 0;
+    cone->facet_count = 0;
+    cone->apex = (u32)apex;
+    for (int i = 0; i < b->loop_size; ++i) place = b->loop[i] == apex ? i : place;
+    for (int f = 0; f < 6; ++f) {
+        for (int i = 0; i < 3; ++i) {
+            u8 facet[4];
+            const int size = face_facet(b, f, i, facet);
+            if (size == 0) break;
+            if (facet_holds(facet, size, apex)) continue;
+            {
+                const double q = cone_element_quality(p, facet, size, p[apex], floor);
+                if (q < worst) worst = q;
+            }
+            ++cone->elements;
+            if (!(worst > floor)) return -1;
+        }
+    }
+    if (place >= 0) {
+        for (int i = 1; i + 1 < b->loop_size; ++i) {
+            const int k = (place + i) % b->loop_size;
+            const int l = (place + i + 1) % b->loop_size;
+            if ((node_faces(apex) & node_faces(b->loop[k]) & node_faces(b->loop[l]) & facing) != 0) return -1;
+            cone->facets[cone->facet_count++] = (u16)(place | (k << 4) | (l << 8) | (l << 12));
+        }
+    } else if (b->loop_size > 0) {
+        const double q = divide_surface(b, p, p[apex], facing, floor, cone);
+        if (q < worst) worst = q;
+    }
+    return worst;
+}
+
+MORTISE_FUNCTION void place_interior_node(const CellBoundary* b, double (*p)[3]) {
+    double count = 0;
+    for (int j = 0; j < 3; ++j) p[kCellInteriorNode][j] = 0;
+    for (int i = 0; i < kCellInteriorNode; ++i) {
+        if (((b->nodes >> i) & 1) == 0) continue;
+        for (int j = 0; j < 3; ++j) p[kCellInteriorNode][j] += p[i][j];
+        count += 1;
+    }
+    for (int j = 0; j < 3; ++j) p[kCellInteriorNode][j] /= count;
+}
+
+MORTISE_FUNCTION int is_positive_corner(const double* o, const double* a, const double* b, const double* c) {
+    const double ux = a[0] - o[0];
+    const double uy = a[1] - o[1];
+    const double uz = a[2] - o[2];
+    const double vx = b[0] - o[0];
+    const double vy = b[1] - o[1];
+    const double vz = b[2] - o[2];
+    const double wx = c[0] - o[0];
+    const double wy = c[1] - o[1];
+    const double wz = c[2] - o[2];
+    const double volume = ux * (vy * wz - vz * wy) + uy * (vz * wx - vx * wz) + uz * (vx * wy - vy * wx);
+    return volume > 0 &&
+           volume * volume > kLeastRelativeVolume * kLeastRelativeVolume *
+                                 ((ux * ux + uy * uy + uz * uz) * (vx * vx + vy * vy + vz * vz) *
+                                  (wx * wx + wy * wy + wz * wz));
+}
+
+// Whether best_cone finds a cone: the first one whose elements are positive decides, fans of Γ before others.
+// facing as in best_cone.
+MORTISE_FUNCTION int has_cone(const CellBoundary* b, double (*p)[3], u32 facing) {
+    const int n = b->loop_size;
+    for (int apex = 0; apex <= kCellInteriorNode; ++apex) {
+        int valid = apex == kCellInteriorNode || ((b->nodes >> apex) & 1);
+        int place = -1;
+        for (int f = 0; f < 6 && valid; ++f) valid = face_allows_apex(b, f, apex);
+        if (!valid) continue;
+        if (apex == kCellInteriorNode) place_interior_node(b, p);
+        for (int f = 0; f < 6 && valid; ++f) {
+            for (int i = 0; i < 3 && valid; ++i) {
+                u8 facet[4];
+                const int size = face_facet(b, f, i, facet);
+                if (size == 0) break;
+                if (facet_holds(facet, size, apex)) continue;
+                for (int k = 0; k < (size == 4 ? 4 : 1) && valid; ++k) {
+                    valid = is_positive_corner(p[facet[k]], p[facet[k + 1 < size ? k + 1 : 0]],
+                                               p[facet[k > 0 ? k - 1 : size - 1]], p[apex]);
+                }
+            }
+        }
+        if (!valid) continue;
+        if (n == 0) return 1;
+        for (int i = 0; i < n; ++i) place = b->loop[i] == apex ? i : place;
+        for (int first = place >= 0 ? place : 0; first < (place >= 0 ? place + 1 : n); ++first) {
+            valid = 1;
+            for (int i = 1; i + 1 < n && valid; ++i) {
+                const int c = b->loop[first];
+                const int d = b->loop[(first + i) % n];
+                const int e = b->loop[(first + i + 1) % n];
+                valid = (node_faces(c) & node_faces(d) & node_faces(e) & facing) == 0 &&
+                        (place >= 0 || is_positive_corner(p[e], p[d], p[c], p[apex]));
+            }
+            if (valid) return 1;
+        }
+        if (place < 0) {
+            Cone cone;
+            cone.elements = 0;
+            if (divide_surface(b, (const double(*)[3])p, p[apex], facing, 0, &cone) > 0) return 1;
+        }
+    }
+    return 0;
+}
+
+// The best cone of the cell, from the nodes first; from an interior node where none of these is good.
+// Positions of the boundary's nodes are given; p[kCellInteriorNode] is scratch. facing: faces of the cell on
+// which no facet of Γ may lie: those that have a mesh, or volume beyond.
+MORTISE_FUNCTION Cone best_cone(const CellBoundary* b, double (*p)[3], u32 facing) {
+    Cone best;
+    best.quality = -1;
+    best.apex = kNoApex;
+    best.elements = 0;
+    best.facet_count = 0;
+    for (int j = 0; j < 3; ++j) p[kCellInteriorNode][j] = 0;
+    for (int code = 0; code <= kCellInteriorNode; ++code) {
+        int allowed = code == kCellInteriorNode || ((b->nodes >> code) & 1);
+        Cone cone;
+        for (int f = 0; f < 6 && allowed; ++f) allowed = face_allows_apex(b, f, code);
+        if (!allowed) continue;
+        if (code == kCellInteriorNode) {
+            if (best.quality >= kWorthNoNode) break;
+            place_interior_node(b, p);
+        }
+        cone.quality =
+            make_cone(b, (const double(*)[3])p, code, facing, best.quality > 0 ? best.quality : 0, &cone);
+        if (cone.quality > best.quality ||
+            (cone.quality == best.quality && cone.quality > 0 && cone.elements < best.elements)) {
+            best = cone;
+        }
+        if (best.quality >= kGoodQuality) break;
+    }
+    for (int j = 0; j < 3; ++j) best.point[j] = p[kCellInteriorNode][j];
+    return best;
+}
+
+#endif

@@ -1,0 +1,246 @@
+// Which template a leaf gets: the whole cell, a row of the table, a wedge, or a cone.
+#ifndef MORTISE_SHARED_LEAF_TEMPLATE_H
+#define MORTISE_SHARED_LEAF_TEMPLATE_H
+
+#include "cone.h"
+#include "snap.h"
+#include "snio.h"
+#include "template_table.h"
+#include "tree.h"
+
+// A cone instead of a row or wedge must be better by this.
+#define kConeGain 1.2
+
+// What choose_template finds.
+typedef struct LeafTemplate {
+    i32 method;  // kMethodNothing …; -1: no valid template
+    CellBoundary boundary;
+    Cone cone;  // kMethodCone; kMethodWedge: apex is the axis
+} LeafTemplate;
+
+// Node positions in cell edges, from the leaf's minimum corner: corners, those in `near` displaced in
+// displaced[c] (lattice units), and cuts of the edges in `cuts`. Exact: multiples of the lattice step.
+MORTISE_FUNCTION void leaf_positions(MORTISE_GLOBAL Surface* surface, MORTISE_GLOBAL ExpressionOp* ops, u32 x,
+                                     u32 y, u32 z, double cell, u32 cuts, double (*p)[3]) {
+    for (int c = 0; c < 8; ++c) {
+        p[c][0] = c & 1;
+        p[c][1] = (c >> 1) & 1;
+        p[c][2] = c >> 2;
+    }
+    for (int e = 0; e < 12; ++e) {
+        const int low = kEdgeCorners[e][0];
+        for (int j = 0; j < 3; ++j) p[8 + e][j] = p[low][j];
+        if ((cuts >> e) & 1) {
+            double a[3];
+            double b[3];
+            a[0] = (x + (low & 1)) * cell;
+            a[1] = (y + ((low >> 1) & 1)) * cell;
+            a[2] = (z + (low >> 2)) * cell;
+            for (int j = 0; j < 3; ++j) b[j] = a[j] + (e / 4 == j ? cell : 0);
+            p[8 + e][e / 4] = (double)edge_root(surface, ops, a, b) / (double)kCellUnits;
+        }
+    }
+}
+
+// Edges between an inside and an outside corner.
+MORTISE_FUNCTION u32 cut_edges(u32 inside, u32 on) {
+    u32 cuts = 0;
+    for (int e = 0; e < 12; ++e) {
+        const int a = kEdgeCorners[e][0];
+        const int b = kEdgeCorners[e][1];
+        if (((on >> a) & 1) == 0 && ((on >> b) & 1) == 0 && (((inside >> a) ^ (inside >> b)) & 1) != 0) {
+            cuts |= 1u << e;
+        }
+    }
+    return cuts;
+}
+
+// Corner i of an element of a type: its local nodes and the ends of its three edges, right-handed.
+MORTISE_FUNCTION void element_corner(int type, int i, int* n) {
+    n[0] = i;
+    if (type == 3) {
+        n[1] = (i + 1) & 3;
+        n[2] = (i & 1) ? (i + 3) & 3 : (i + 2) & 3;
+        n[3] = (i & 1) ? (i + 2) & 3 : (i + 3) & 3;
+    } else if (type == 2) {
+        n[1] = (i + 1) & 3;
+        n[2] = (i + 3) & 3;
+        n[3] = 4;
+    } else {
+        const int ring = type == 1 ? 3 : 4;
+        const int top = i >= ring;
+        const int at = top ? i - ring : i;
+        const int after = (at + 1) % ring;
+        const int before = (at + ring - 1) % ring;
+        n[1] = top ? ring + before : after;
+        n[2] = top ? ring + after : before;
+        n[3] = top ? at : ring + at;
+    }
+}
+
+// Worst corner of a wedge, pyramid or tetrahedron, or of a hexahedron of which one face moved: there the
+// Jacobian is linear along the four parallel edges, so its corners decide.
+MORTISE_FUNCTION double row_element_quality(const double (*p)[3], int type, const int* nodes) {
+    double worst = kGoodQuality * 16;
+    const int corners = type == 0 ? 8 : type == 1 ? 6 : 4;
+    for (int i = 0; i < corners; ++i) {
+        int n[4];
+        double q;
+        element_corner(type, i, n);
+        q = corner_quality(p[nodes[n[0]]], p[nodes[n[1]]], p[nodes[n[2]]], p[nodes[n[3]]], 7);
+        if (q < worst) worst = q;
+    }
+    return worst;
+}
+
+// Places the interior node of a row of the table.
+MORTISE_FUNCTION void place_row_node(const TemplateRow* row, double (*p)[3]) {
+    for (int j = 0; j < 3; ++j) {
+        double sum = 0;
+        for (int i = 0; i < kCellInteriorNode; ++i) sum += (row->interior_mean >> i) & 1 ? p[i][j] : 0;
+        p[kCellInteriorNode][j] = row->interior_mean != 0 ? sum / (double)count_bits(row->interior_mean) : 0;
+    }
+}
+
+// Quality of a row of the table; <= 0 if an element is not positive.
+MORTISE_FUNCTION double row_quality(const TemplateRow* row, const double (*p)[3]) {
+    const int sizes[4] = {8, 6, 5, 4};
+    u32 at = row->first_node;
+    double worst = kGoodQuality;
+    for (int type = 0; type < 4; ++type) {
+        for (int i = 0; i < row->elements[type]; ++i) {
+            int n[8];
+            double q;
+            for (int k = 0; k < sizes[type]; ++k) n[k] = kTemplateNodes[at++];
+            q = row_element_quality(p, type, n);
+            if (q < worst) worst = q;
+            if (!(worst > 0)) return -1;
+        }
+    }
+    return worst;
+}
+
+// Whether every element of a row of the table is positive.
+MORTISE_FUNCTION int row_is_positive(const TemplateRow* row, double (*p)[3]) {
+    const int sizes[4] = {8, 6, 5, 4};
+    u32 at = row->first_node;
+    place_row_node(row, p);
+    for (int type = 0; type < 4; ++type) {
+        const int corners = type == 0 ? 8 : type == 1 ? 6 : type == 2 ? 4 : 1;
+        for (int i = 0; i < row->elements[type]; ++i) {
+            for (int k = 0; k < corners; ++k) {
+                int n[4];
+                element_corner(type, k, n);
+                for (int j = 0; j < 4; ++j) n[j] = kTemplateNodes[at + n[j]];
+                if (!is_positive_corner(p[n[0]], p[n[1]], p[n[2]], p[n[3]])) return 0;
+            }
+            at += sizes[type];
+        }
+    }
+    return 1;
+}
+
+// Whether the Jacobian of the whole cell is positive everywhere: its columns are convex combinations of the
+// four edges along each axis, so all products of one edge of each decide.
+MORTISE_FUNCTION int hexahedron_is_positive(const double (*p)[3]) {
+    for (int k = 0; k < 64; ++k) {
+        double e[3][3];
+        for (int axis = 0; axis < 3; ++axis) {
+            const int edge = 4 * axis + ((k >> (2 * axis)) & 3);
+            for (int j = 0; j < 3; ++j)
+                e[axis][j] = p[kEdgeCorners[edge][1]][j] - p[kEdgeCorners[edge][0]][j];
+        }
+        {
+            const double x = e[1][1] * e[2][2] - e[1][2] * e[2][1];
+            const double y = e[1][2] * e[2][0] - e[1][0] * e[2][2];
+            const double z = e[1][0] * e[2][1] - e[1][1] * e[2][0];
+            if (!(e[0][0] * x + e[0][1] * y + e[0][2] * z > kLeastRelativeVolume)) return 0;
+        }
+    }
+    return 1;
+}
+
+// Outlines and face meshes of a leaf. Returns the method if they tell it: kMethodNothing, kMethodHexahedron,
+// -1 for none; else kMethodCone.
+MORTISE_FUNCTION int make_boundary(u32 inside, u32 on, const double (*p)[3], CellBoundary* b) {
+    int hexahedron;
+    b->nodes = 0;
+    b->loop_size = 0;
+    // All corners on the surface, and volume between them: no template tells where it is.
+    if (inside == 0) return on != 0xff ? kMethodNothing : -1;
+    make_outline(inside, on, b);
+    if (b->loop_size < 0) return -1;
+    hexahedron = b->loop_size == 0;
+    for (int f = 0; f < 6; ++f) {
+        b->mesh[f] = (u8)face_mesh_of(b->node[f], b->count[f], inside, p);
+        hexahedron = hexahedron && b->count[f] == 4 && b->mesh[f] == kFaceWhole;
+    }
+    if (!hexahedron) return kMethodCone;
+    return hexahedron_is_positive(p) ? kMethodHexahedron : -1;
+}
+
+// Whether a leaf has a template for given corner states and positions. rows_only: leaves without corners on
+// the surface take their row, others none.
+MORTISE_FUNCTION int has_template(u32 inside, u32 on, double (*p)[3], int rows_only) {
+    CellBoundary b;
+    const int method = make_boundary(inside, on, (const double(*)[3])p, &b);
+    if (method != kMethodCone) return method >= 0;
+    if (on == 0) {
+        const TemplateRow row = kTemplateRows[inside];
+        return row.shape != 0 && row_is_positive(&row, p);
+    }
+    if (rows_only) return 0;
+    // Not known yet which faces have volume behind them.
+    if (has_cone(&b, p, 0x3f)) return 1;
+    {
+        const int axis = wedge_axis(inside, on, &b);
+        int n[6];
+        if (axis < 0) return 0;
+        wedge_nodes(&b, axis, n);
+        return row_element_quality((const double(*)[3])p, 1, n) > 0;
+    }
+}
+
+// The best template of a leaf for which has_template holds; facing: faces beyond which there is volume.
+MORTISE_FUNCTION void choose_template(u32 inside, u32 on, double (*p)[3], u32 facing, int rows_only,
+                                      LeafTemplate* result) {
+    CellBoundary* b = &result->boundary;
+    Cone cone;
+    double found = -1;
+    result->method = make_boundary(inside, on, (const double(*)[3])p, b);
+    if (result->method != kMethodCone) return;
+    result->method = -1;
+    if (on == 0) {
+        const TemplateRow row = kTemplateRows[inside];
+        result->method = kMethodRow;
+        place_row_node(&row, p);
+        if (rows_only) return;
+        found = row_quality(&row, (const double(*)[3])p);
+    } else {
+        const int axis = wedge_axis(inside, on, b);
+        if (axis >= 0) {
+            int n[6];
+            wedge_nodes(b, axis, n);
+            found = row_element_quality((const double(*)[3])p, 1, n);
+            if (found > 0) result->method = kMethodWedge;
+            result->cone.apex = (u32)axis;
+            result->cone.facet_count = 1;
+            result->cone.facets[0] = (u16)(0 | (1 << 4) | (2 << 8) | (3 << 12));
+        }
+    }
+    if (found >= kWorthNoNode) return;
+    {
+        // Scratch of the interior node.
+        double row_node[3];
+        for (int j = 0; j < 3; ++j) row_node[j] = p[kCellInteriorNode][j];
+        for (int f = 0; f < 6; ++f) facing |= b->count[f] > 0 ? 1u << f : 0;  // covered by the face's mesh
+        cone = best_cone(b, p, facing);
+        for (int j = 0; j < 3; ++j) p[kCellInteriorNode][j] = row_node[j];
+    }
+    if (cone.quality > 0 && !(cone.quality < found * kConeGain)) {
+        result->method = kMethodCone;
+        result->cone = cone;
+    }
+}
+
+#endif

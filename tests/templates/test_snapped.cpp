@@ -1,0 +1,329 @@
+// Templates of cells with corners on the surface (kernels/shared/leaf_template.h), by measures and
+// combinatorics of host/templates, which they do not use.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "host/templates/measure.hpp"
+#include "kernels/shared/leaf_template.h"
+#include "tests/templates/table_access.hpp"
+
+using namespace mortise::templates;
+using namespace template_tests;
+
+namespace {
+
+/// A cell cut by a plane, some of its corners moved onto it.
+struct PlaneCell {
+    u32 inside = 0;
+    u32 near = 0;  ///< corners that may move
+    std::array<double, 8> distance{};
+    Point normal{};
+};
+
+PlaneCell random_cell(Random& random) {
+    PlaneCell cell;
+    for (;;) {
+        double square = 0;
+        for (double& x : cell.normal) {
+            x = 2 * random.uniform() - 1;
+            square += x * x;
+        }
+        if (square > 1 || square < 1e-3) continue;
+        for (double& x : cell.normal) x /= std::sqrt(square);
+        break;
+    }
+    // Every fourth plane is nearly parallel to the grid or to a diagonal plane.
+    if (random.uniform() < 0.25) {
+        const double small = 0.1 * random.uniform() - 0.05;
+        const double other = random.uniform() < 0.5 ? small : 1 + small;
+        cell.normal = {small * small, other, 1};
+        const double length = std::sqrt(small * small * small * small + other * other + 1);
+        for (double& x : cell.normal) x /= length;
+    }
+    const auto& n = cell.normal;
+    const double centre = 0.5 * (n[0] + n[1] + n[2]);
+    const double reach = 0.5 * (std::fabs(n[0]) + std::fabs(n[1]) + std::fabs(n[2])) + kVertexSnapDistance;
+    double offset = centre + reach * (2 * random.uniform() - 1);
+    // Now and then just beside a corner, down to the least distance at which a corner moves.
+    if (random.uniform() < 0.25) {
+        const auto corner = static_cast<u32>(8 * random.uniform());
+        const double decades = 5 * random.uniform();
+        offset = (corner & 1) * n[0] + (corner >> 1 & 1) * n[1] + (corner >> 2) * n[2] +
+                 (random.uniform() < 0.5 ? 1 : -1) * std::max(kSignTolerance, std::pow(0.1, decades));
+    }
+    for (u32 c = 0; c < 8; ++c) {
+        const double d = (c & 1) * n[0] + (c >> 1 & 1) * n[1] + (c >> 2) * n[2] - offset;
+        cell.distance[c] = d;
+        if (d < 0) cell.inside |= 1U << c;
+        if (std::fabs(d) < kVertexSnapDistance) cell.near |= 1U << c;
+    }
+    return cell;
+}
+
+/// Node positions with the corners of `on` moved; `noise` moves corners and cuts further.
+Positions positions_of(const PlaneCell& cell, u32 on, double noise, Random& random) {
+    Positions p{};
+    for (std::size_t c = 0; c < 8; ++c) {
+        for (std::size_t j = 0; j < 3; ++j) {
+            p[c][j] = static_cast<double>(c >> j & 1);
+            if ((on >> c & 1) != 0) {
+                p[c][j] += noise * (2 * random.uniform() - 1) - cell.distance[c] * cell.normal[j];
+            }
+        }
+    }
+    for (std::size_t e = 0; e < 12; ++e) {
+        const std::size_t low = kEdgeCorners[e][0], high = kEdgeCorners[e][1];
+        for (std::size_t j = 0; j < 3; ++j) p[8 + e][j] = static_cast<double>(low >> j & 1);
+        const double difference = cell.distance[low] - cell.distance[high];
+        double t = difference != 0 ? cell.distance[low] / difference : 0.5;
+        t += noise * (2 * random.uniform() - 1);
+        p[8 + e][e / 4] = std::clamp(t, 1e-5, 1 - 1e-5);
+    }
+    return p;
+}
+
+struct Chosen {
+    LeafTemplate found;
+    Positions positions;
+    std::vector<Element> elements;
+    std::vector<Facet> boundary;  ///< outward
+};
+
+Element cone_over(const Facet& outward, u32 apex) {
+    const Facet base = reversed(outward);
+    Element element;
+    element.type = outward.size == 4 ? ElementType::kPyramid : ElementType::kTetrahedron;
+    for (std::size_t i = 0; i < static_cast<std::size_t>(outward.size); ++i) element.nodes[i] = base.nodes[i];
+    element.nodes[static_cast<std::size_t>(outward.size)] = static_cast<NodeCode>(apex);
+    return element;
+}
+
+Chosen choose(u32 inside, u32 on, const Positions& positions, u32 facing) {
+    Chosen result;
+    double p[kCellNodes][3];
+    for (std::size_t i = 0; i < kCellNodes; ++i) std::copy(positions[i].begin(), positions[i].end(), p[i]);
+    choose_template(inside, on, p, facing, 0, &result.found);
+    result.positions = positions;
+    std::copy(p[kCellInteriorNode], p[kCellInteriorNode] + 3, result.positions[kCellInteriorNode].begin());
+    const LeafTemplate& found = result.found;
+    if (found.method <= kMethodNothing) return result;
+    if (found.method == kMethodRow) {
+        result.elements = elements_of(static_cast<int>(inside));
+        for (const Facet& facet : surface_of(static_cast<int>(inside))) result.boundary.push_back(facet);
+    }
+    for (int f = 0; f < 6; ++f) {
+        for (int i = 0; i < 3; ++i) {
+            u8 n[4];
+            const int size = face_facet(&found.boundary, f, i, n);
+            if (size == 0) break;
+            result.boundary.push_back(
+                reversed(size == 4 ? quad(n[0], n[1], n[2], n[3]) : triangle(n[0], n[1], n[2])));
+        }
+    }
+    const std::size_t on_faces = result.boundary.size();
+    if (found.method == kMethodCone || found.method == kMethodWedge) {
+        for (u32 i = 0; i < found.cone.facet_count; ++i) {
+            const auto at = [&](int k) { return found.boundary.loop[found.cone.facets[i] >> (4 * k) & 15]; };
+            result.boundary.push_back(at(2) != at(3) ? quad(at(0), at(1), at(2), at(3))
+                                                     : triangle(at(0), at(1), at(2)));
+        }
+    }
+    if (found.method == kMethodCone) {
+        const auto apex = static_cast<NodeCode>(found.cone.apex);
+        if (apex == kInteriorNode) {
+            std::copy(found.cone.point, found.cone.point + 3, result.positions[kInteriorNode].begin());
+        }
+        const auto loop_end = found.boundary.loop + found.boundary.loop_size;
+        const bool on_loop = std::find(found.boundary.loop + 0, loop_end, apex) != loop_end;
+        for (std::size_t i = 0; i < result.boundary.size(); ++i) {
+            const Facet& facet = result.boundary[i];
+            if ((node_set(facet) >> apex & 1U) != 0 || (on_loop && i >= on_faces)) continue;
+            result.elements.push_back(cone_over(facet, apex));
+        }
+    }
+    if (found.method == kMethodWedge) {
+        int n[6];
+        wedge_nodes(&found.boundary, static_cast<int>(found.cone.apex), n);
+        Element wedge;
+        wedge.type = ElementType::kWedge;
+        for (std::size_t i = 0; i < 6; ++i) wedge.nodes[i] = static_cast<NodeCode>(n[i]);
+        result.elements.push_back(wedge);
+    }
+    if (found.method == kMethodHexahedron) {
+        result.elements.push_back({ElementType::kHexahedron, {0, 1, 3, 2, 4, 5, 7, 6}});
+    }
+    return result;
+}
+
+/// Facets of elements that no other element has, as keys; empty if a facet occurs twice.
+std::vector<std::uint32_t> open_facets(const std::vector<Element>& elements) {
+    std::map<std::uint32_t, Facet> open;
+    for (const Element& element : elements) {
+        for (const Facet& facet : element_facets(element)) {
+            if (open.erase(facet_key(reversed(facet))) != 0) continue;
+            if (!open.emplace(facet_key(facet), facet).second) return {};
+        }
+    }
+    std::vector<std::uint32_t> keys;
+    for (const auto& item : open) keys.push_back(item.first);
+    return keys;
+}
+
+/// Directed edges of the facets cancel in pairs.
+bool is_closed(const std::vector<Facet>& facets) {
+    std::map<std::pair<int, int>, int> edges;
+    for (const Facet& facet : facets) {
+        const auto size = static_cast<std::size_t>(facet.size);
+        for (std::size_t i = 0; i < size; ++i) {
+            const int a = facet.nodes[i], b = facet.nodes[(i + 1) % size];
+            edges[{std::min(a, b), std::max(a, b)}] += a < b ? 1 : -1;
+        }
+    }
+    return std::all_of(edges.begin(), edges.end(), [](const auto& edge) { return edge.second == 0; });
+}
+
+}  // namespace
+
+TEST_CASE("all 6561 corner states: face meshes and the surface loop close up") {
+    int simple = 0;
+    int closed = 0;
+    for (int code = 0; code < 6561; ++code) {
+        u32 inside = 0;
+        u32 on = 0;
+        for (int c = 0, rest = code; c < 8; ++c, rest /= 3) {
+            if (rest % 3 == 1) inside |= 1U << c;
+            if (rest % 3 == 2) on |= 1U << c;
+        }
+        if (inside == 0) continue;
+        CellBoundary boundary;
+        make_outline(inside, on, &boundary);
+        if (boundary.loop_size < 0) continue;
+        ++simple;
+        // Every way to split the quadrilaterals.
+        bool all_closed = true;
+        for (int split = 0; split < 3; ++split) {
+            std::vector<Facet> facets;
+            for (int f = 0; f < 6; ++f) {
+                const bool may_split = boundary.count[f] >= 4;
+                boundary.mesh[f] = static_cast<u8>(boundary.count[f] == 0 ? kFaceEmpty
+                                                   : may_split            ? 1 + split
+                                                                          : 1);
+                for (int i = 0; i < 3; ++i) {
+                    u8 n[4];
+                    const int size = face_facet(&boundary, f, i, n);
+                    if (size == 0) break;
+                    facets.push_back(size == 4 ? quad(n[0], n[1], n[2], n[3]) : triangle(n[0], n[1], n[2]));
+                }
+            }
+            for (int i = 1; i + 1 < boundary.loop_size; ++i) {
+                facets.push_back(
+                    reversed(triangle(boundary.loop[0], boundary.loop[i], boundary.loop[i + 1])));
+            }
+            all_closed = all_closed && is_closed(facets);
+        }
+        closed += all_closed ? 1 : 0;
+    }
+    CHECK(simple > 3000);
+    CHECK(closed == simple);
+}
+
+TEST_CASE("without corners on the surface, outlines are those of the table's face rule") {
+    for (int p = 1; p < 255; ++p) {
+        if (!has_template(p)) continue;
+        CAPTURE(p);
+        CellBoundary boundary;
+        make_outline(static_cast<u32>(p), 0, &boundary);
+        CHECK(boundary.loop_size == static_cast<int>(surface_loop(static_cast<Pattern>(p)).size()));
+        for (int f = 0; f < 6; ++f) {
+            double q[kCellNodes][3] = {};
+            boundary.mesh[f] =
+                static_cast<u8>(face_mesh_of(boundary.node[f], boundary.count[f], static_cast<u32>(p), q));
+            std::vector<Facet> facets;
+            for (int i = 0; i < 3; ++i) {
+                u8 n[4];
+                const int size = face_facet(&boundary, f, i, n);
+                if (size == 0) break;
+                facets.push_back(
+                    reversed(size == 4 ? quad(n[0], n[1], n[2], n[3]) : triangle(n[0], n[1], n[2])));
+            }
+            CHECK(sorted_keys(facets) == sorted_keys(face_facets(p, f)));
+        }
+    }
+}
+
+TEST_CASE("planes: quality of the cells with all near corners moved") {
+    Random random(71);
+    for (const double noise : {0.0, 0.01}) {
+        Cosines extremes;
+        double jacobian = 1;
+        int cells = 0;
+        int bad = 0;
+        for (int i = 0; i < 40000; ++i) {
+            const PlaneCell cell = random_cell(random);
+            const u32 inside = cell.inside & ~cell.near;
+            if (inside == 0 || inside == 255) continue;
+            ++cells;
+            const Chosen chosen = choose(inside, cell.near, positions_of(cell, cell.near, noise, random), 0);
+            REQUIRE(chosen.found.method > kMethodNothing);
+            std::vector<std::uint32_t> expected = sorted_keys(chosen.boundary);
+            if (open_facets(chosen.elements) != expected) ++bad;
+            double volume = 0;
+            for (const Element& element : chosen.elements) {
+                volume += enclosed_volume(element_facets(element), chosen.positions);
+                if (!is_positive(element, chosen.positions)) ++bad;
+                jacobian = std::min(jacobian, scaled_jacobian(element, chosen.positions));
+                const Cosines cosines = dihedral_cosines(element, chosen.positions);
+                extremes.smallest = std::min(extremes.smallest, cosines.smallest);
+                extremes.largest = std::max(extremes.largest, cosines.largest);
+            }
+            if (std::fabs(volume - enclosed_volume(chosen.boundary, chosen.positions)) > 1e-12) ++bad;
+        }
+        MESSAGE("planes, noise ", noise, ": ", cells, " cells, dihedral ", degrees(extremes.largest), " to ",
+                degrees(extremes.smallest), ", scaled Jacobian ", jacobian);
+        CHECK(cells > 20000);
+        CHECK(bad == 0);
+        CHECK(degrees(extremes.largest) >= 15);
+        CHECK(degrees(extremes.smallest) <= 160);
+        CHECK(jacobian >= (noise > 0 ? 0.14 : 0.15));
+    }
+}
+
+TEST_CASE("planes: every subset of the near corners has a valid template") {
+    Random random(72);
+    int subsets = 0;
+    int missing = 0;
+    int bad = 0;
+    for (int i = 0; i < 6000; ++i) {
+        const PlaneCell cell = random_cell(random);
+        u32 on = 0;
+        do {
+            const u32 inside = cell.inside & ~on;
+            if (inside != 0) {
+                ++subsets;
+                const Positions positions = positions_of(cell, on, 0, random);
+                double p[kCellNodes][3];
+                for (std::size_t n = 0; n < kCellNodes; ++n) {
+                    std::copy(positions[n].begin(), positions[n].end(), p[n]);
+                }
+                if (::has_template(inside, on, p, 0) == 0) {
+                    ++missing;
+                } else {
+                    const Chosen chosen = choose(inside, on, positions, 0);
+                    if (open_facets(chosen.elements) != sorted_keys(chosen.boundary)) ++bad;
+                    for (const Element& element : chosen.elements) {
+                        if (!(scaled_jacobian(element, chosen.positions) > 0)) ++bad;
+                    }
+                }
+            }
+            on = (on - cell.near) & cell.near;
+        } while (on != 0);
+    }
+    CHECK(subsets > 30000);
+    CHECK(missing == 0);
+    CHECK(bad == 0);
+}
