@@ -179,8 +179,9 @@ void read_mesh_words(const Words& words, Arguments& arguments) {
     options.snap = !words.no_snap;
     options.improve = !words.no_improve;
     if (!words.smooth.empty()) {
-        options.smooth = parse_integer("--smooth", words.smooth, 0, "rounds, 0 to 100");
-        if (options.smooth > 100) refuse("--smooth '" + words.smooth + "': at most 100 rounds");
+        options.smooth = parse_integer("--smooth", words.smooth, 0, " to 100");
+        if (options.smooth > 100)
+            refuse("--smooth '" + words.smooth + "': expected a whole number from 0 to 100");
     }
     options.quality = arguments.quality;
     if (!words.floor.empty()) {
