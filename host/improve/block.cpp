@@ -5,8 +5,6 @@
 namespace mortise::improve {
 namespace {
 
-/// Edges shorter than this, in cells, are collapsed where what is left is good.
-constexpr double kShortEdge = 0.35;
 /// Searches per tetrahedron of the block, at most; blocks around ordinary features need two or three.
 constexpr std::uint64_t kMostTries = 4;
 constexpr std::uint8_t kEdgeEnds[6][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};

@@ -19,6 +19,9 @@ namespace mortise::improve {
 /// A change must lift the worst quality by at least this factor, so that rounding never makes a loop.
 inline constexpr double kLeastGain = 1.002;
 
+/// Edges shorter than this, in cells, are collapsed where that makes nothing worse.
+inline constexpr double kShortEdge = 0.35;
+
 struct BlockOptions {
     bool reposition = true;        ///< move nodes (besides their projection onto the model)
     bool change_boundary = true;   ///< false: facets stay as they are
@@ -119,6 +122,7 @@ class Block {
     // collapse.cpp
     bool examine_collapse(Local gone, Local kept, bool good_will_do, double better_than, Change& change);
     bool edge_is_on_stratum(Local gone, Local kept) const;
+    std::size_t count_feature_edges(Local node);
     bool links_allow(Local gone, Local kept);
 
     // swap.cpp
@@ -158,6 +162,8 @@ class Block {
     Ring ring_;
     std::vector<FaceEntry> entries_;
     std::vector<LinkNode> link_;
+    std::vector<std::pair<Local, std::uint32_t>>
+        spokes_;  ///< neighbour, surface of a facet at the edge to it
     std::vector<std::array<Point, 3>> views_;
 };
 

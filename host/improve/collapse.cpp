@@ -6,7 +6,9 @@ namespace mortise::improve {
 namespace {
 
 constexpr double kLongestEdge = 1.75;  ///< cells: an edge that a collapse makes; longer ones may only shrink
-constexpr double kLeastAlignment = 0.9;  ///< cosine between a new facet and its surface
+constexpr std::size_t kMostSurfaces = 8;  ///< that may have a crease in common
+constexpr double kEqual = 0.999999;
+constexpr double kLeastAlignment = 0.75;  ///< cosine between a new facet and its surface
 constexpr double kChordError = 0.1;  ///< distance of a new crease edge's middle to its surfaces, per length
 
 bool has(const std::array<std::uint32_t, 4>& node, std::uint32_t n) {
@@ -15,13 +17,37 @@ bool has(const std::array<std::uint32_t, 4>& node, std::uint32_t n) {
 
 }  // namespace
 
+/// Edges of the mesh at a node where facets of different surfaces meet: two along a crease, more at a corner.
+std::size_t Block::count_feature_edges(Local node) {
+    spokes_.clear();
+    for (const std::uint32_t i : star_[node]) {
+        const Tetrahedron& t = tetrahedra_[i];
+        for (std::size_t f = 0; f < 4; ++f) {
+            if (t.tag[f] == 0 || t.node[f] == node) continue;
+            for (const std::uint8_t k : kOpposite[f]) {
+                if (t.node[k] != node) spokes_.push_back({t.node[k], tag_surface(t.tag[f])});
+            }
+        }
+    }
+    std::sort(spokes_.begin(), spokes_.end());
+    spokes_.erase(std::unique(spokes_.begin(), spokes_.end()), spokes_.end());
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < spokes_.size();) {
+        std::size_t end = i + 1;
+        while (end < spokes_.size() && spokes_[end].first == spokes_[i].first) ++end;
+        count += end - i > 1 ? 1 : 0;
+        i = end;
+    }
+    return count;
+}
+
 /// Whether the edge runs along everything that `gone` lies on.
 bool Block::edge_is_on_stratum(Local gone, Local kept) const {
     const std::vector<std::uint32_t>& on = strata_[gone];
     if (on.empty()) return true;
-    if (on.size() > 2) return false;
+    if (on.size() > kMostSurfaces) return false;
     if (!std::includes(strata_[kept].begin(), strata_[kept].end(), on.begin(), on.end())) return false;
-    std::uint32_t seen[2] = {0, 0};
+    std::uint32_t seen[kMostSurfaces] = {};
     for (const std::uint32_t i : star_[gone]) {
         const Tetrahedron& t = tetrahedra_[i];
         if (!has(t.node, kept)) continue;
@@ -32,7 +58,7 @@ bool Block::edge_is_on_stratum(Local gone, Local kept) const {
             if (std::find(on.begin(), on.end(), surface) == on.end()) return false;
         }
     }
-    return seen[0] > 0 && (on.size() == 1 || seen[1] > 0);
+    return std::all_of(seen, seen + on.size(), [](std::uint32_t count) { return count > 0; });
 }
 
 /// Whether a node may be merged with a neighbour: the star of `gone` is one piece with manifold boundary, and
@@ -127,7 +153,7 @@ bool Block::links_allow(Local gone, Local kept) {
 }
 
 bool Block::examine_collapse(Local gone, Local kept, bool good_will_do, double better_than, Change& change) {
-    if (free_[gone] == 0 || joined_[gone] != 0 || strata_[gone].size() > 2) return false;
+    if (free_[gone] == 0 || joined_[gone] != 0) return false;
     if (!options_.change_boundary && !strata_[gone].empty()) return false;
     if (!edge_is_on_stratum(gone, kept)) return false;
     change.clear();
@@ -143,7 +169,9 @@ bool Block::examine_collapse(Local gone, Local kept, bool good_will_do, double b
         for (const Local n : t.node)
             longest_before = std::max(longest_before, squared_length(points_[n] - points_[gone]));
     }
-    change.needed = std::max(change.before * kLeastGain, kLowestQuality);
+    // A short edge may go if nothing gets worse: the mesh gets simpler, and other changes get room.
+    const bool is_short = squared_length(points_[gone] - points_[kept]) < kShortEdge * kShortEdge;
+    change.needed = std::max(change.before * (is_short ? kEqual : kLeastGain), kLowestQuality);
     if (good_will_do) change.needed = std::min(change.needed, options_.target);
     change.needed = std::max(change.needed, better_than);
     for (const std::uint32_t i : star_[gone]) {
@@ -204,7 +232,8 @@ bool Block::examine_collapse(Local gone, Local kept, bool good_will_do, double b
             if (!(sign * after >= alignment_before)) return false;
         }
     }
-    if (strata_[gone].size() == 2) {
+    if (strata_[gone].size() > 1) {
+        if (count_feature_edges(gone) != 2) return false;  // a corner, or where a crease ends
         // The crease's next node on the other side: its new edge must stay close to both surfaces.
         for (const std::uint32_t i : star_[gone]) {
             const Tetrahedron& t = tetrahedra_[i];

@@ -28,7 +28,7 @@ inline constexpr double kJacobianWeight = 1.545;  ///< sin 18° / 0.2
 inline constexpr double kInvertedQuality = -1;    ///< of elements that are not positive
 
 /// No change may make an element flatter than this, whatever it replaces: rounding decides nothing.
-inline constexpr double kLowestQuality = 1e-5;
+inline constexpr double kLowestQuality = 1e-9;
 /// Volumes below this, relative to the cube of a cell's edge times the longest edge squared, may be rounding.
 inline constexpr double kVolumeRounding = 1e-12;
 

@@ -9,7 +9,7 @@ constexpr double kProjectionReach = 0.25;  ///< cells: farther, the stratum is n
 constexpr double kSamePlace = 1e-6;        ///< cells: targets closer than this are one point of the model
 constexpr double kFirstStep = 0.25;        ///< of the mean length of the node's edges
 constexpr int kHalvings = 4;
-constexpr double kLeastAlignment = 0.9;
+constexpr double kLeastAlignment = 0.75;
 
 }  // namespace
 
@@ -125,6 +125,7 @@ bool Block::smooth(Local node) {
     const std::vector<std::uint32_t>& on = strata_[node];
     if (free_[node] == 0 || on.size() > 2 || star_[node].empty()) return false;
     if (rested_[node] > changed_[node]) return false;
+    if (on.size() == 2 && count_feature_edges(node) != 2) return false;
     rested_[node] = clock_ + 1;
     double best = star_quality(node, kInvertedQuality);
     if (best >= options_.target) return false;

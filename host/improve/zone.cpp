@@ -14,6 +14,7 @@ constexpr double kPoorQuality = kGoodQuality;
 /// A hexahedron, wedge or pyramid with an edge shorter than this, in cells, counts as poor: it may have right
 /// angles and still make its neighbours flat.
 constexpr double kShortestEdge = 0.35;
+constexpr int kGrowths = 3;
 /// A split into tetrahedra that is flatter than this is replaced by a cone from the element's centre.
 constexpr double kLowestSplit = 0.02;
 
@@ -227,10 +228,13 @@ class Opener {
         if (poor.empty()) return {};
         for (const std::size_t cell : poor) cells_.set_ring(cell);
         find_outer_quads();
-        // An element that cannot be split leaves the zone with its cell, and the others see its faces whole.
-        do {
+        for (int round = 0; round < kGrowths; ++round) {
             collect();
-        } while (!split_elements());
+            // An element that cannot be split leaves the zone with its cell, and the others see its faces
+            // whole.
+            while (!split_elements()) collect();
+            if (!grow()) break;
+        }
         finish_nodes();
         tag_faces();
         for (Tetrahedron& t : zone_.tetrahedra) {
@@ -363,6 +367,18 @@ class Opener {
             whole = false;
         }
         return whole;
+    }
+
+    /// Where a pyramid at the zone's border is poor, the zone takes one more ring.
+    bool grow() {
+        std::vector<std::size_t> poor;
+        for (const Pyramid& p : zone_.pyramids) {
+            const auto c = corners(p);
+            if (pyramid_quality(c) >= kPoorQuality) continue;
+            poor.push_back(cells_.index(0.2 * (c[0] + c[1] + c[2] + c[3] + c[4])));
+        }
+        for (const std::size_t cell : poor) cells_.set_ring(cell);
+        return !poor.empty();
     }
 
     void finish_nodes() {
