@@ -105,27 +105,6 @@ void mark_singular(const Mesh& mesh, const std::vector<std::uint32_t>& facet_sur
 
 }  // namespace
 
-bool singular_point(const Surface& s, Vector* point) {
-    if (s.kind != kSurfaceCone && s.kind != kSurfaceQuadric) return false;
-    if (s.kind == kSurfaceQuadric) {
-        double largest = 0;
-        for (int i = 0; i < 3; ++i) {
-            if (s.form[i] == 0) return false;
-            largest = std::max(largest, std::fabs(s.form[i]));
-        }
-        if (std::fabs(s.form[3]) > 1e-14 * largest) return false;
-        // Squares of one sign: a point, no surface.
-        if ((s.form[0] > 0) == (s.form[1] > 0) && (s.form[1] > 0) == (s.form[2] > 0)) return false;
-    }
-    const Vector row[3] = {
-        {s.map[0], s.map[1], s.map[2]}, {s.map[4], s.map[5], s.map[6]}, {s.map[8], s.map[9], s.map[10]}};
-    const Vector c[3] = {cross(row[1], row[2]), cross(row[2], row[0]), cross(row[0], row[1])};
-    const double determinant = dot(row[0], c[0]);
-    if (!(std::fabs(determinant) > 0)) return false;
-    *point = (-1 / determinant) * (s.map[3] * c[0] + s.map[7] * c[1] + s.map[11] * c[2]);
-    return std::isfinite(dot(*point, *point));
-}
-
 Features find_features(const Mesh& mesh, const std::vector<std::uint32_t>& facet_surface,
                        const tape::BoundModel& model) {
     Features features;

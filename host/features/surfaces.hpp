@@ -3,6 +3,7 @@
 
 #include "host/quality/vector.hpp"
 #include "host/tape/compile.hpp"
+#include "host/tape/singular_point.hpp"
 
 namespace mortise::features {
 
@@ -54,6 +55,11 @@ inline bool is_corner(const Vector& a, const Vector& b, const Vector& c) {
 }
 
 /// The one point where a surface passes and its gradient vanishes or jumps: a cone's apex. False: none.
-bool singular_point(const Surface& surface, Vector* point);
+inline bool singular_point(const Surface& surface, Vector* point) {
+    double p[3];
+    if (!tape::singular_point(surface, p)) return false;
+    *point = {p[0], p[1], p[2]};
+    return true;
+}
 
 }  // namespace mortise::features

@@ -64,11 +64,19 @@ void Block::load(const Zone& zone, const std::vector<std::uint32_t>& tetrahedra,
         for (std::size_t k = 0; k < 5; ++k) p[k] = local(zone.pyramids[i].node[k]);
         pyramids_.push_back(p);
     }
+    tip_.assign(points_.size(), 0);
+    tips_.clear();
+    for (const auto& tip : zone.tips) {
+        if (place[tip.first] == kNone || tips_.size() == 255) continue;
+        tips_.push_back(tip.second);
+        tip_[place[tip.first]] = static_cast<std::uint8_t>(tips_.size());
+    }
     alive_.assign(tetrahedra_.size(), 1);
     original_ = tetrahedra_;
     clock_ = 1;
     changed_.assign(points_.size(), 0);
     rested_.assign(points_.size(), 0);
+    seen_at_.assign(points_.size(), 0);
     tried_.assign(tetrahedra_.size(), 0);
     for (std::size_t i = 0; i < tetrahedra_.size(); ++i) tried_[i] = tetrahedra_[i].stuck ? 1 : 0;
     if (star_.size() < points_.size()) star_.resize(points_.size());

@@ -124,6 +124,8 @@ class Block {
     bool edge_is_on_stratum(Local gone, Local kept) const;
     std::size_t count_feature_edges(Local node);
     bool links_allow(Local gone, Local kept);
+    bool is_link_whole(std::size_t outer, Local gone) const;
+    bool is_link_shared(Local gone, Local kept) const;
 
     // swap.cpp
     bool examine_edge_removal(Local a, Local b, double better_than, Change& change);
@@ -146,6 +148,8 @@ class Block {
     std::vector<Point> points_;
     std::vector<std::uint8_t> free_;
     std::vector<std::uint8_t> joined_;
+    std::vector<std::uint8_t> tip_;  ///< 0, or 1 + place in tips_
+    std::vector<Point> tips_;
     std::vector<std::vector<std::uint32_t>> strata_;
     std::vector<Tetrahedron> tetrahedra_;
     std::vector<std::uint8_t> alive_;
@@ -162,6 +166,7 @@ class Block {
     Ring ring_;
     std::vector<FaceEntry> entries_;
     std::vector<LinkNode> link_;
+    std::vector<std::uint32_t> seen_at_;  ///< scratch of links_allow, one per node
     std::vector<std::pair<Local, std::uint32_t>>
         spokes_;  ///< neighbour, surface of a facet at the edge to it
     std::vector<std::array<Point, 3>> views_;

@@ -7,6 +7,8 @@ namespace {
 
 constexpr double kLongestEdge = 1.75;  ///< cells: an edge that a collapse makes; longer ones may only shrink
 constexpr std::size_t kMostSurfaces = 8;  ///< that may have a crease in common
+/// Tetrahedra at a node; more, around a needle of the model, would take more time than they are worth.
+constexpr std::size_t kLargestStar = 512;
 constexpr double kEqual = 0.999999;
 constexpr double kLeastAlignment = 0.75;  ///< cosine between a new facet and its surface
 constexpr double kChordError = 0.1;  ///< distance of a new crease edge's middle to its surfaces, per length
@@ -69,12 +71,13 @@ bool Block::links_allow(Local gone, Local kept) {
     using Seen = LinkNode;
     std::vector<LinkNode>& seen = link_;
     seen.clear();
+    // seen_at_[n]: 1 + place of node n in `seen`, 0 for all others; left so.
     const auto find = [&](Local n) -> Seen& {
-        for (Seen& s : seen) {
-            if (s.node == n) return s;
+        if (seen_at_[n] == 0) {
+            seen.push_back({n, 0, false, false, false});
+            seen_at_[n] = static_cast<std::uint32_t>(seen.size());
         }
-        seen.push_back({n, 0, false, false, false});
-        return seen.back();
+        return seen[seen_at_[n] - 1];
     };
     std::size_t outer = 0;
     for (const std::uint32_t i : star_[gone]) {
@@ -99,20 +102,45 @@ bool Block::links_allow(Local gone, Local kept) {
             }
         }
     }
-    for (const Seen& s : seen) {
+    const bool allowed = is_link_whole(outer, gone) && is_link_shared(gone, kept);
+    for (const Seen& s : seen) seen_at_[s.node] = 0;
+    return allowed;
+}
+
+bool Block::is_link_whole(std::size_t outer, Local gone) const {
+    for (const LinkNode& s : link_) {
         if (s.outer != 0 && s.outer != 2) return false;
     }
     // Euler characteristic of the link: a sphere, or a disk on the outer boundary.
     const std::size_t tetrahedra = star_[gone].size();
     const std::size_t edges = (3 * tetrahedra + outer) / 2;
-    if (seen.size() + tetrahedra != edges + (outer == 0 ? 2u : 1u)) return false;
-    const auto is_in_link = [&](Local n) {
-        return std::find_if(seen.begin(), seen.end(), [n](const Seen& s) { return s.node == n; });
+    return link_.size() + tetrahedra == edges + (outer == 0 ? 2u : 1u);
+}
+
+bool Block::is_link_shared(Local gone, Local kept) const {
+    const auto in_link = [&](Local n) { return seen_at_[n] == 0 ? nullptr : &link_[seen_at_[n] - 1]; };
+    // Whether a tetrahedron holds both ends and both nodes.
+    const auto shares = [&](Local n, Local m) {
+        return std::any_of(star_[gone].begin(), star_[gone].end(), [&](std::uint32_t i) {
+            const auto& node = tetrahedra_[i].node;
+            return has(node, kept) && has(node, n) && has(node, m);
+        });
     };
     if (free_[kept] == 0) {
-        // Elements of `kept` in other blocks may hold nodes that are not free either.
-        for (const Seen& s : seen) {
+        // Elements of `kept` in other blocks cannot be seen: no edge and no face that they might have either.
+        for (const LinkNode& s : link_) {
             if (s.node != kept && !s.at_edge && free_[s.node] == 0) return false;
+        }
+        for (const std::uint32_t i : star_[gone]) {
+            const auto& node = tetrahedra_[i].node;
+            if (has(node, kept)) continue;
+            for (std::size_t k = 0; k < 4; ++k) {
+                for (std::size_t l = k + 1; l < 4; ++l) {
+                    if (node[k] == gone || node[l] == gone || free_[node[k]] != 0 || free_[node[l]] != 0)
+                        continue;
+                    if (!shares(node[k], node[l])) return false;
+                }
+            }
         }
     }
     for (const std::uint32_t i : star_[kept]) {
@@ -121,31 +149,26 @@ bool Block::links_allow(Local gone, Local kept) {
         for (std::size_t f = 0; f < 4; ++f) {
             const Local n = t.node[f];
             if (n == kept) continue;
-            const auto s = is_in_link(n);
-            if (s != seen.end() && !s->at_edge) return false;
+            const LinkNode* s = in_link(n);
+            if (s != nullptr && !s->at_edge) return false;
             // A triangle over the other two nodes that both ends have needs its tetrahedron at the edge.
             Local pair[2] = {kNone, kNone};
             std::size_t count = 0;
             for (const Local m : t.node) {
                 if (m != kept && m != n) pair[count++] = m;
             }
-            if (is_in_link(pair[0]) == seen.end() || is_in_link(pair[1]) == seen.end()) continue;
-            bool with_gone = false;
-            bool at_edge = false;
-            for (const std::uint32_t j : star_[gone]) {
-                const auto& m = tetrahedra_[j].node;
-                if (!has(m, pair[0]) || !has(m, pair[1])) continue;
-                with_gone = true;
-                at_edge = at_edge || has(m, kept);
-            }
-            if (with_gone && !at_edge) return false;
+            if (in_link(pair[0]) == nullptr || in_link(pair[1]) == nullptr) continue;
+            const bool with_gone = std::any_of(star_[gone].begin(), star_[gone].end(), [&](std::uint32_t j) {
+                return has(tetrahedra_[j].node, pair[0]) && has(tetrahedra_[j].node, pair[1]);
+            });
+            if (with_gone && !shares(pair[0], pair[1])) return false;
         }
         for (std::size_t f = 0; f < 4; ++f) {
             if (t.tag[f] == 0 || t.node[f] == kept) continue;
             for (const std::uint8_t k : kOpposite[f]) {
                 if (t.node[k] == kept) continue;
-                const auto s = is_in_link(t.node[k]);
-                if (s != seen.end() && s->facet && !s->facet_at_edge) return false;
+                const LinkNode* s = in_link(t.node[k]);
+                if (s != nullptr && s->facet && !s->facet_at_edge) return false;
             }
         }
     }
@@ -153,8 +176,9 @@ bool Block::links_allow(Local gone, Local kept) {
 }
 
 bool Block::examine_collapse(Local gone, Local kept, bool good_will_do, double better_than, Change& change) {
-    if (free_[gone] == 0 || joined_[gone] != 0) return false;
+    if (free_[gone] == 0 || joined_[gone] != 0 || tip_[gone] != 0) return false;
     if (!options_.change_boundary && !strata_[gone].empty()) return false;
+    if (star_[gone].size() > kLargestStar || star_[kept].size() > kLargestStar) return false;
     if (!edge_is_on_stratum(gone, kept)) return false;
     change.clear();
     change.collapse = true;

@@ -162,7 +162,7 @@ Mesh improve(Mesh mesh, const tape::BoundModel& model, const Options& options, C
     frame.origin = {model.origin[0], model.origin[1], model.origin[2]};
     frame.cell = std::ldexp(model.side, -options.level);
     frame.level = options.level;
-    Zone zone = open_zone(mesh, frame, options.threads);
+    Zone zone = open_zone(mesh, frame, find_tips(model, options.level), options.threads);
     Counters local;
     local.zone_elements = zone.tetrahedra.size() + zone.pyramids.size();
     if (!zone.tetrahedra.empty()) {

@@ -53,7 +53,10 @@ void Block::project_nodes() {
     for (Local n = 0; n < points_.size(); ++n) {
         if (star_[n].empty() || strata_[n].empty()) continue;
         Target t{points_[n], n, false};
-        if (free_[n] != 0 && (options_.change_boundary || strata_[n].size() < 3)) {
+        if (free_[n] != 0 && tip_[n] != 0) {
+            t.at = tips_[tip_[n] - 1u];
+            t.moves = t.at != points_[n];
+        } else if (free_[n] != 0 && (options_.change_boundary || strata_[n].size() < 3)) {
             t.moves = surfaces_.project(strata_[n].data(), strata_[n].size(), kProjectionReach, &t.at) &&
                       t.at != points_[n];
         }
@@ -123,7 +126,7 @@ double Block::quality_at(const Point& p, double enough) {
 
 bool Block::smooth(Local node) {
     const std::vector<std::uint32_t>& on = strata_[node];
-    if (free_[node] == 0 || on.size() > 2 || star_[node].empty()) return false;
+    if (free_[node] == 0 || tip_[node] != 0 || on.size() > 2 || star_[node].empty()) return false;
     if (rested_[node] > changed_[node]) return false;
     if (on.size() == 2 && count_feature_edges(node) != 2) return false;
     rested_[node] = clock_ + 1;

@@ -1,7 +1,10 @@
 #include "host/improve/stratum.hpp"
 
+#include <algorithm>
 #include <cmath>
 
+#include "host/tape/reference.hpp"
+#include "host/tape/singular_point.hpp"
 #include "kernels/shared/surface.h"
 
 namespace mortise::improve {
@@ -11,7 +14,40 @@ constexpr int kIterations = 12;
 constexpr double kConverged = 1e-11;  ///< of a cell: the last step of Newton's method
 constexpr double kTangent = 0.05;     ///< sine between gradients below which surfaces count as tangent
 
+/// Box-local distance, to first order, below which a surface's side of a point is not certain.
+constexpr double kUncertain = 1e-9;
+
 }  // namespace
+
+std::vector<Tip> find_tips(const tape::BoundModel& model, int level) {
+    std::vector<Tip> tips;
+    std::vector<std::uint32_t> all(model.surfaces.size());
+    for (std::size_t i = 0; i < all.size(); ++i) all[i] = static_cast<std::uint32_t>(i);
+    for (const std::uint32_t s : all) {
+        double x[3];
+        if (!tape::singular_point(model.surfaces[s], x)) continue;
+        if (!(std::min({x[0], x[1], x[2]}) >= 0 && std::max({x[0], x[1], x[2]}) <= 1)) continue;
+        std::vector<std::int8_t> signs(all.size());
+        for (const std::uint32_t other : all) {
+            const SurfaceSample sample =
+                surface_sample(&model.surfaces[other], model.expression_ops.data(), x[0], x[1], x[2]);
+            const double norm = length({sample.gradient[0], sample.gradient[1], sample.gradient[2]});
+            signs[other] = static_cast<std::int8_t>(std::fabs(sample.value) <= kUncertain * norm ? 0
+                                                    : sample.value < 0                           ? -1
+                                                                                                 : 1);
+        }
+        signs[s] = -1;
+        const std::int32_t inside =
+            tape::resolve_signs(model.tape.data(), model.tape.size(), all.data(), all.size(), signs.data());
+        signs[s] = 1;
+        const std::int32_t outside =
+            tape::resolve_signs(model.tape.data(), model.tape.size(), all.data(), all.size(), signs.data());
+        if (inside == outside || inside == kUnknown || outside == kUnknown) continue;
+        const double cells = std::ldexp(1.0, level);
+        tips.push_back({s, {cells * x[0], cells * x[1], cells * x[2]}});
+    }
+    return tips;
+}
 
 Surfaces::Surfaces(const tape::BoundModel& model, int level)
     : model_(model), cell_(std::ldexp(1.0, -level)) {}

@@ -13,6 +13,16 @@
 
 namespace mortise::improve {
 
+/// A singular point of a surface on the boundary of the solid: a corner of the model that only one surface
+/// has.
+struct Tip {
+    std::uint32_t surface;
+    Point point;  ///< in cells
+};
+
+/// The apexes of cones at which the solid really ends, in order of their surfaces.
+std::vector<Tip> find_tips(const tape::BoundModel& model, int level);
+
 /// Surfaces in units of cells, from the root box's minimum corner.
 class Surfaces {
   public:

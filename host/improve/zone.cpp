@@ -15,6 +15,7 @@ constexpr double kPoorQuality = kGoodQuality;
 /// angles and still make its neighbours flat.
 constexpr double kShortestEdge = 0.35;
 constexpr int kGrowths = 3;
+constexpr double kTipReach = 1.5;  ///< cells
 /// A split into tetrahedra that is flatter than this is replaced by a cone from the element's centre.
 constexpr double kLowestSplit = 0.02;
 
@@ -220,11 +221,12 @@ std::array<std::array<NodeId, 3>, 2> halves(const NodeId* node) {
 
 class Opener {
   public:
-    Opener(const Mesh& mesh, const CellFrame& frame, int threads)
-        : mesh_(mesh), frame_(frame), threads_(threads), cells_(frame.level) {}
+    Opener(const Mesh& mesh, const CellFrame& frame, const std::vector<Tip>& tips, int threads)
+        : mesh_(mesh), frame_(frame), tips_(tips), threads_(threads), cells_(frame.level) {}
 
     Zone open() {
-        const std::vector<std::size_t> poor = poor_cells(mesh_, frame_, cells_, threads_);
+        std::vector<std::size_t> poor = poor_cells(mesh_, frame_, cells_, threads_);
+        for (const Tip& tip : tips_) poor.push_back(cells_.index(tip.point));
         if (poor.empty()) return {};
         for (const std::size_t cell : poor) cells_.set_ring(cell);
         find_outer_quads();
@@ -236,6 +238,7 @@ class Opener {
             if (!grow()) break;
         }
         finish_nodes();
+        assign_tips();
         tag_faces();
         for (Tetrahedron& t : zone_.tetrahedra) {
             t.quality = tetrahedron_quality(zone_.points[t.node[0]], zone_.points[t.node[1]],
@@ -417,6 +420,22 @@ class Opener {
         for (std::size_t i = 0; i < count; ++i) zone_.stratum_begin[i + 1] += zone_.stratum_begin[i];
     }
 
+    /// Each tip takes the nearest node that lies on its surface alone, within reach.
+    void assign_tips() {
+        for (const Tip& tip : tips_) {
+            ZoneNode best = kNone;
+            double nearest = kTipReach * kTipReach;
+            for (ZoneNode n = 0; n < zone_.points.size(); ++n) {
+                if (zone_.stratum_size(n) != 1 || zone_.surfaces(n)[0] != tip.surface) continue;
+                const double distance = squared_length(zone_.points[n] - tip.point);
+                if (distance >= nearest) continue;
+                nearest = distance;
+                best = n;
+            }
+            if (best != kNone) zone_.tips.push_back({best, tip.point});
+        }
+    }
+
     void tag_faces() {
         const FacetBlock& facets = mesh_.facets;
         std::vector<TriangleKey> triangles;
@@ -482,6 +501,7 @@ class Opener {
 
     const Mesh& mesh_;
     const CellFrame& frame_;
+    const std::vector<Tip>& tips_;
     int threads_;
     CellSet cells_;
     Zone zone_;
@@ -492,8 +512,8 @@ class Opener {
 
 }  // namespace
 
-Zone open_zone(const Mesh& mesh, const CellFrame& frame, int threads) {
-    return Opener(mesh, frame, threads).open();
+Zone open_zone(const Mesh& mesh, const CellFrame& frame, const std::vector<Tip>& tips, int threads) {
+    return Opener(mesh, frame, tips, threads).open();
 }
 
 }  // namespace mortise::improve

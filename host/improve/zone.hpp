@@ -56,6 +56,8 @@ struct Zone {
     std::vector<std::uint32_t> stratum;
     std::vector<std::uint32_t> stratum_begin;
 
+    std::vector<std::pair<ZoneNode, Point>> tips;  ///< nodes that belong to a surface's singular point
+
     std::size_t stratum_size(ZoneNode i) const { return stratum_begin[i + 1] - stratum_begin[i]; }
     const std::uint32_t* surfaces(ZoneNode i) const { return stratum.data() + stratum_begin[i]; }
 
@@ -73,8 +75,9 @@ struct CellFrame {
     int level;
 };
 
-/// Collects the zone. `threads` host threads; the result does not depend on them.
-Zone open_zone(const Mesh& mesh, const CellFrame& frame, int threads);
+/// Collects the zone; cells of tips count as poor. `threads` host threads; the result does not depend on
+/// them.
+Zone open_zone(const Mesh& mesh, const CellFrame& frame, const std::vector<Tip>& tips, int threads);
 
 /// Puts the zone's elements, facets and moved nodes in place of those that were taken.
 Mesh close_zone(const Mesh& mesh, const CellFrame& frame, const Zone& zone);

@@ -1,0 +1,325 @@
+#include "host/probe/leaf.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "host/probe/variation.hpp"
+#include "kernels/shared/surface.h"
+
+namespace mortise::probe {
+namespace {
+
+constexpr std::uint32_t kPieces = kSide * kSide * kSide;
+
+/// Neighbour of a piece across its face f, or kPieces beyond the leaf.
+std::uint32_t neighbour(std::uint32_t piece, int f) {
+    const std::uint32_t shift = static_cast<std::uint32_t>(kDepth * (f / 2));
+    const std::uint32_t at = (piece >> shift) & (kSide - 1);
+    if (at == ((f & 1) != 0 ? kSide - 1u : 0u)) return kPieces;
+    return (f & 1) != 0 ? piece + (1u << shift) : piece - (1u << shift);
+}
+
+}  // namespace
+
+tape::Cell LeafProbe::cell(const std::uint8_t* at, int depth) const {
+    const double edge = std::ldexp(tree_.cell_size(), -depth);
+    tape::Cell result{};
+    for (int j = 0; j < 3; ++j) result.centre[j] = low_[j] + (at[j] + 0.5) * edge;
+    result.half = 0.5 * edge;
+    return result;
+}
+
+Vec3 LeafProbe::centre(std::uint32_t piece) const {
+    const std::uint8_t at[3] = {static_cast<std::uint8_t>(piece % kSide),
+                                static_cast<std::uint8_t>(piece / kSide % kSide),
+                                static_cast<std::uint8_t>(piece / (kSide * kSide))};
+    const tape::Cell c = cell(at, kDepth);
+    return {c.centre[0], c.centre[1], c.centre[2]};
+}
+
+/// The one sign of a surface at the leaf's samples, 0 if there are two or none.
+std::int8_t LeafProbe::sample_sign(std::uint32_t surface) const {
+    bool negative = false;
+    bool positive = false;
+    for (int k = 0; k < 27; ++k) {
+        const int d[3] = {k % 3, k / 3 % 3, k / 9};
+        const int middles = (d[0] == 1) + (d[1] == 1) + (d[2] == 1);
+        if (middles == 1) continue;  // the middle of an edge is no sample
+        double x[3];
+        for (int j = 0; j < 3; ++j) x[j] = low_[j] + 0.5 * d[j] * tree_.cell_size();
+        const int sign = surface_sign(&model_.surfaces[surface], model_.expression_ops.data(), x[0], x[1],
+                                      x[2], tree_.cell_size());
+        negative = negative || sign < 0;
+        positive = positive || sign > 0;
+        if (negative && positive) return 0;
+    }
+    return static_cast<std::int8_t>(positive ? 1 : negative ? -1 : 0);
+}
+
+void LeafProbe::load_tape(const TreeNode& leaf) {
+    surfaces_.clear();
+    const std::uint32_t* words = tree_.tapes.data() + leaf.tape_offset;
+    for (std::uint32_t i = 0; i < leaf.tape_length; ++i) {
+        if (tape_operation(words[i]) == kTapeLiteral) surfaces_.push_back(tape_surface(words[i]));
+    }
+    std::sort(surfaces_.begin(), surfaces_.end());
+    surfaces_.erase(std::unique(surfaces_.begin(), surfaces_.end()), surfaces_.end());
+    local_tape_.load(words, leaf.tape_length, surfaces_);
+}
+
+/// Finds the hidden surfaces; false if there are none that may hide a feature.
+bool LeafProbe::load(const TreeNode& leaf) {
+    for (int j = 0; j < 3; ++j) low_[j] = gather_bits(leaf.morton >> j) * tree_.cell_size();
+    const std::uint8_t origin[3] = {0, 0, 0};
+    const tape::Cell whole = cell(origin, 0);
+    // One smooth surface alone, by far the most frequent, is asked before anything is set up.
+    const std::uint32_t* words = tree_.tapes.data() + leaf.tape_offset;
+    std::uint32_t curved = 0;
+    std::uint32_t last = 0xffffffffu;
+    for (std::uint32_t i = 0; i < leaf.tape_length; ++i) {
+        if (tape_operation(words[i]) != kTapeLiteral || tape_surface(words[i]) == last) continue;
+        if (model_.surfaces[tape_surface(words[i])].kind == kSurfacePlane) continue;
+        last = tape_surface(words[i]);
+        ++curved;
+    }
+    if (curved == 0 || (curved == 1 && has_small_variation(model_, last, whole))) return false;
+    load_tape(leaf);
+    hidden_.clear();
+    hidden_sign_.clear();
+    bool steady = true;
+    for (std::uint32_t s = 0; s < surfaces_.size(); ++s) {
+        if (model_.surfaces[surfaces_[s]].kind == kSurfacePlane) continue;
+        if (tape::classify_surface(model_, surfaces_[s], whole) != 0) continue;
+        const std::int8_t sign = sample_sign(surfaces_[s]);
+        if (sign == 0) continue;
+        steady = steady && has_small_variation(model_, surfaces_[s], whole);
+        hidden_.push_back(s);
+        hidden_sign_.push_back(sign);
+    }
+    // Two caps together may still hide something between them: a lens.
+    return !hidden_.empty() && !(hidden_.size() == 1 && steady);
+}
+
+void LeafProbe::subdivide() {
+    found_.clear();
+    pieces_.assign(1, Piece{{0, 0, 0}, false});
+    for (int depth = 1;; ++depth) {
+        next_.clear();
+        for (const Piece& parent : pieces_) {
+            for (int c = 0; c < 8; ++c) {
+                Piece child = parent;
+                for (int j = 0; j < 3; ++j)
+                    child.at[j] = static_cast<std::uint8_t>(2 * parent.at[j] + ((c >> j) & 1));
+                if (!parent.decided) {
+                    const tape::Cell box = cell(child.at, depth);
+                    bool contrary = false;
+                    child.decided = true;
+                    for (std::size_t h = 0; h < hidden_.size(); ++h) {
+                        const int sign = tape::classify_surface(model_, surfaces_[hidden_[h]], box);
+                        contrary = contrary || sign != hidden_sign_[h];
+                        child.decided = child.decided && sign != 0;
+                    }
+                    if (!contrary) continue;
+                }
+                next_.push_back(child);
+            }
+        }
+        if (next_.empty()) return;
+        const bool full = next_.size() > kMostPieces;
+        if (!full) pieces_.swap(next_);
+        if (full || depth == kDepth) {
+            found_.assign(kPieces, Found{});
+            for (const Piece& piece : pieces_) sample(piece, full ? depth - 1 : depth);
+            return;
+        }
+    }
+}
+
+/// Whether the solid at x differs from what it is with the hidden surfaces' signs at the samples.
+bool LeafProbe::is_missed(const Vec3& x, Found& found) {
+    signs_.resize(surfaces_.size());
+    for (std::size_t s = 0; s < surfaces_.size(); ++s) {
+        const double value = surface_value(&model_.surfaces[surfaces_[s]], model_.expression_ops.data(), x[0],
+                                           x[1], x[2]);
+        signs_[s] = value <= 0 ? std::int8_t{-1} : std::int8_t{1};
+    }
+    assumed_ = signs_;
+    bool contrary = false;
+    double deepest = 0;
+    for (std::size_t h = 0; h < hidden_.size(); ++h) {
+        if (signs_[hidden_[h]] == hidden_sign_[h]) continue;
+        contrary = true;
+        assumed_[hidden_[h]] = hidden_sign_[h];
+        const double value =
+            std::fabs(surface_value(&model_.surfaces[surfaces_[hidden_[h]]], model_.expression_ops.data(), x[0],
+                                    x[1], x[2]));
+        deepest = std::max(deepest, value);
+    }
+    if (!contrary) return false;
+    const std::int32_t region = local_tape_.resolve(signs_.data());
+    if (region == local_tape_.resolve(assumed_.data())) return false;
+    found = {region, x, deepest};
+    return true;
+}
+
+/// Looks for a missed point in a piece: its centre, then towards the hidden surfaces and as far beyond them.
+/// For a ball or a tube that is thin compared with the piece the second step ends at its middle.
+void LeafProbe::sample(const Piece& piece, int depth) {
+    const tape::Cell box = cell(piece.at, depth);
+    const Vec3 middle = {box.centre[0], box.centre[1], box.centre[2]};
+    Found found;
+    bool missed = is_missed(middle, found);
+    for (std::size_t h = 0; h < hidden_.size() && !missed && !piece.decided; ++h) {
+        const Surface* surface = &model_.surfaces[surfaces_[hidden_[h]]];
+        Vec3 x = middle;
+        for (int step = 0; step < 2 && !missed; ++step) {
+            const SurfaceSample f =
+                surface_sample(surface, model_.expression_ops.data(), x[0], x[1], x[2]);
+            const double squared = f.gradient[0] * f.gradient[0] + f.gradient[1] * f.gradient[1] +
+                                   f.gradient[2] * f.gradient[2];
+            if (!(squared > 0) || !(squared < kMortiseInfinity)) break;
+            const double factor = 2 * f.value / squared;
+            for (std::size_t j = 0; j < 3; ++j) {
+                x[j] = std::clamp(x[j] - factor * f.gradient[j], box.centre[j] - box.half,
+                                  box.centre[j] + box.half);
+            }
+            missed = is_missed(x, found);
+        }
+    }
+    if (!missed) return;
+    const int shift = kDepth - depth;
+    const std::uint32_t edge = 1u << shift;
+    for (std::uint32_t k = 0; k < edge * edge * edge; ++k) {
+        const std::uint32_t x = (std::uint32_t{piece.at[0]} << shift) + k % edge;
+        const std::uint32_t y = (std::uint32_t{piece.at[1]} << shift) + k / edge % edge;
+        const std::uint32_t z = (std::uint32_t{piece.at[2]} << shift) + k / (edge * edge);
+        found_[x + kSide * (y + kSide * z)] = found;
+    }
+}
+
+void LeafProbe::run(std::uint32_t leaf, std::vector<Component>& out) {
+    if (!load(tree_.nio[leaf])) return;
+    subdivide();
+    if (!found_.empty()) gather(leaf, out);
+}
+
+std::int32_t LeafProbe::region_at(const TreeNode& leaf, const Vec3& x) {
+    load_tape(leaf);
+    signs_.resize(surfaces_.size());
+    for (std::size_t s = 0; s < surfaces_.size(); ++s) {
+        const double value = surface_value(&model_.surfaces[surfaces_[s]], model_.expression_ops.data(), x[0],
+                                           x[1], x[2]);
+        signs_[s] = value <= 0 ? std::int8_t{-1} : std::int8_t{1};
+    }
+    return local_tape_.resolve(signs_.data());
+}
+
+void LeafProbe::gather(std::uint32_t leaf, std::vector<Component>& out) {
+    const std::size_t first = out.size();
+    layer_.assign(kPieces, 0);  // 1: already in a component
+    for (std::uint32_t seed = 0; seed < kPieces; ++seed) {
+        if (found_[seed].region < 0 || layer_[seed] != 0) continue;
+        Component component;
+        component.leaf = leaf;
+        component.region = static_cast<std::uint16_t>(found_[seed].region);
+        component.pieces.push_back(static_cast<std::uint16_t>(seed));
+        layer_[seed] = 1;
+        for (std::size_t i = 0; i < component.pieces.size(); ++i) {
+            for (int f = 0; f < 6; ++f) {
+                const std::uint32_t other = neighbour(component.pieces[i], f);
+                if (other == kPieces || layer_[other] != 0) continue;
+                if (found_[other].region != component.region) continue;
+                layer_[other] = 1;
+                component.pieces.push_back(static_cast<std::uint16_t>(other));
+            }
+        }
+        std::sort(component.pieces.begin(), component.pieces.end());
+        out.push_back(std::move(component));
+    }
+    std::size_t largest = first;
+    for (std::size_t i = first; i < out.size(); ++i) {
+        finish(out[i]);
+        if (out[i].pieces.size() > out[largest].pieces.size()) largest = i;
+    }
+    // One cone has one apex.
+    for (std::size_t i = first; i < out.size(); ++i)
+        out[i].usable = i == largest && !centre_needed_ && sees_all(out[i]);
+}
+
+/// Depth, point and contacts of a component. Pieces at the leaf's faces count as on its rim: the point keeps
+/// away from them.
+void LeafProbe::finish(Component& component) {
+    std::vector<std::uint16_t> front;
+    std::vector<std::uint16_t> next;
+    std::fill(layer_.begin(), layer_.end(), std::uint8_t{0});
+    for (const std::uint16_t piece : component.pieces) {
+        bool rim = false;
+        bool open = false;
+        for (int f = 0; f < 6; ++f) {
+            const std::uint32_t other = neighbour(piece, f);
+            if (other == kPieces || found_[other].region != component.region) rim = true;
+            if (other == kPieces || found_[other].region >= 0 || open) continue;
+            Found unused;
+            const Vec3 x = centre(other);
+            // Not missed, so meshed as what it is.
+            for (std::size_t s = 0; s < surfaces_.size(); ++s) {
+                const double value = surface_value(&model_.surfaces[surfaces_[s]],
+                                                   model_.expression_ops.data(), x[0], x[1], x[2]);
+                signs_[s] = value <= 0 ? std::int8_t{-1} : std::int8_t{1};
+            }
+            open = local_tape_.resolve(signs_.data()) == component.region && !is_missed(x, unused);
+        }
+        if (open) component.open.push_back(piece);
+        if (rim) {
+            layer_[piece] = 1;
+            front.push_back(piece);
+        }
+    }
+    component.attached = !component.open.empty();
+    for (std::uint8_t depth = 1; !front.empty(); ++depth) {
+        component.depth = depth;
+        next.clear();
+        for (const std::uint16_t piece : front) {
+            for (int f = 0; f < 6; ++f) {
+                const std::uint32_t other = neighbour(piece, f);
+                if (other == kPieces || layer_[other] != 0 || found_[other].region != component.region) continue;
+                layer_[other] = static_cast<std::uint8_t>(depth + 1);
+                next.push_back(static_cast<std::uint16_t>(other));
+            }
+        }
+        front.swap(next);
+    }
+    double deepest = -1;
+    for (const std::uint16_t piece : component.pieces) {
+        if (layer_[piece] != component.depth || found_[piece].value <= deepest) continue;
+        deepest = found_[piece].value;
+        component.point = found_[piece].point;
+    }
+}
+
+/// Whether the whole component is visible from its point, so that a cone from there has its topology, and the
+/// point is far enough from the leaf's faces.
+bool LeafProbe::sees_all(const Component& component) {
+    constexpr double kMargin = 1.0 / 64;
+    const double edge = tree_.cell_size();
+    for (std::size_t j = 0; j < 3; ++j) {
+        const double x = (component.point[j] - low_[j]) / edge;
+        if (!(x > kMargin && x < 1 - kMargin)) return false;
+    }
+    for (const std::uint16_t piece : component.pieces) {
+        const Vec3& to = found_[piece].point;
+        double length = 0;
+        for (std::size_t j = 0; j < 3; ++j) length = std::max(length, std::fabs(to[j] - component.point[j]));
+        const int steps = static_cast<int>(2 * kSide * length / edge) + 1;
+        for (int i = 1; i < steps; ++i) {
+            Found at;
+            Vec3 x{};
+            for (std::size_t j = 0; j < 3; ++j)
+                x[j] = component.point[j] + (to[j] - component.point[j]) * i / steps;
+            if (!is_missed(x, at) || at.region != component.region) return false;
+        }
+    }
+    return true;
+}
+
+}  // namespace mortise::probe

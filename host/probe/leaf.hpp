@@ -1,0 +1,85 @@
+// What the samples of one NIO leaf miss of the solid in it.
+//
+// A surface is hidden in a leaf if it has one sign at all of the leaf's samples (corners, face centres,
+// centre): templates and certificate then take that sign for the whole leaf. Where the surface passes through
+// the leaf all the same, the solid may differ from the mesh. The leaf is subdivided by interval bounds down
+// to kSide pieces per edge, and the pieces that differ are gathered into components.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "host/octree/octree.hpp"
+#include "host/tape/compile.hpp"
+#include "host/tape/local_tape.hpp"
+#include "host/tape/reference.hpp"
+
+namespace mortise::probe {
+
+inline constexpr int kDepth = 4;             ///< subdivisions of a leaf
+inline constexpr int kSide = 1 << kDepth;    ///< pieces per edge; a ball of radius √3/2 of one is found for certain
+inline constexpr std::size_t kMostPieces = 4096;  ///< pieces of one depth; with more, the depth before is final
+
+/// Pieces of one leaf, joined by faces, that lie in `region` and are meshed as another one.
+struct Component {
+    std::uint32_t leaf = 0;               ///< index into Octree::nio
+    std::uint16_t region = 0;             ///< 0: outside
+    bool attached = false;                ///< touches pieces of its region that are meshed as such, in this leaf
+    bool usable = false;                  ///< its leaf may have the point below as the apex of its cone
+    std::vector<std::uint16_t> pieces;    ///< x + kSide·y + kSide²·z, ascending
+    std::vector<std::uint16_t> open;      ///< those of them that touch such meshed pieces
+    Vec3 point{};                         ///< well inside, box-local
+    int depth = 0;                        ///< layers of pieces around `point`
+};
+
+/// Probes leaves one at a time; keeps its scratch memory. One per thread.
+class LeafProbe {
+  public:
+    LeafProbe(const tape::BoundModel& model, const octree::Octree& tree) : model_(model), tree_(tree) {}
+
+    /// Appends the leaf's components, ordered by their first pieces.
+    void run(std::uint32_t leaf, std::vector<Component>& out);
+
+    /// Region of the solid at a point of a leaf, by the leaf's tape.
+    std::int32_t region_at(const TreeNode& leaf, const Vec3& x);
+
+  private:
+    struct Piece {
+        std::uint8_t at[3];  ///< of 2^depth per edge
+        bool decided;        ///< no hidden surface is undecided in it
+    };
+    struct Found {
+        std::int32_t region = -1;  ///< -1: nothing missed here
+        Vec3 point{};
+        double value = 0;  ///< |f| of the hidden surface there
+    };
+
+    bool load(const TreeNode& leaf);
+    void load_tape(const TreeNode& leaf);
+    std::int8_t sample_sign(std::uint32_t surface) const;
+    void subdivide();
+    void sample(const Piece& piece, int depth);
+    bool is_missed(const Vec3& x, Found& found);
+    void gather(std::uint32_t leaf, std::vector<Component>& out);
+    void finish(Component& component);
+    bool sees_all(const Component& component);
+    Vec3 centre(std::uint32_t piece) const;
+    tape::Cell cell(const std::uint8_t* at, int depth) const;
+
+    const tape::BoundModel& model_;
+    const octree::Octree& tree_;
+    double low_[3] = {};
+    std::vector<std::uint32_t> surfaces_;  ///< of the leaf's tape, ascending
+    std::uint32_t loaded_ = 0xffffffffu;   ///< offset of the tape in local_tape_
+    tape::LocalTape local_tape_;
+    std::vector<std::uint32_t> hidden_;      ///< indices into surfaces_
+    std::vector<std::int8_t> hidden_sign_;   ///< at the samples
+    bool centre_needed_ = false;             ///< only the leaf's centre tells of some other surface
+    std::vector<Piece> pieces_, next_;
+    std::vector<Found> found_;  ///< by piece of the last depth, or empty
+    std::vector<std::int8_t> signs_, assumed_;
+    std::vector<std::uint8_t> layer_;
+};
+
+}  // namespace mortise::probe

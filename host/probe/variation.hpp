@@ -1,0 +1,18 @@
+// Small normal variation: the test that tells a leaf which a smooth surface merely grazes from one that may
+// hide a whole feature of it.
+#pragma once
+
+#include <cstdint>
+
+#include "host/tape/compile.hpp"
+#include "host/tape/reference.hpp"
+
+namespace mortise::probe {
+
+/// Whether no two normals of a surface's level sets in the closed cell are 90° or more apart, by bounds of
+/// the gradient (Plantinga & Vegter 2004). Then the surface is a graph there: it has no closed component in
+/// the cell, no two sheets and no axis, and what the cell's samples miss of it is a shallow cap. May say no
+/// where it is so, never yes where it is not.
+bool has_small_variation(const tape::BoundModel& model, std::uint32_t surface, const tape::Cell& cell);
+
+}  // namespace mortise::probe
