@@ -121,9 +121,12 @@ class Block {
 
     // collapse.cpp
     bool examine_collapse(Local gone, Local kept, bool good_will_do, double better_than, Change& change);
+    bool facets_stay_aligned(Local gone, Local kept) const;
+    bool examine_ear(Local gone, Change& change);
     bool edge_is_on_stratum(Local gone, Local kept) const;
     std::size_t count_feature_edges(Local node);
     bool links_allow(Local gone, Local kept);
+    bool is_joined_link_whole(Local gone, Local kept) const;
     bool is_link_whole(std::size_t outer, Local gone) const;
     bool is_link_shared(Local gone, Local kept) const;
 

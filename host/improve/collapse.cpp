@@ -6,6 +6,8 @@ namespace mortise::improve {
 namespace {
 
 constexpr double kLongestEdge = 1.75;  ///< cells: an edge that a collapse makes; longer ones may only shrink
+constexpr double kOffSurface = 2e-5;   ///< cells: nodes that could not be projected are closer than that
+constexpr double kTinyFacet = 1e-3;    ///< cells: a facet without a longer edge has no direction to speak of
 constexpr std::size_t kMostSurfaces = 8;  ///< that may have a crease in common
 /// Tetrahedra at a node; more, around a needle of the model, would take more time than they are worth.
 constexpr std::size_t kLargestStar = 512;
@@ -102,9 +104,50 @@ bool Block::links_allow(Local gone, Local kept) {
             }
         }
     }
-    const bool allowed = is_link_whole(outer, gone) && is_link_shared(gone, kept);
+    // Where two sheets touch along this very edge, the collapse may part them: then what counts is the
+    // result.
+    const bool is_pinched = find(kept).outer == 4;
+    const bool allowed = (is_pinched || is_link_whole(outer, gone)) && is_link_shared(gone, kept) &&
+                         (!is_pinched || (free_[kept] != 0 && is_joined_link_whole(gone, kept)));
     for (const Seen& s : seen) seen_at_[s.node] = 0;
     return allowed;
+}
+
+/// Whether the node that a collapse leaves would have a sphere or a disk with manifold boundary for its link.
+bool Block::is_joined_link_whole(Local gone, Local kept) const {
+    std::vector<Local> nodes;
+    std::vector<Local> rim;  // every node once for each outer facet at the edge to it
+    std::size_t tetrahedra = 0;
+    std::size_t outer = 0;
+    const auto add_facet = [&](FaceTag tag, const Tetrahedron& t, std::size_t face) {
+        if (tag == 0 || (tag & kTagInterface) != 0) return;
+        ++outer;
+        for (const std::uint8_t k : kOpposite[face]) {
+            if (t.node[k] != gone && t.node[k] != kept) rim.push_back(t.node[k]);
+        }
+    };
+    for (const Local end : {gone, kept}) {
+        for (const std::uint32_t i : star_[end]) {
+            const Tetrahedron& t = tetrahedra_[i];
+            const bool vanishes = has(t.node, gone) && has(t.node, kept);
+            if (vanishes && end == kept) continue;
+            tetrahedra += vanishes ? 0 : 1;
+            for (std::size_t f = 0; f < 4; ++f) {
+                const bool is_end = t.node[f] == gone || t.node[f] == kept;
+                if (!vanishes && !is_end) nodes.push_back(t.node[f]);
+                // Of an element that vanishes, the facets opposite the ends pass to its neighbours.
+                if (vanishes == is_end) add_facet(t.tag[f], t, f);
+            }
+        }
+    }
+    std::sort(nodes.begin(), nodes.end());
+    nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+    std::sort(rim.begin(), rim.end());
+    for (std::size_t i = 0; i < rim.size(); i += 2) {
+        if (i + 1 == rim.size() || rim[i] != rim[i + 1] || (i + 2 < rim.size() && rim[i + 2] == rim[i]))
+            return false;
+    }
+    return nodes.size() + tetrahedra == (3 * tetrahedra + outer) / 2 + (outer == 0 ? 2u : 1u);
 }
 
 bool Block::is_link_whole(std::size_t outer, Local gone) const {
@@ -175,17 +218,100 @@ bool Block::is_link_shared(Local gone, Local kept) const {
     return true;
 }
 
+/// Whether the facets that a collapse changes lie along their surfaces as well as they did.
+bool Block::facets_stay_aligned(Local gone, Local kept) const {
+    const std::vector<std::uint32_t>& on = strata_[gone];
+    const auto is_tiny = [&](const std::array<Local, 3>& face) {
+        double longest = 0;
+        for (std::size_t k = 0; k < 3; ++k) {
+            longest = std::max(longest, squared_length(points_[face[k]] - points_[face[(k + 1) % 3]]));
+        }
+        return longest < kTinyFacet * kTinyFacet;
+    };
+    // First which way the facets of each surface look, then each facet.
+    double way[kMostSurfaces] = {};
+    for (int pass = 0; pass < 2; ++pass) {
+        for (const std::uint32_t i : star_[gone]) {
+            const Tetrahedron& t = tetrahedra_[i];
+            for (std::size_t f = 0; f < 4; ++f) {
+                if (t.tag[f] == 0 || t.node[f] == gone) continue;
+                const std::uint32_t surface = tag_surface(t.tag[f]);
+                const auto place =
+                    static_cast<std::size_t>(std::find(on.begin(), on.end(), surface) - on.begin());
+                if (place == on.size()) return false;
+                // Both sides of an interface have the facet: take the one that calls it inside.
+                if ((t.tag[f] & kTagInside) == 0) continue;
+                const auto& o = kOpposite[f];
+                std::array<Local, 3> face = {t.node[o[0]], t.node[o[1]], t.node[o[2]]};
+                const Point& a = points_[face[0]];
+                const double before = alignment(surface, a, points_[face[1]], points_[face[2]]);
+                if (pass == 0) {
+                    way[place] += before * length(cross(points_[face[1]] - a, points_[face[2]] - a));
+                    continue;
+                }
+                if (has(t.node, kept) && t.node[f] != kept) continue;  // the facet vanishes
+                const bool was_tiny = is_tiny(face);
+                for (Local& n : face) n = n == gone ? kept : n;
+                if (is_tiny(face)) continue;
+                const double sign = way[place] < 0 ? -1 : 1;
+                const double limit = was_tiny ? kLeastAlignment : std::min(kLeastAlignment, sign * before);
+                const double after = alignment(surface, points_[face[0]], points_[face[1]], points_[face[2]]);
+                if (!(sign * after >= limit)) return false;
+            }
+        }
+    }
+    return true;
+}
+
+/// A tetrahedron with three facets of one surface at a node that only it has: it goes, and its fourth face
+/// becomes the facet.
+bool Block::examine_ear(Local gone, Change& change) {
+    const std::uint32_t ear = star_[gone].front();
+    const Tetrahedron& t = tetrahedra_[ear];
+    const auto ig = static_cast<std::size_t>(std::find(t.node.begin(), t.node.end(), gone) - t.node.begin());
+    const FaceTag tag = t.tag[(ig + 1) % 4];
+    if (t.tag[ig] != 0 || tag == 0 || (tag & kTagInterface) != 0) return false;
+    for (std::size_t f = 0; f < 4; ++f) {
+        if (f != ig && t.tag[f] != tag) return false;
+    }
+    const std::uint32_t other = across(ear, ig);
+    if (other == kNone || !options_.change_boundary) return false;
+    const std::uint32_t surface = tag_surface(tag);
+    const auto faces_surface = [&](std::size_t f, bool inward) {
+        const auto& o = kOpposite[f];
+        return alignment(surface, points_[t.node[o[0]]], points_[t.node[o[inward ? 2 : 1]]],
+                         points_[t.node[o[inward ? 1 : 2]]]);
+    };
+    // The new facet looks the other way than the ear's own face.
+    double before = 0;
+    for (std::size_t f = 0; f < 4; ++f) {
+        if (f != ig && std::fabs(faces_surface(f, false)) > std::fabs(before))
+            before = faces_surface(f, false);
+    }
+    const double sign = before < 0 ? -1 : 1;
+    if (!(sign * faces_surface(ig, true) >= std::min(kLeastAlignment, sign * before))) return false;
+    change.clear();
+    change.collapse = true;
+    change.before = t.quality;
+    change.removed.push_back(ear);
+    const auto& n = tetrahedra_[other].node;
+    for (std::uint32_t f = 0; f < 4; ++f) {
+        if (!has(t.node, n[f])) change.retagged.push_back({other, f, tag});
+    }
+    return true;
+}
+
 bool Block::examine_collapse(Local gone, Local kept, bool good_will_do, double better_than, Change& change) {
     if (free_[gone] == 0 || joined_[gone] != 0 || tip_[gone] != 0) return false;
     if (!options_.change_boundary && !strata_[gone].empty()) return false;
     if (star_[gone].size() > kLargestStar || star_[kept].size() > kLargestStar) return false;
+    if (star_[gone].size() == 1) return examine_ear(gone, change);
     if (!edge_is_on_stratum(gone, kept)) return false;
     change.clear();
     change.collapse = true;
     entries_.clear();
     const bool on_surface = !strata_[gone].empty();
     double longest_before = kLongestEdge * kLongestEdge;
-    double alignment_before = kLeastAlignment;
     for (const std::uint32_t i : star_[gone]) {
         const Tetrahedron& t = tetrahedra_[i];
         change.removed.push_back(i);
@@ -240,22 +366,7 @@ bool Block::examine_collapse(Local gone, Local kept, bool good_will_do, double b
         tag_added(change, entries_);
         return true;
     }
-    for (const std::uint32_t i : star_[gone]) {
-        const Tetrahedron& t = tetrahedra_[i];
-        for (std::size_t f = 0; f < 4; ++f) {
-            if (t.tag[f] == 0 || t.node[f] == gone) continue;
-            const std::uint32_t surface = tag_surface(t.tag[f]);
-            const auto& o = kOpposite[f];
-            std::array<Local, 3> face = {t.node[o[0]], t.node[o[1]], t.node[o[2]]};
-            const double before = alignment(surface, points_[face[0]], points_[face[1]], points_[face[2]]);
-            if (has(t.node, kept) && t.node[f] != kept) continue;  // the facet vanishes
-            for (Local& n : face) n = n == gone ? kept : n;
-            const double after = alignment(surface, points_[face[0]], points_[face[1]], points_[face[2]]);
-            const double sign = before < 0 ? -1 : 1;
-            alignment_before = std::min(kLeastAlignment, sign * before);
-            if (!(sign * after >= alignment_before)) return false;
-        }
-    }
+    if (!facets_stay_aligned(gone, kept)) return false;
     if (strata_[gone].size() > 1) {
         if (count_feature_edges(gone) != 2) return false;  // a corner, or where a crease ends
         // The crease's next node on the other side: its new edge must stay close to both surfaces.
@@ -264,7 +375,7 @@ bool Block::examine_collapse(Local gone, Local kept, bool good_will_do, double b
             for (const Local n : t.node) {
                 if (n == gone || n == kept || strata_[n].size() < 2 || !edge_is_on_stratum(gone, n)) continue;
                 const Point middle = 0.5 * (points_[n] + points_[kept]);
-                const double limit = kChordError * length(points_[n] - points_[kept]);
+                const double limit = std::max(kChordError * length(points_[n] - points_[kept]), kOffSurface);
                 for (const std::uint32_t surface : strata_[gone]) {
                     const Surfaces::Sample s = surfaces_.sample(surface, middle);
                     if (!s.valid || !(std::fabs(s.value) <= limit * length(s.gradient))) return false;

@@ -79,7 +79,9 @@ class Improver {
     }
 
     bool is_done() const {
-        return std::none_of(zone_.tetrahedra.begin(), zone_.tetrahedra.end(),
+        return std::none_of(zone_.tips.begin(), zone_.tips.end(),
+                            [this](const auto& tip) { return is_unplaced(tip.first); }) &&
+               std::none_of(zone_.tetrahedra.begin(), zone_.tetrahedra.end(),
                             [](const Tetrahedron& t) { return t.quality < kGoodQuality; }) &&
                std::none_of(zone_.pyramids.begin(), zone_.pyramids.end(),
                             [this](const Pyramid& p) { return quality_of(p) < kGoodQuality; });
@@ -104,6 +106,11 @@ class Improver {
         return key;
     }
 
+    bool is_unplaced(ZoneNode n) const {
+        return std::any_of(zone_.tips.begin(), zone_.tips.end(),
+                           [&](const auto& tip) { return tip.first == n && zone_.points[n] != tip.second; });
+    }
+
     void group(double shift) {
         const std::size_t tetrahedra = zone_.tetrahedra.size();
         std::vector<std::pair<std::uint64_t, std::uint32_t>> order(tetrahedra + zone_.pyramids.size());
@@ -122,7 +129,10 @@ class Improver {
             Group& group = groups_.back();
             if (entry.second < tetrahedra) {
                 group.tetrahedra.push_back(entry.second);
-                group.poor = group.poor || zone_.tetrahedra[entry.second].quality < kGoodQuality;
+                const Tetrahedron& t = zone_.tetrahedra[entry.second];
+                group.poor =
+                    group.poor || t.quality < kGoodQuality ||
+                    std::any_of(t.node.begin(), t.node.end(), [this](ZoneNode n) { return is_unplaced(n); });
             } else {
                 const auto i = static_cast<std::uint32_t>(entry.second - tetrahedra);
                 group.pyramids.push_back(i);
@@ -162,11 +172,11 @@ Mesh improve(Mesh mesh, const tape::BoundModel& model, const Options& options, C
     frame.origin = {model.origin[0], model.origin[1], model.origin[2]};
     frame.cell = std::ldexp(model.side, -options.level);
     frame.level = options.level;
-    Zone zone = open_zone(mesh, frame, find_tips(model, options.level), options.threads);
+    const Surfaces surfaces(model, options.level);
+    Zone zone = open_zone(mesh, frame, surfaces, find_tips(model, options.level), options.threads);
     Counters local;
     local.zone_elements = zone.tetrahedra.size() + zone.pyramids.size();
     if (!zone.tetrahedra.empty()) {
-        const Surfaces surfaces(model, options.level);
         Improver improver(zone, surfaces, options);
         for (int pass = 0; pass < kPasses && (pass == 0 || !improver.is_done()); ++pass) {
             improver.pass(kBlockCells / kPasses * pass, local);

@@ -7,8 +7,11 @@ namespace {
 
 constexpr double kProjectionReach = 0.25;  ///< cells: farther, the stratum is not what the mesh shows
 constexpr double kSamePlace = 1e-6;        ///< cells: targets closer than this are one point of the model
-constexpr double kFirstStep = 0.25;        ///< of the mean length of the node's edges
+constexpr double kFlatAtCorner = 0.01;
+constexpr double kFirstStep = 0.25;  ///< of the mean length of the node's edges
 constexpr int kHalvings = 4;
+constexpr double kLongest = 1e9;
+constexpr double kCluster = 0.05;  ///< shortest per mean edge
 constexpr double kLeastAlignment = 0.75;
 
 }  // namespace
@@ -87,8 +90,10 @@ void Block::project_nodes() {
         const Point before = points_[t.node];
         const double worst = star_quality(t.node, kInvertedQuality);
         points_[t.node] = t.at;
-        // On its surface an element may be a little worse; but never flat.
-        if (!(star_quality(t.node, kLowestQuality) > std::max(0.5 * worst, kLowestQuality))) {
+        // On its surface an element may be a little worse, at a corner much worse for now; but never flat.
+        const bool is_corner = tip_[t.node] != 0 || strata_[t.node].size() > 2;
+        const double enough = std::min(0.5 * worst, is_corner ? kFlatAtCorner : 1);
+        if (!(star_quality(t.node, kLowestQuality) > std::max(enough, kLowestQuality))) {
             points_[t.node] = before;
             continue;
         }
@@ -136,6 +141,7 @@ bool Block::smooth(Local node) {
 
     Point mean = {0, 0, 0};
     double size = 0;
+    double shortest = kLongest;
     double count = 0;
     const Point start = points_[node];
     Point away = {0, 0, 0};  // from the face opposite the node in its worst element
@@ -152,7 +158,9 @@ bool Block::smooth(Local node) {
                 continue;
             }
             mean = mean + points_[t.node[k]];
-            size += length(points_[t.node[k]] - start);
+            const double edge = length(points_[t.node[k]] - start);
+            size += edge;
+            shortest = std::min(shortest, edge);
             count += 1;
         }
     }
@@ -216,18 +224,21 @@ bool Block::smooth(Local node) {
     };
 
     bool moved = on.size() < 2 && attempt(start, 0.5 * (start + mean));
-    double step = kFirstStep * size;
-    for (int h = 0; h < kHalvings; ++h, step *= 0.5) {
-        for (std::size_t d = 0; d < directions; ++d) {
-            const Point from = points_[node];
-            if (!attempt(from, from + step * direction[d])) continue;
-            moved = true;
-            // Once more the same way, while it helps.
-            const Point next = points_[node];
-            attempt(next, next + step * direction[d]);
+    const auto search = [&](double step, int halvings) {
+        for (int h = 0; h < halvings && best < options_.target; ++h, step *= 0.5) {
+            for (std::size_t d = 0; d < directions; ++d) {
+                const Point from = points_[node];
+                if (!attempt(from, from + step * direction[d])) continue;
+                moved = true;
+                // Once more the same way, while it helps.
+                const Point next = points_[node];
+                attempt(next, next + step * direction[d]);
+            }
         }
-        if (best >= options_.target) break;
-    }
+    };
+    search(kFirstStep * size, kHalvings);
+    // In a cluster of nodes the scale is that of the cluster.
+    if (!moved && shortest < kCluster * size) search(0.5 * shortest, kHalvings);
     if (!moved) return false;
     ++counters.moved;
     ++clock_;

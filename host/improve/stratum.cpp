@@ -42,7 +42,8 @@ std::vector<Tip> find_tips(const tape::BoundModel& model, int level) {
         signs[s] = 1;
         const std::int32_t outside =
             tape::resolve_signs(model.tape.data(), model.tape.size(), all.data(), all.size(), signs.data());
-        if (inside == outside || inside == kUnknown || outside == kUnknown) continue;
+        // One of them may be unknown: a plane through the apex changes nothing there.
+        if (inside == outside) continue;
         const double cells = std::ldexp(1.0, level);
         tips.push_back({s, {cells * x[0], cells * x[1], cells * x[2]}});
     }

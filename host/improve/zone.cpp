@@ -15,6 +15,8 @@ constexpr double kPoorQuality = kGoodQuality;
 /// angles and still make its neighbours flat.
 constexpr double kShortestEdge = 0.35;
 constexpr int kGrowths = 3;
+constexpr double kSameDistance = 2e-5;  ///< cells
+constexpr double kLessTurned = 0.1;
 constexpr double kTipReach = 1.5;  ///< cells
 /// A split into tetrahedra that is flatter than this is replaced by a cone from the element's centre.
 constexpr double kLowestSplit = 0.02;
@@ -221,8 +223,14 @@ std::array<std::array<NodeId, 3>, 2> halves(const NodeId* node) {
 
 class Opener {
   public:
-    Opener(const Mesh& mesh, const CellFrame& frame, const std::vector<Tip>& tips, int threads)
-        : mesh_(mesh), frame_(frame), tips_(tips), threads_(threads), cells_(frame.level) {}
+    Opener(const Mesh& mesh, const CellFrame& frame, const Surfaces& surfaces, const std::vector<Tip>& tips,
+           int threads)
+        : mesh_(mesh),
+          frame_(frame),
+          surfaces_(surfaces),
+          tips_(tips),
+          threads_(threads),
+          cells_(frame.level) {}
 
     Zone open() {
         std::vector<std::size_t> poor = poor_cells(mesh_, frame_, cells_, threads_);
@@ -238,8 +246,11 @@ class Opener {
             if (!grow()) break;
         }
         finish_nodes();
-        assign_tips();
+        find_strata();
         tag_faces();
+        correct_tags();
+        find_strata();
+        assign_tips();
         for (Tetrahedron& t : zone_.tetrahedra) {
             t.quality = tetrahedron_quality(zone_.points[t.node[0]], zone_.points[t.node[1]],
                                             zone_.points[t.node[2]], zone_.points[t.node[3]]);
@@ -402,16 +413,29 @@ class Opener {
                 }
             }
         }
+    }
+
+    /// Surfaces of each node: of the facets of the mesh that stay, and of those that the zone has taken.
+    void find_strata() {
+        const std::size_t count = zone_.points.size();
         std::vector<std::pair<ZoneNode, std::uint32_t>> on;
         const FacetBlock& facets = mesh_.facets;
         for (std::size_t i = 0; i < facets.size(); ++i) {
+            if (!zone_.facet_taken.empty() && zone_.facet_taken[i] != 0) continue;
             for (std::size_t k = 0; k < 4; ++k) {
                 const ZoneNode node = place_[facets.nodes[4 * i + k]];
                 if (node != kNone) on.push_back({node, facets.surface[i]});
             }
         }
+        for (const Tetrahedron& t : zone_.tetrahedra) {
+            for (std::size_t f = 0; f < 4; ++f) {
+                if (t.tag[f] == 0) continue;
+                for (const std::uint8_t k : kOpposite[f]) on.push_back({t.node[k], tag_surface(t.tag[f])});
+            }
+        }
         std::sort(on.begin(), on.end());
         on.erase(std::unique(on.begin(), on.end()), on.end());
+        zone_.stratum.clear();
         zone_.stratum_begin.assign(count + 1, 0);
         for (const auto& entry : on) {
             ++zone_.stratum_begin[entry.first + 1];
@@ -488,6 +512,59 @@ class Opener {
         }
     }
 
+    /// How far a facet's nodes are from a surface, in cells; and how much it is turned against it, 0 to 1.
+    struct Fit {
+        double distance = 0;
+        double turned = 1;
+    };
+    Fit fit(std::uint32_t surface, const std::array<Point, 3>& p) const {
+        Fit result;
+        for (const Point& x : p) {
+            const Surfaces::Sample s = surfaces_.sample(surface, x);
+            if (!s.valid) return {kTipReach, 1};
+            result.distance = std::max(result.distance, std::fabs(s.value) / length(s.gradient));
+        }
+        const Surfaces::Sample s = surfaces_.sample(surface, (1.0 / 3) * (p[0] + p[1] + p[2]));
+        const Point normal = cross(p[1] - p[0], p[2] - p[0]);
+        const double product = s.valid ? length(normal) * length(s.gradient) : 0;
+        if (product > 0) result.turned = 1 - std::fabs(dot(normal, s.gradient)) / product;
+        return result;
+    }
+
+    /// Where the certificate's slivers lie on several surfaces at once, their facets may carry the wrong one.
+    /// Each facet gets, of the surfaces that its nodes have, the one it fits best.
+    void correct_tags() {
+        for (Tetrahedron& t : zone_.tetrahedra) {
+            for (std::size_t f = 0; f < 4; ++f) {
+                if (t.tag[f] == 0 || (t.tag[f] & kTagBorder) != 0) continue;
+                std::array<ZoneNode, 3> node = {t.node[kOpposite[f][0]], t.node[kOpposite[f][1]],
+                                                t.node[kOpposite[f][2]]};
+                if (std::all_of(node.begin(), node.end(),
+                                [&](ZoneNode n) { return zone_.stratum_size(n) < 2; }))
+                    continue;
+                // Both sides of an interface must decide alike: in one order of the nodes.
+                std::sort(node.begin(), node.end());
+                const std::array<Point, 3> p = {zone_.points[node[0]], zone_.points[node[1]],
+                                                zone_.points[node[2]]};
+                std::uint32_t best = tag_surface(t.tag[f]);
+                Fit best_fit = fit(best, p);
+                for (const ZoneNode n : node) {
+                    for (std::size_t k = 0; k < zone_.stratum_size(n); ++k) {
+                        const std::uint32_t other = zone_.surfaces(n)[k];
+                        if (other == best) continue;
+                        const Fit other_fit = fit(other, p);
+                        if (other_fit.distance > best_fit.distance + kSameDistance ||
+                            other_fit.turned > best_fit.turned - kLessTurned)
+                            continue;
+                        best = other;
+                        best_fit = other_fit;
+                    }
+                }
+                t.tag[f] = make_tag(best) | (t.tag[f] & (kTagInside | kTagInterface | kTagBorder));
+            }
+        }
+    }
+
     std::array<Point, 5> corners(const Pyramid& p) const {
         std::array<Point, 5> result;
         for (std::size_t k = 0; k < 5; ++k) result[k] = zone_.points[p.node[k]];
@@ -501,6 +578,7 @@ class Opener {
 
     const Mesh& mesh_;
     const CellFrame& frame_;
+    const Surfaces& surfaces_;
     const std::vector<Tip>& tips_;
     int threads_;
     CellSet cells_;
@@ -512,8 +590,9 @@ class Opener {
 
 }  // namespace
 
-Zone open_zone(const Mesh& mesh, const CellFrame& frame, const std::vector<Tip>& tips, int threads) {
-    return Opener(mesh, frame, tips, threads).open();
+Zone open_zone(const Mesh& mesh, const CellFrame& frame, const Surfaces& surfaces,
+               const std::vector<Tip>& tips, int threads) {
+    return Opener(mesh, frame, surfaces, tips, threads).open();
 }
 
 }  // namespace mortise::improve

@@ -77,7 +77,8 @@ struct CellFrame {
 
 /// Collects the zone; cells of tips count as poor. `threads` host threads; the result does not depend on
 /// them.
-Zone open_zone(const Mesh& mesh, const CellFrame& frame, const std::vector<Tip>& tips, int threads);
+Zone open_zone(const Mesh& mesh, const CellFrame& frame, const Surfaces& surfaces,
+               const std::vector<Tip>& tips, int threads);
 
 /// Puts the zone's elements, facets and moved nodes in place of those that were taken.
 Mesh close_zone(const Mesh& mesh, const CellFrame& frame, const Zone& zone);
