@@ -29,7 +29,7 @@ Exit codes:
   1 wrong usage                   5 no OpenCL device, kernel build, memory
   2 model not understood, empty   6 file not found, not readable or writable
     or unbounded, damaged mesh    130, 143 interrupted (SIGINT, SIGTERM)
-  3 no valid mesh, or `check` found defects
+  3 no valid mesh, `check` found defects, or --strict and a feature is missing
 )";
 
 /// Help with one line per option: CLI11's own wraps at fixed columns and repeats types.
@@ -137,6 +137,7 @@ void add_mesh_options(CLI::App& app, Arguments& arguments, Words& words) {
     app.add_flag("--quality", arguments.quality, "report shapes, distance to the model, features");
     app.add_option("--quality-floor", words.floor, "exit 4 if a scaled Jacobian is below X, 0 to 1")
         ->option_text("X");
+    app.add_flag("--strict", arguments.options.strict, "exit 3, write nothing, if a feature may be missing");
     app.add_option("--device", arguments.options.device, "number or part of a name from `mortise devices`")
         ->option_text("DEVICE");
     app.add_option("--threads", words.threads, "host threads, default all cores")->option_text("COUNT");

@@ -30,6 +30,24 @@ Json names_with_counts(const std::vector<std::string>& names, const std::vector<
     return list;
 }
 
+/// The largest of them by name, all of them by count.
+Json missed_document(const std::vector<MissedFeature>& missed) {
+    constexpr std::size_t kListed = 100;
+    Json json;
+    json["count"] = missed.size();
+    json["lost"] =
+        std::count_if(missed.begin(), missed.end(), [](const MissedFeature& f) { return !f.kept; });
+    json["largest"] = Json::array();
+    for (std::size_t i = 0; i < std::min(missed.size(), kListed); ++i) {
+        json["largest"].push_back({{"position", missed[i].position},
+                                   {"size", missed[i].size},
+                                   {"thickness", missed[i].thickness},
+                                   {"kind", missed[i].material ? "material" : "hole"},
+                                   {"kept", missed[i].kept}});
+    }
+    return json;
+}
+
 }  // namespace
 
 MeshFigures figures_of(const Mesh& mesh) {
@@ -83,6 +101,7 @@ Json mesh_document(const Mesh& mesh, const MeshReport& report, const MeshFigures
     json["refused_splits"] = report.refused_splits;
     json["unresolved"] = report.unresolved;
     json["dropped_features"] = report.dropped_features;
+    json["missed_features"] = missed_document(report.missed);
     json["stages"] = Json::array();
     for (const StageTime& stage : report.stages) {
         json["stages"].push_back({{"stage", stage.stage},

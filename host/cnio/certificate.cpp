@@ -10,6 +10,8 @@ constexpr std::size_t kMostWork = 1u << 19;  ///< simplices times surfaces
 constexpr std::size_t kMostSimplices = 32768;
 constexpr std::size_t kFewestSimplices = 256;
 
+constexpr LatticePoint kCentre = {kCellUnits / 2, kCellUnits / 2, kCellUnits / 2};
+
 constexpr int kCapHalvings =
     16;  ///< the last cap is 5e-6 of a cell high: below it no sign changes (kSignTolerance)
 
@@ -22,7 +24,7 @@ bool frame_points_outward(int f) {
 
 }  // namespace
 
-CellRecord Certificate::run(const TreeNode& leaf, CellArena& arena) {
+CellRecord Certificate::run(const TreeNode& leaf, CellArena& arena, const LatticePoint* apex) {
     cell_.load(leaf);
     simplices_.clear();
     incident_.clear();
@@ -33,10 +35,10 @@ CellRecord Certificate::run(const TreeNode& leaf, CellArena& arena) {
     refused_.clear();
     hexahedron_ = false;
     std::int32_t region = kUnknown;
-    if (is_uniform(&region)) {
+    if (apex == nullptr && is_uniform(&region)) {
         hexahedron_ = region > 0;
     } else {
-        cone();
+        cone(apex != nullptr ? *apex : kCentre);
         bool again = true;
         for (int round = 0; round < kBisectionRounds && again && !is_full(); ++round) {
             again = false;
@@ -67,7 +69,6 @@ bool Certificate::is_uniform(std::int32_t* region) const {
     for (int f = 0; f < 6; ++f) {
         if (cell_.mode(f) != FaceMode::kWhole) return false;
     }
-    const LatticePoint centre = {kCellUnits / 2, kCellUnits / 2, kCellUnits / 2};
     std::vector<std::int8_t> signs(cell_.surface_count());
     for (std::size_t s = 0; s < cell_.surface_count(); ++s) {
         bool negative = false;
@@ -76,7 +77,7 @@ bool Certificate::is_uniform(std::int32_t* region) const {
             negative = negative || cell_.sign(c, s) < 0;
             positive = positive || cell_.sign(c, s) > 0;
         }
-        const int middle = cell_.pure_sign(s, centre);
+        const int middle = cell_.pure_sign(s, kCentre);
         negative = negative || middle < 0;
         positive = positive || middle > 0;
         if (negative && positive) return false;
@@ -94,9 +95,8 @@ void Certificate::add_simplex(const std::array<LocalNode, 4>& node, bool resolve
     for (const LocalNode n : node) incident_[n].push_back(static_cast<std::uint32_t>(simplices_.size() - 1));
 }
 
-void Certificate::cone() {
-    const LatticePoint centre = {kCellUnits / 2, kCellUnits / 2, kCellUnits / 2};
-    const LocalNode apex = cell_.add_node(centre, 0);
+void Certificate::cone(const LatticePoint& at) {
+    const LocalNode apex = cell_.add_node(at, 0);
     for (int f = 0; f < 6; ++f) {
         const bool outward = frame_points_outward(f);
         for (Facet facet : cell_.face(f)) {
@@ -107,7 +107,7 @@ void Certificate::cone() {
                 add_simplex({v[0], v[1], v[2], apex}, false);
                 continue;
             }
-            const LocalNode cap = add_cap(facet, centre);
+            const LocalNode cap = add_cap(facet, at);
             pyramids_.push_back({{v[0], v[1], v[2], v[3], cap}});
             for (int i = 0; i < 4; ++i) add_simplex({v[i], v[(i + 1) % 4], cap, apex}, false);
         }

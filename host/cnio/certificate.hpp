@@ -81,8 +81,10 @@ class Certificate {
     Certificate(const tape::BoundModel& model, const octree::Octree& tree)
         : cell_(model, tree), tree_(tree) {}
 
-    /// Meshes one NIO leaf and appends the result to `arena`.
-    CellRecord run(const TreeNode& leaf, CellArena& arena);
+    /// Meshes one NIO leaf and appends the result to `arena`. The cone's apex is the cell's centre, or a
+    /// point strictly inside the cell in a feature that nothing else shows (host/probe); then the cell is
+    /// never taken for uniform.
+    CellRecord run(const TreeNode& leaf, CellArena& arena, const LatticePoint* apex = nullptr);
 
     const CellCounters& counters() const { return cell_.counters; }
 
@@ -97,7 +99,7 @@ class Certificate {
 
     bool is_uniform(std::int32_t* region) const;
     bool is_full() const;
-    void cone();
+    void cone(const LatticePoint& at);
     void add_simplex(const std::array<LocalNode, 4>& node, bool resolved);
     LocalNode add_cap(const Facet& quad, const LatticePoint& apex);
     bool bisect(std::size_t p, int round);

@@ -1,5 +1,6 @@
 #include "host/cnio/extract.hpp"
 
+#include <algorithm>
 #include <memory>
 #include <mutex>
 
@@ -8,7 +9,8 @@
 namespace mortise::cnio {
 
 Extraction extract(const tape::BoundModel& model, const octree::Octree& tree,
-                   const std::vector<std::uint32_t>& leaves, int threads) {
+                   const std::vector<std::uint32_t>& leaves, const std::vector<probe::Apex>& apexes,
+                   int threads) {
     constexpr std::size_t kChunk = 64;
     const int workers = thread_count(threads);
     Extraction result;
@@ -23,7 +25,12 @@ Extraction extract(const tape::BoundModel& model, const octree::Octree& tree,
         Certificate& certificate = *certificates[t];
         for (std::size_t i = begin; i < end; ++i) {
             const CellCounters before = certificate.counters();
-            result.records[i] = certificate.run(tree.nio[leaves[i]], result.arenas[t]);
+            const TreeNode& leaf = tree.nio[leaves[i]];
+            const auto apex =
+                std::lower_bound(apexes.begin(), apexes.end(), leaf.morton,
+                                 [](const probe::Apex& a, std::uint64_t code) { return a.morton < code; });
+            const bool moved = apex != apexes.end() && apex->morton == leaf.morton;
+            result.records[i] = certificate.run(leaf, result.arenas[t], moved ? &apex->at : nullptr);
             result.records[i].arena = static_cast<std::uint32_t>(thread);
             if (certificate.counters().refused != before.refused ||
                 certificate.counters().unresolved != before.unresolved) {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "host/cnio/certificate.hpp"
+#include "host/probe/probe.hpp"
 
 namespace mortise::cnio {
 
@@ -18,8 +19,10 @@ struct Extraction {
     std::uint64_t troubled = 0;  ///< cells with a refused split or a simplex labelled by its centroid
 };
 
-/// Runs the certificate on the leaves tree.nio[leaves[i]]. Cells do not depend on each other.
+/// Runs the certificate on the leaves tree.nio[leaves[i]]. Cells do not depend on each other. `apexes`, by
+/// Morton code, tell where the cones of some of them have their apex.
 Extraction extract(const tape::BoundModel& model, const octree::Octree& tree,
-                   const std::vector<std::uint32_t>& leaves, int threads);
+                   const std::vector<std::uint32_t>& leaves, const std::vector<probe::Apex>& apexes,
+                   int threads);
 
 }  // namespace mortise::cnio

@@ -13,6 +13,7 @@
 #include "host/features/features.hpp"
 #include "host/improve/improve.hpp"
 #include "host/octree/octree.hpp"
+#include "host/probe/probe.hpp"
 #include "host/report/report.hpp"
 #include "host/snio/classify.hpp"
 #include "host/tape/compile.hpp"
@@ -118,6 +119,35 @@ void add_warnings(const Model& model, MeshReport& report) {
     }
 }
 
+/// One line on the features smaller than a cell: how many, the largest, and which cells would show them all.
+std::string describe_missed(const std::vector<MissedFeature>& missed, const Root& root) {
+    std::size_t lost = 0;
+    double thinnest = root.side;
+    const MissedFeature* largest = nullptr;
+    for (const MissedFeature& feature : missed) {
+        if (!feature.kept) ++lost;
+        thinnest = std::min(thinnest, feature.thickness);
+        if (largest == nullptr || (largest->kept && !feature.kept)) largest = &feature;
+    }
+    // A ball holds a vertex of the grid, wherever it lies, if its diameter is that of a cell.
+    int level = root.level;
+    while (level < kMaxLevel && std::ldexp(root.side, -level) * std::sqrt(3.0) > thinnest) ++level;
+    std::string text = std::to_string(missed.size()) + " feature" + (missed.size() == 1 ? "" : "s") +
+                       " between the vertices of the grid, ";
+    text += lost == 0 ? "kept coarsely" : std::to_string(lost) + " of them lost";
+    text += std::string("; the largest") + (lost == 0 ? "" : " lost") + ": " +
+            (largest->material ? "material, " : "a hole, ") + number(largest->size) + " long and " +
+            number(largest->thickness) + " thick, at (" + number(largest->position[0]) + ", " +
+            number(largest->position[1]) + ", " + number(largest->position[2]) + "); level " +
+            std::to_string(level) + " would resolve ";
+    return text + (missed.size() == 1 ? "it" : "them all");
+}
+
+void refuse_missed(const std::vector<MissedFeature>& missed, const Root& root, const std::string& source) {
+    if (std::all_of(missed.begin(), missed.end(), [](const MissedFeature& f) { return f.kept; })) return;
+    throw Error(ExitCode::kMeshing, source + ": strict: " + describe_missed(missed, root));
+}
+
 void check_options(const MeshOptions& options) {
     if (options.level < 0 || options.level > octree::kMaxUniformLevel) {
         throw Error(ExitCode::kUsage, "level " + std::to_string(options.level) +
@@ -181,7 +211,8 @@ struct Extracted {
 /// are merged.
 Extracted mesh_pieces(device::Device& device, const MeshOptions& options, const tape::BoundModel& bound,
                       const octree::Octree& tree, octree::DeviceTree& on_device,
-                      const snio::Classification& classification, Stages& stages, Mesh* mesh) {
+                      const snio::Classification& classification, const std::vector<probe::Apex>& apexes,
+                      Stages& stages, Mesh* mesh) {
     Extracted result;
     const std::uint64_t words = tree.words();
     const std::uint64_t count = std::min<std::uint64_t>(static_cast<std::uint64_t>(options.pieces), words);
@@ -194,7 +225,7 @@ Extracted mesh_pieces(device::Device& device, const MeshOptions& options, const 
         stages.begin("extract", 0.4 + 0.5 * done);
         const std::vector<std::uint32_t> leaves =
             count == 1 ? classification.cnio : assembly::leaves_needed(tree, classification.cnio, range);
-        const cnio::Extraction extraction = cnio::extract(bound, tree, leaves, options.threads);
+        const cnio::Extraction extraction = cnio::extract(bound, tree, leaves, apexes, options.threads);
         result.counters.refused += extraction.counters.refused;
         result.counters.unresolved += extraction.counters.unresolved;
         result.troubled += extraction.troubled;
@@ -244,16 +275,22 @@ Mesh generate_mesh(const Model& model, const MeshOptions& options, MeshReport* r
     octree::Octree tree = octree::build(device, bound, root.level, &on_device);
     stages.end(tree.cells_evaluated);
 
+    stages.begin("probe", 0.28);
+    probe::Probe probed = probe::find_features(bound, tree, options.threads);
+    out.missed = std::move(probed.features);
+    if (options.strict) refuse_missed(out.missed, root, model.source);
+    stages.end(probed.probed);
+
     stages.begin("classify", 0.3);
     out.in_cells = tree.in_count;
     out.nio_cells = tree.nio.size();
     const snio::Classification classification =
-        snio::classify(device, tree, on_device, options.templates, options.snap);
+        snio::classify(device, tree, on_device, options.templates, options.snap, probed.leaves);
     stages.end(tree.nio.size());
 
     Mesh mesh;
     const Extracted extracted =
-        mesh_pieces(device, options, bound, tree, on_device, classification, stages, &mesh);
+        mesh_pieces(device, options, bound, tree, on_device, classification, probed.apexes, stages, &mesh);
     if (options.improve) {
         stages.begin("improve", 0.93);
         improve::Counters counters;
@@ -286,10 +323,18 @@ Mesh generate_mesh(const Model& model, const MeshOptions& options, MeshReport* r
     out.unresolved = extracted.counters.unresolved;
     out.dropped_features = extracted.troubled;
     add_warnings(model, out);
+    if (!out.missed.empty()) out.warnings.push_back(describe_missed(out.missed, root));
     if (extracted.troubled > 0) {
-        out.warnings.push_back(std::to_string(extracted.troubled) + " of " + std::to_string(out.cnio_cells) +
-                               " complex cells hold features too fine to be kept exactly; smaller cells "
-                               "would keep more of them");
+        const std::string text = std::to_string(extracted.troubled) + " of " +
+                                 std::to_string(out.cnio_cells) +
+                                 " complex cells hold features too fine to be kept exactly; smaller cells "
+                                 "would keep more of them";
+        // A split that is refused leaves out what is flatter than the lattice tells; only a cell that was
+        // given up loses features.
+        if (options.strict && extracted.counters.unresolved > 0) {
+            throw Error(ExitCode::kMeshing, model.source + ": strict: " + text);
+        }
+        out.warnings.push_back(text);
     }
     return mesh;
 }

@@ -135,14 +135,18 @@ void LeafProbe::subdivide() {
     }
 }
 
-/// Whether the solid at x differs from what it is with the hidden surfaces' signs at the samples.
-bool LeafProbe::is_missed(const Vec3& x, Found& found) {
+void LeafProbe::take_signs(const Vec3& x) {
     signs_.resize(surfaces_.size());
     for (std::size_t s = 0; s < surfaces_.size(); ++s) {
-        const double value = surface_value(&model_.surfaces[surfaces_[s]], model_.expression_ops.data(), x[0],
-                                           x[1], x[2]);
+        const double value =
+            surface_value(&model_.surfaces[surfaces_[s]], model_.expression_ops.data(), x[0], x[1], x[2]);
         signs_[s] = value <= 0 ? std::int8_t{-1} : std::int8_t{1};
     }
+}
+
+/// Whether the solid at x differs from what it is with the hidden surfaces' signs at the samples.
+bool LeafProbe::is_missed(const Vec3& x, Found& found) {
+    take_signs(x);
     assumed_ = signs_;
     bool contrary = false;
     double deepest = 0;
@@ -150,9 +154,8 @@ bool LeafProbe::is_missed(const Vec3& x, Found& found) {
         if (signs_[hidden_[h]] == hidden_sign_[h]) continue;
         contrary = true;
         assumed_[hidden_[h]] = hidden_sign_[h];
-        const double value =
-            std::fabs(surface_value(&model_.surfaces[surfaces_[hidden_[h]]], model_.expression_ops.data(), x[0],
-                                    x[1], x[2]));
+        const double value = std::fabs(surface_value(&model_.surfaces[surfaces_[hidden_[h]]],
+                                                     model_.expression_ops.data(), x[0], x[1], x[2]));
         deepest = std::max(deepest, value);
     }
     if (!contrary) return false;
@@ -173,10 +176,9 @@ void LeafProbe::sample(const Piece& piece, int depth) {
         const Surface* surface = &model_.surfaces[surfaces_[hidden_[h]]];
         Vec3 x = middle;
         for (int step = 0; step < 2 && !missed; ++step) {
-            const SurfaceSample f =
-                surface_sample(surface, model_.expression_ops.data(), x[0], x[1], x[2]);
-            const double squared = f.gradient[0] * f.gradient[0] + f.gradient[1] * f.gradient[1] +
-                                   f.gradient[2] * f.gradient[2];
+            const SurfaceSample f = surface_sample(surface, model_.expression_ops.data(), x[0], x[1], x[2]);
+            const double squared =
+                f.gradient[0] * f.gradient[0] + f.gradient[1] * f.gradient[1] + f.gradient[2] * f.gradient[2];
             if (!(squared > 0) || !(squared < kMortiseInfinity)) break;
             const double factor = 2 * f.value / squared;
             for (std::size_t j = 0; j < 3; ++j) {
@@ -199,18 +201,14 @@ void LeafProbe::sample(const Piece& piece, int depth) {
 
 void LeafProbe::run(std::uint32_t leaf, std::vector<Component>& out) {
     if (!load(tree_.nio[leaf])) return;
+    ++probed_;
     subdivide();
     if (!found_.empty()) gather(leaf, out);
 }
 
 std::int32_t LeafProbe::region_at(const TreeNode& leaf, const Vec3& x) {
     load_tape(leaf);
-    signs_.resize(surfaces_.size());
-    for (std::size_t s = 0; s < surfaces_.size(); ++s) {
-        const double value = surface_value(&model_.surfaces[surfaces_[s]], model_.expression_ops.data(), x[0],
-                                           x[1], x[2]);
-        signs_[s] = value <= 0 ? std::int8_t{-1} : std::int8_t{1};
-    }
+    take_signs(x);
     return local_tape_.resolve(signs_.data());
 }
 
@@ -239,11 +237,12 @@ void LeafProbe::gather(std::uint32_t leaf, std::vector<Component>& out) {
     std::size_t largest = first;
     for (std::size_t i = first; i < out.size(); ++i) {
         finish(out[i]);
+        measure(out[i]);
         if (out[i].pieces.size() > out[largest].pieces.size()) largest = i;
     }
     // One cone has one apex.
     for (std::size_t i = first; i < out.size(); ++i)
-        out[i].usable = i == largest && !centre_needed_ && sees_all(out[i]);
+        out[i].usable = i == largest && sees_all(out[i]) && !needs_centre();
 }
 
 /// Depth, point and contacts of a component. Pieces at the leaf's faces count as on its rim: the point keeps
@@ -262,11 +261,7 @@ void LeafProbe::finish(Component& component) {
             Found unused;
             const Vec3 x = centre(other);
             // Not missed, so meshed as what it is.
-            for (std::size_t s = 0; s < surfaces_.size(); ++s) {
-                const double value = surface_value(&model_.surfaces[surfaces_[s]],
-                                                   model_.expression_ops.data(), x[0], x[1], x[2]);
-                signs_[s] = value <= 0 ? std::int8_t{-1} : std::int8_t{1};
-            }
+            take_signs(x);
             open = local_tape_.resolve(signs_.data()) == component.region && !is_missed(x, unused);
         }
         if (open) component.open.push_back(piece);
@@ -282,7 +277,8 @@ void LeafProbe::finish(Component& component) {
         for (const std::uint16_t piece : front) {
             for (int f = 0; f < 6; ++f) {
                 const std::uint32_t other = neighbour(piece, f);
-                if (other == kPieces || layer_[other] != 0 || found_[other].region != component.region) continue;
+                if (other == kPieces || layer_[other] != 0 || found_[other].region != component.region)
+                    continue;
                 layer_[other] = static_cast<std::uint8_t>(depth + 1);
                 next.push_back(static_cast<std::uint16_t>(other));
             }
@@ -295,6 +291,77 @@ void LeafProbe::finish(Component& component) {
         deepest = found_[piece].value;
         component.point = found_[piece].point;
     }
+}
+
+/// Length of the component from its point in a direction (of unit length), within the leaf.
+double LeafProbe::reach(const Component& component, const Vec3& direction) {
+    const double edge = tree_.cell_size();
+    const auto inside = [&](double t) {
+        Vec3 x{};
+        for (std::size_t j = 0; j < 3; ++j) {
+            x[j] = component.point[j] + t * edge * direction[j];
+            if (x[j] < low_[j] || x[j] > low_[j] + edge) return false;
+        }
+        Found at;
+        return is_missed(x, at) && at.region == component.region;
+    };
+    double low = 0;
+    double high = 1e-6;
+    while (high < 2 && inside(high)) {
+        low = high;
+        high *= 2;
+    }
+    for (int i = 0; i < 12; ++i) {
+        const double middle = 0.5 * (low + high);
+        (inside(middle) ? low : high) = middle;
+    }
+    return low * edge;
+}
+
+/// Moves the component's point to the middle of its chords along the axes, which for a ball is its centre,
+/// and takes the shortest chord through it along 13 directions.
+void LeafProbe::measure(Component& component) {
+    for (std::size_t axis = 0; axis < 6; ++axis) {
+        Vec3 forward{};
+        Vec3 back{};
+        forward[axis % 3] = 1;
+        back[axis % 3] = -1;
+        const double ahead = reach(component, forward);
+        const double behind = reach(component, back);
+        const double before = component.point[axis % 3];
+        component.point[axis % 3] += 0.5 * (ahead - behind);
+        Found at;
+        if (!is_missed(component.point, at) || at.region != component.region)
+            component.point[axis % 3] = before;
+    }
+    component.thickness = 2 * tree_.cell_size();
+    for (int k = 14; k < 27; ++k) {
+        const std::array<int, 3> d = {k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1};
+        const double length = std::sqrt(static_cast<double>(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]));
+        double chord = 0;
+        for (const double side : {-1.0, 1.0}) {
+            Vec3 direction{};
+            for (std::size_t j = 0; j < 3; ++j) direction[j] = side * d[j] / length;
+            chord += reach(component, direction);
+        }
+        component.thickness = std::min(component.thickness, chord);
+    }
+}
+
+/// Whether only the leaf's centre tells that some surface passes through it: the apex must stay there then.
+bool LeafProbe::needs_centre() const {
+    for (const std::uint32_t surface : surfaces_) {
+        const double edge = tree_.cell_size();
+        const auto sign = [&](double x, double y, double z) {
+            return surface_sign(&model_.surfaces[surface], model_.expression_ops.data(), low_[0] + x * edge,
+                                low_[1] + y * edge, low_[2] + z * edge, edge);
+        };
+        const int centre = sign(0.5, 0.5, 0.5);
+        bool alone = centre != 0;
+        for (int c = 0; c < 8 && alone; ++c) alone = sign(c & 1, (c >> 1) & 1, c >> 2) == -centre;
+        if (alone) return true;
+    }
+    return false;
 }
 
 /// Whether the whole component is visible from its point, so that a cone from there has its topology, and the

@@ -17,20 +17,23 @@
 
 namespace mortise::probe {
 
-inline constexpr int kDepth = 4;             ///< subdivisions of a leaf
-inline constexpr int kSide = 1 << kDepth;    ///< pieces per edge; a ball of radius √3/2 of one is found for certain
-inline constexpr std::size_t kMostPieces = 4096;  ///< pieces of one depth; with more, the depth before is final
+inline constexpr int kDepth = 4;  ///< subdivisions of a leaf
+inline constexpr int kSide =
+    1 << kDepth;  ///< pieces per edge; a ball of radius √3/2 of one is found for certain
+inline constexpr std::size_t kMostPieces =
+    4096;  ///< pieces of one depth; with more, the depth before is final
 
 /// Pieces of one leaf, joined by faces, that lie in `region` and are meshed as another one.
 struct Component {
-    std::uint32_t leaf = 0;               ///< index into Octree::nio
-    std::uint16_t region = 0;             ///< 0: outside
-    bool attached = false;                ///< touches pieces of its region that are meshed as such, in this leaf
-    bool usable = false;                  ///< its leaf may have the point below as the apex of its cone
-    std::vector<std::uint16_t> pieces;    ///< x + kSide·y + kSide²·z, ascending
-    std::vector<std::uint16_t> open;      ///< those of them that touch such meshed pieces
-    Vec3 point{};                         ///< well inside, box-local
-    int depth = 0;                        ///< layers of pieces around `point`
+    std::uint32_t leaf = 0;    ///< index into Octree::nio
+    std::uint16_t region = 0;  ///< 0: outside
+    bool attached = false;     ///< touches pieces of its region that are meshed as such, in this leaf
+    bool usable = false;       ///< its leaf may have the point below as the apex of its cone
+    std::vector<std::uint16_t> pieces;  ///< x + kSide·y + kSide²·z, ascending
+    std::vector<std::uint16_t> open;    ///< those of them that touch such meshed pieces
+    Vec3 point{};                       ///< well inside, box-local
+    int depth = 0;                      ///< layers of pieces around it
+    double thickness = 0;               ///< shortest chord through it, within the leaf, box-local
 };
 
 /// Probes leaves one at a time; keeps its scratch memory. One per thread.
@@ -40,6 +43,9 @@ class LeafProbe {
 
     /// Appends the leaf's components, ordered by their first pieces.
     void run(std::uint32_t leaf, std::vector<Component>& out);
+
+    /// Leaves so far that were subdivided.
+    std::uint64_t probed() const { return probed_; }
 
     /// Region of the solid at a point of a leaf, by the leaf's tape.
     std::int32_t region_at(const TreeNode& leaf, const Vec3& x);
@@ -64,18 +70,21 @@ class LeafProbe {
     void gather(std::uint32_t leaf, std::vector<Component>& out);
     void finish(Component& component);
     bool sees_all(const Component& component);
+    double reach(const Component& component, const Vec3& direction);
+    void measure(Component& component);
+    bool needs_centre() const;
+    void take_signs(const Vec3& x);
     Vec3 centre(std::uint32_t piece) const;
     tape::Cell cell(const std::uint8_t* at, int depth) const;
 
     const tape::BoundModel& model_;
     const octree::Octree& tree_;
+    std::uint64_t probed_ = 0;
     double low_[3] = {};
     std::vector<std::uint32_t> surfaces_;  ///< of the leaf's tape, ascending
-    std::uint32_t loaded_ = 0xffffffffu;   ///< offset of the tape in local_tape_
     tape::LocalTape local_tape_;
-    std::vector<std::uint32_t> hidden_;      ///< indices into surfaces_
-    std::vector<std::int8_t> hidden_sign_;   ///< at the samples
-    bool centre_needed_ = false;             ///< only the leaf's centre tells of some other surface
+    std::vector<std::uint32_t> hidden_;     ///< indices into surfaces_
+    std::vector<std::int8_t> hidden_sign_;  ///< at the samples
     std::vector<Piece> pieces_, next_;
     std::vector<Found> found_;  ///< by piece of the last depth, or empty
     std::vector<std::int8_t> signs_, assumed_;

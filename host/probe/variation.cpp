@@ -69,8 +69,8 @@ Gradient expression_gradient(const ExpressionOp* ops, std::uint32_t count, const
         const ExpressionOp& op = ops[i];
         if (op.operation <= kExprZ) {
             const auto literal = static_cast<float>(op.literal);
-            value[op.out] = op.operation == kExprConstant ? make_interval(literal, literal)
-                                                          : u[op.operation - kExprX];
+            value[op.out] =
+                op.operation == kExprConstant ? make_interval(literal, literal) : u[op.operation - kExprX];
             for (int j = 0; j < 3; ++j) d[op.out][j] = op.operation == kExprX + j ? one : zero;
             continue;
         }
@@ -147,8 +147,8 @@ bool has_small_variation(const tape::BoundModel& model, std::uint32_t surface, c
     }
     Range u[3];
     for (std::size_t i = 0; i < 3; ++i) {
-        const double width = cell.half * (std::fabs(s.map[4 * i]) + std::fabs(s.map[4 * i + 1]) +
-                                          std::fabs(s.map[4 * i + 2]));
+        const double width =
+            cell.half * (std::fabs(s.map[4 * i]) + std::fabs(s.map[4 * i + 1]) + std::fabs(s.map[4 * i + 2]));
         u[i] = {centre[i] - width, centre[i] + width};
     }
     if (s.kind == kSurfaceExpression) {

@@ -11,13 +11,19 @@ using device::Device;
 /// Runs kernels/snio over all NIO leaves.
 class Classifier {
   public:
-    Classifier(Device& device, octree::Octree& tree, octree::DeviceTree& on_device, bool snap)
-        : device_(device), tree_(tree), on_device_(on_device), snap_(snap ? 1 : 0) {}
+    Classifier(Device& device, octree::Octree& tree, octree::DeviceTree& on_device, bool snap,
+               const std::vector<std::uint32_t>& complex)
+        : device_(device), tree_(tree), on_device_(on_device), complex_(complex), snap_(snap ? 1 : 0) {}
 
     Classification run() {
         candidates_ = device_.allocate(count() * sizeof(SnioCandidate));
         device_.launch(device_.kernel("snio/classify.cl", "classify"), count(), on_device_.nio,
                        on_device_.tapes, on_device_.surfaces, on_device_.ops, candidates_, level(), snap_);
+        if (!complex_.empty()) {
+            const Buffer leaves = device_.upload(complex_);
+            device_.launch(device_.kernel("snio/classify.cl", "leave_to_certificate"), complex_.size(),
+                           leaves, candidates_);
+        }
         if (snap_ != 0) promote();
         device_.launch(device_.kernel("snio/snap.cl", "test_subsets"), count(), on_device_.nio,
                        on_device_.surfaces, on_device_.ops, candidates_, level(), snap_);
@@ -84,6 +90,7 @@ class Classifier {
     Device& device_;
     octree::Octree& tree_;
     octree::DeviceTree& on_device_;
+    const std::vector<std::uint32_t>& complex_;
     std::int32_t snap_;
     Buffer candidates_;
     Buffer moved_;
@@ -104,9 +111,9 @@ Classification all_complex(std::size_t count) {
 }  // namespace
 
 Classification classify(Device& device, octree::Octree& tree, octree::DeviceTree& on_device, bool templates,
-                        bool snap) {
+                        bool snap, const std::vector<std::uint32_t>& complex) {
     Classification result =
-        templates ? Classifier(device, tree, on_device, snap).run() : all_complex(tree.nio.size());
+        templates ? Classifier(device, tree, on_device, snap, complex).run() : all_complex(tree.nio.size());
     for (std::uint32_t i = 0; i < tree.nio.size(); ++i) {
         if (result.leaves[i].pattern == kPatternCnio) result.cnio.push_back(i);
     }

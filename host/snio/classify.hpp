@@ -21,11 +21,12 @@ struct Classification {
     std::vector<std::uint32_t> cnio;  ///< indices of the leaves left to the certificate, ascending
 };
 
-/// Classifies all NIO leaves; with templates off every one is left to the certificate.
+/// Classifies all NIO leaves; with templates off every one is left to the certificate. So are the leaves
+/// `complex`, indices into Octree::nio.
 ///
 /// With `snap`, vertices near a smooth surface are moved onto it. Then the IN leaves around them are
 /// promoted: `tree` and `on_device` change, and hold these leaves as NIO leaves with an empty tape.
 Classification classify(device::Device& device, octree::Octree& tree, octree::DeviceTree& on_device,
-                        bool templates, bool snap);
+                        bool templates, bool snap, const std::vector<std::uint32_t>& complex = {});
 
 }  // namespace mortise::snio

@@ -27,6 +27,7 @@ struct MeshOptions {
     bool tetrahedra = false;  ///< split everything into tetrahedra
     int pieces = 1;           ///< parts of the Morton range that are meshed apart and merged: the same mesh
     bool quality = false;     ///< also make MeshReport::quality
+    bool strict = false;      ///< Error(kMeshing) if the mesh is not known to show every feature of the model
     int threads = 0;          ///< host threads for extraction; 0: all cores
     std::string device;       ///< as printed by `mortise devices`; empty: environment, else default
     int work_group_size = 0;  ///< 0: the device class's default
@@ -43,6 +44,15 @@ struct StageTime {
     std::uint64_t items = 0;  ///< cells, nodes or elements that the stage handled
 };
 
+/// A part of the solid, or a hole in it, that no vertex, face centre or cell centre of the grid sees.
+struct MissedFeature {
+    Vec3 position{};       ///< a point well inside it
+    double size = 0;       ///< its largest extent along an axis, model units, to 1/8 of a cell
+    double thickness = 0;  ///< the shortest chord through `position`, within its cell, model units
+    bool material = true;  ///< false: a hole
+    bool kept = false;     ///< the mesh shows it all the same
+};
+
 /// What happened besides the mesh.
 struct MeshReport {
     std::string device;
@@ -52,12 +62,13 @@ struct MeshReport {
     std::uint64_t cells_evaluated = 0;
     std::uint64_t in_cells = 0;
     std::uint64_t nio_cells = 0;
-    std::uint64_t snio_cells = 0;      ///< meshed by templates
-    std::uint64_t cnio_cells = 0;      ///< meshed by the certificate
-    std::uint64_t refused_splits = 0;  ///< bisections that would have made an element too flat
-    std::uint64_t unresolved = 0;      ///< tetrahedra that were labelled by their centroid
-    std::uint64_t dropped_features = 0;
-    Features features;                     ///< nodes against the model, creases and corners
+    std::uint64_t snio_cells = 0;        ///< meshed by templates
+    std::uint64_t cnio_cells = 0;        ///< meshed by the certificate
+    std::uint64_t refused_splits = 0;    ///< bisections that would have made an element too flat
+    std::uint64_t unresolved = 0;        ///< tetrahedra that were labelled by their centroid
+    std::uint64_t dropped_features = 0;  ///< complex cells with a refused split or an unresolved tetrahedron
+    std::vector<MissedFeature> missed;   ///< features smaller than a cell, the largest first
+    Features features;                   ///< nodes against the model, creases and corners
     std::optional<QualityReport> quality;  ///< if MeshOptions::quality
     std::vector<StageTime> stages;
     std::vector<std::string> warnings;

@@ -147,3 +147,12 @@ MORTISE_KERNEL void classify(__global const TreeNode* nio, __global const uint* 
         candidates[item] = candidate;
     }
 }
+
+// Leaves that hold more than their samples tell are not simple, whatever `classify` says.
+// One work-item handles one leaf of the list.
+MORTISE_KERNEL void leave_to_certificate(__global const uint* leaves, __global SnioCandidate* candidates,
+                                         uint items) {
+    const uint item = get_global_id(0);
+    if (item >= items) return;
+    candidates[leaves[item]].flags = 0;
+}

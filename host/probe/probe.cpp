@@ -1,0 +1,243 @@
+#include "host/probe/probe.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <memory>
+#include <numeric>
+
+#include "host/common/parallel.hpp"
+#include "host/probe/leaf.hpp"
+#include "kernels/shared/surface.h"
+
+namespace mortise::probe {
+namespace {
+
+/// A part that reaches no further than this from what is meshed, in pieces, is how a mesh approximates a
+/// curved surface; no feature is lost.
+constexpr int kShallow = kSide / 4;
+
+constexpr int kBeyond = 1 << 20;  ///< distance of pieces that belong to no component at hand
+
+constexpr std::size_t kChunk = 256;
+
+/// Nothing thinner than this, in cells, is a feature: signs are known to kSignTolerance only.
+constexpr double kThinnest = 8 * kSignTolerance;
+
+/// Pieces on a face of the leaf, and where they continue in the next leaf.
+bool on_face(std::uint16_t piece, int f) {
+    const int at = (piece >> (kDepth * (f / 2))) & (kSide - 1);
+    return at == ((f & 1) != 0 ? kSide - 1 : 0);
+}
+std::uint16_t across(std::uint16_t piece, int f) {
+    return static_cast<std::uint16_t>(piece ^ ((kSide - 1) << (kDepth * (f / 2))));
+}
+
+bool holds(const Component& component, std::uint16_t piece) {
+    return std::binary_search(component.pieces.begin(), component.pieces.end(), piece);
+}
+
+/// Joins the components of all leaves into features.
+class Clusters {
+  public:
+    Clusters(const tape::BoundModel& model, const octree::Octree& tree, std::vector<Component> components)
+        : model_(model),
+          tree_(tree),
+          probe_(model, tree),
+          components_(std::move(components)),
+          parent_(components_.size()),
+          joined_(components_.size()) {
+        std::iota(parent_.begin(), parent_.end(), std::size_t{0});
+    }
+
+    void run(Probe& out) {
+        for (std::size_t i = 0; i < components_.size(); ++i) {
+            for (int f = 0; f < 6; ++f) look_across(i, f);
+        }
+        std::vector<std::vector<std::size_t>> members(components_.size());
+        for (std::size_t i = 0; i < components_.size(); ++i) members[root(i)].push_back(i);
+        for (const auto& cluster : members) {
+            if (!cluster.empty()) report(cluster, out);
+        }
+        std::sort(out.features.begin(), out.features.end(),
+                  [](const MissedFeature& a, const MissedFeature& b) {
+                      return a.size != b.size ? a.size > b.size : a.position < b.position;
+                  });
+        std::sort(out.apexes.begin(), out.apexes.end(),
+                  [](const Apex& a, const Apex& b) { return a.morton < b.morton; });
+        std::sort(out.leaves.begin(), out.leaves.end());
+    }
+
+  private:
+    std::size_t root(std::size_t i) {
+        while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
+        return i;
+    }
+
+    Vec3 corner(const Component& component) const {
+        Vec3 x{};
+        for (int j = 0; j < 3; ++j) {
+            x[static_cast<std::size_t>(j)] =
+                gather_bits(tree_.nio[component.leaf].morton >> j) * tree_.cell_size();
+        }
+        return x;
+    }
+
+    /// Where a component goes on beyond face f of its leaf: in components of the next leaf, or in what that
+    /// leaf meshes rightly.
+    void look_across(std::size_t i, int f) {
+        Component& component = components_[i];
+        const auto touches = [f](std::uint16_t piece) { return on_face(piece, f); };
+        if (std::none_of(component.pieces.begin(), component.pieces.end(), touches)) return;
+        std::uint32_t at[3];
+        const std::uint64_t own = tree_.nio[component.leaf].morton;
+        for (int j = 0; j < 3; ++j) at[j] = gather_bits(own >> j);
+        at[f / 2] += (f & 1) != 0 ? 1u : 0xffffffffu;
+        if (at[f / 2] >= (1u << tree_.level)) return;
+        const std::uint64_t other = morton_encode(at[0], at[1], at[2]);
+        const bool nio = tree_.is_nio(other);
+        const std::uint32_t leaf = nio ? tree_.nio_index(other) : 0;
+        const auto begin = std::lower_bound(components_.begin(), components_.end(), leaf,
+                                            [](const Component& c, std::uint32_t l) { return c.leaf < l; });
+        for (const std::uint16_t piece : component.pieces) {
+            if (!touches(piece)) continue;
+            if (!nio) {
+                if (tree_.is_in(other) == (component.region != 0)) component.open.push_back(piece);
+                continue;
+            }
+            const std::uint16_t next = across(piece, f);
+            bool missed = false;
+            for (auto c = begin; c != components_.end() && c->leaf == leaf; ++c) {
+                if (!holds(*c, next)) continue;
+                missed = true;
+                if (c->region != component.region) continue;
+                const auto k = static_cast<std::size_t>(c - components_.begin());
+                parent_[std::max(root(i), root(k))] = std::min(root(i), root(k));
+                joined_[i].push_back(piece);
+            }
+            if (!missed && probe_.region_at(tree_.nio[leaf], middle(at, next)) == component.region)
+                component.open.push_back(piece);
+        }
+        component.attached = component.attached || !component.open.empty();
+    }
+
+    Vec3 middle(const std::uint32_t* at, std::uint16_t piece) const {
+        Vec3 x{};
+        for (std::size_t j = 0; j < 3; ++j) {
+            const int k = (piece >> (kDepth * static_cast<int>(j))) & (kSide - 1);
+            x[j] = (at[j] + (k + 0.5) / kSide) * tree_.cell_size();
+        }
+        return x;
+    }
+
+    /// Whether every piece lies near a contact.
+    bool is_shallow(std::size_t i) const {
+        const Component& component = components_[i];
+        std::vector<int> distance(std::size_t{kSide} * kSide * kSide, kBeyond);
+        for (const std::uint16_t piece : component.pieces) distance[piece] = -1;
+        std::vector<std::uint16_t> queue;
+        for (const auto* list : {&component.open, &joined_[i]}) {
+            for (const std::uint16_t piece : *list) {
+                if (distance[piece] == 0) continue;
+                distance[piece] = 0;
+                queue.push_back(piece);
+            }
+        }
+        for (std::size_t q = 0; q < queue.size(); ++q) {
+            const std::uint16_t piece = queue[q];
+            if (distance[piece] >= kShallow) return false;
+            for (int f = 0; f < 6; ++f) {
+                if (on_face(piece, f)) continue;
+                const int step = 1 << (kDepth * (f / 2));
+                const auto next = static_cast<std::uint16_t>((f & 1) != 0 ? piece + step : piece - step);
+                if (distance[next] >= 0) continue;
+                distance[next] = distance[piece] + 1;
+                queue.push_back(next);
+            }
+        }
+        return queue.size() == component.pieces.size();
+    }
+
+    void report(const std::vector<std::size_t>& cluster, Probe& out) {
+        bool attached = false;
+        std::size_t deepest = cluster.front();
+        std::array<double, 3> low = {1, 1, 1};
+        std::array<double, 3> high = {0, 0, 0};
+        for (const std::size_t i : cluster) {
+            const Component& component = components_[i];
+            attached = attached || component.attached;
+            if (component.depth > components_[deepest].depth) deepest = i;
+            const Vec3 from = corner(component);
+            for (const std::uint16_t piece : component.pieces) {
+                for (std::size_t j = 0; j < 3; ++j) {
+                    const int k = (piece >> (kDepth * static_cast<int>(j))) & (kSide - 1);
+                    low[j] = std::min(low[j], from[j] + tree_.cell_size() * k / kSide);
+                    high[j] = std::max(high[j], from[j] + tree_.cell_size() * (k + 1) / kSide);
+                }
+            }
+        }
+        if (attached &&
+            std::all_of(cluster.begin(), cluster.end(), [this](std::size_t i) { return is_shallow(i); })) {
+            return;
+        }
+        const Component& main = components_[deepest];
+        MissedFeature feature;
+        double size = 0;
+        for (std::size_t j = 0; j < 3; ++j) {
+            feature.position[j] = model_.origin[j] + model_.side * main.point[j];
+            size = std::max(size, high[j] - low[j]);
+        }
+        if (main.thickness < kThinnest * tree_.cell_size()) return;
+        feature.thickness = model_.side * main.thickness;
+        feature.size = std::max(feature.thickness, model_.side * size);
+        feature.material = main.region != 0;
+        feature.kept = cluster.size() == 1 && !attached && main.usable;
+        if (feature.kept) {
+            if (main.pieces.size() <= 8) feature.size = feature.thickness;  // less than two pieces wide
+            const Vec3 from = corner(main);
+            Apex apex{tree_.nio[main.leaf].morton, {}};
+            for (std::size_t j = 0; j < 3; ++j) {
+                apex.at[j] = static_cast<std::int32_t>(
+                    std::rint((main.point[j] - from[j]) / tree_.cell_size() * kCellUnits));
+            }
+            out.apexes.push_back(apex);
+            out.leaves.push_back(main.leaf);
+        }
+        out.features.push_back(feature);
+    }
+
+    const tape::BoundModel& model_;
+    const octree::Octree& tree_;
+    LeafProbe probe_;
+    std::vector<Component> components_;  ///< by leaf
+    std::vector<std::size_t> parent_;
+    std::vector<std::vector<std::uint16_t>> joined_;  ///< pieces that go on in a component of the next leaf
+};
+
+}  // namespace
+
+Probe find_features(const tape::BoundModel& model, const octree::Octree& tree, int threads) {
+    Probe result;
+    const std::size_t chunks = chunk_count(tree.nio.size(), kChunk);
+    std::vector<std::vector<Component>> found(chunks);
+    const int workers = thread_count(threads);
+    std::vector<std::unique_ptr<LeafProbe>> probes(static_cast<std::size_t>(workers));
+    parallel_chunks(tree.nio.size(), kChunk, workers, [&](std::size_t begin, std::size_t end, int thread) {
+        std::unique_ptr<LeafProbe>& probe = probes[static_cast<std::size_t>(thread)];
+        if (!probe) probe = std::make_unique<LeafProbe>(model, tree);
+        for (std::size_t i = begin; i < end; ++i)
+            probe->run(static_cast<std::uint32_t>(i), found[begin / kChunk]);
+    });
+    for (const auto& probe : probes) {
+        if (probe) result.probed += probe->probed();
+    }
+    std::vector<Component> components;
+    for (std::vector<Component>& part : found) {
+        components.insert(components.end(), std::make_move_iterator(part.begin()),
+                          std::make_move_iterator(part.end()));
+    }
+    if (!components.empty()) Clusters(model, tree, std::move(components)).run(result);
+    return result;
+}
+
+}  // namespace mortise::probe
