@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "host/common/parallel.hpp"
+#include "kernels/shared/lattice.h"
 
 namespace mortise::improve {
 namespace {
@@ -67,10 +68,13 @@ Element element(const Mesh& mesh, int t, std::size_t i) {
             size};
 }
 
+/// Nodes lie on the lattice of 2^-26 of a cell: rounding takes away what the map to model coordinates added.
 Point in_cells(const Mesh& mesh, const CellFrame& frame, NodeId node) {
     Point p;
-    for (std::size_t j = 0; j < 3; ++j)
-        p[j] = (mesh.points[3 * std::size_t{node} + j] - frame.origin[j]) / frame.cell;
+    for (std::size_t j = 0; j < 3; ++j) {
+        const double x = (mesh.points[3 * std::size_t{node} + j] - frame.origin[j]) / frame.cell;
+        p[j] = std::rint(x * kCellUnits) / kCellUnits;
+    }
     return p;
 }
 

@@ -302,7 +302,8 @@ TEST_CASE("templates cover on each face of their cell what the certificate cover
     std::size_t templates = 0;
     for (const Model& source : {rotated_box(), ball(), crossing_cylinders(), random_polyhedron(4)}) {
         MeshedTree mesh(shared_device(), source, 4);
-        const snio::Classification bins = snio::classify(shared_device(), mesh.tree, mesh.on_device, true, false);
+        const snio::Classification bins =
+            snio::classify(shared_device(), mesh.tree, mesh.on_device, true, false);
         for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
             const std::uint16_t pattern = bins.leaves[c].pattern;
             if (pattern == kPatternCnio) continue;
