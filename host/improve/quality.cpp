@@ -17,22 +17,23 @@ double tetrahedron_quality(const Point& a, const Point& b, const Point& c, const
     const Point abd = cross(ab, ad);
     const Point acd = cross(ad, ac);
     const Point bcd = cross(bc, bd);
-    const double n_abc = length(abc);
-    const double n_abd = length(abd);
-    const double n_acd = length(acd);
-    const double n_bcd = length(bcd);
-    const double l_ab = length(ab);
-    const double l_ac = length(ac);
-    const double l_ad = length(ad);
-    const double l_bc = length(bc);
-    const double l_bd = length(bd);
-    const double l_cd = length(cd);
+    const double l_ab = squared_length(ab);
+    const double l_ac = squared_length(ac);
+    const double l_ad = squared_length(ad);
+    const double l_bc = squared_length(bc);
+    const double l_bd = squared_length(bd);
+    const double l_cd = squared_length(cd);
     const double span = std::max(std::max(l_ab, l_ac), std::max(l_ad, std::max(l_bc, std::max(l_bd, l_cd))));
-    if (!(volume > kVolumeRounding * (span * span))) return kInvertedQuality;
-    // The sine of the angle between two faces is 6 V · (length of their edge) / (product of the normals).
-    const auto sine = [volume](const Point& n, const Point& m, double edge, double product) {
-        const double value = volume * edge / product;
-        return dot(n, m) > 0 ? kObtuseWeight * value : value;
+    if (!(volume > kVolumeRounding * span)) return kInvertedQuality;
+    const double n_abc = squared_length(abc);
+    const double n_abd = squared_length(abd);
+    const double n_acd = squared_length(acd);
+    const double n_bcd = squared_length(bcd);
+    // Squares, for one root at the end. The sine of the angle between two faces is 6 V · (length of their
+    // edge) / (product of the normals).
+    const auto sine = [](const Point& n, const Point& m, double edge, double product) {
+        const double value = edge / product;
+        return dot(n, m) > 0 ? kObtuseWeight * kObtuseWeight * value : value;
     };
     double worst = sine(abc, abd, l_ab, n_abc * n_abd);
     worst = std::min(worst, sine(abc, acd, l_ac, n_abc * n_acd));
@@ -42,7 +43,8 @@ double tetrahedron_quality(const Point& a, const Point& b, const Point& c, const
     worst = std::min(worst, sine(acd, bcd, l_cd, n_acd * n_bcd));
     const double longest = std::max(std::max(l_ab * l_ac * l_ad, l_ab * l_bc * l_bd),
                                     std::max(l_ac * l_bc * l_cd, l_ad * l_bd * l_cd));
-    return std::min(worst, kJacobianWeight * volume / longest);
+    worst = std::min(worst, kJacobianWeight * kJacobianWeight / longest);
+    return volume * std::sqrt(worst);
 }
 
 double corner_quality(const Point& u, const Point& v, const Point& w) {

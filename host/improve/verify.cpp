@@ -8,20 +8,26 @@ namespace {
 
 constexpr double kSameNode = 1e-9;  ///< cells: nodes closer than this coincide
 
+/// Bits of a node's number in the key of a face.
+constexpr int kNodeBits = 21;
+
+/// The three nodes of a face, ascending, in one number.
+using FaceKey = std::uint64_t;
+
 struct Face {
-    std::array<std::uint32_t, 3> node;  ///< ascending
-    bool even;                          ///< outward order is an even permutation of `node`
-    std::uint16_t region;
+    FaceKey node;
     FaceTag tag;
+    std::uint16_t region;
+    bool even;  ///< outward order is an even permutation of the key's
 
     bool operator<(const Face& other) const { return node < other.node; }
 };
 
 /// Faces without a partner and facets on one side only: what the block shows to others.
 struct Border {
-    std::array<std::uint32_t, 3> node;
-    bool even;
+    FaceKey node;
     FaceTag tag;
+    bool even;
 
     bool operator<(const Border& other) const {
         return node != other.node ? node < other.node : even < other.even;
@@ -35,18 +41,17 @@ struct Border {
 template <class Use>
 bool find_border(const std::vector<Tetrahedron>& tetrahedra, const Use& used, std::vector<Border>& border) {
     std::vector<Face> faces;
+    faces.reserve(4 * tetrahedra.size());
     for (std::size_t i = 0; i < tetrahedra.size(); ++i) {
         if (!used(i)) continue;
         const Tetrahedron& t = tetrahedra[i];
         for (std::size_t f = 0; f < 4; ++f) {
-            Face face{{t.node[kOpposite[f][0]], t.node[kOpposite[f][1]], t.node[kOpposite[f][2]]},
-                      true,
-                      t.region,
-                      t.tag[f]};
-            auto& n = face.node;
-            if (n[0] > n[1]) std::swap(n[0], n[1]), face.even = !face.even;
-            if (n[1] > n[2]) std::swap(n[1], n[2]), face.even = !face.even;
-            if (n[0] > n[1]) std::swap(n[0], n[1]), face.even = !face.even;
+            std::uint64_t n[3] = {t.node[kOpposite[f][0]], t.node[kOpposite[f][1]], t.node[kOpposite[f][2]]};
+            bool even = true;
+            if (n[0] > n[1]) std::swap(n[0], n[1]), even = !even;
+            if (n[1] > n[2]) std::swap(n[1], n[2]), even = !even;
+            if (n[0] > n[1]) std::swap(n[0], n[1]), even = !even;
+            const Face face{(n[0] << (2 * kNodeBits)) | (n[1] << kNodeBits) | n[2], t.tag[f], t.region, even};
             faces.push_back(face);
         }
     }
@@ -57,7 +62,7 @@ bool find_border(const std::vector<Tetrahedron>& tetrahedra, const Use& used, st
         const Face& a = faces[i];
         if (end - i == 1) {
             // Facets of the outer boundary may change; everything else is shared with others.
-            if (a.tag == 0 || (a.tag & kTagInterface) != 0) border.push_back({a.node, a.even, a.tag});
+            if (a.tag == 0 || (a.tag & kTagInterface) != 0) border.push_back({a.node, a.tag, a.even});
         } else {
             const Face& b = faces[i + 1];
             if (end - i > 2 || a.even == b.even || (a.tag == 0) != (b.tag == 0)) return false;
@@ -74,6 +79,7 @@ bool find_border(const std::vector<Tetrahedron>& tetrahedra, const Use& used, st
 }  // namespace
 
 bool Block::verify() const {
+    if (points_.size() >> kNodeBits != 0) return false;  // the keys would not fit
     std::vector<Border> before;
     std::vector<Border> after;
     if (!find_border(
