@@ -4,150 +4,18 @@
 #include <cmath>
 
 #include "host/common/parallel.hpp"
-#include "kernels/shared/lattice.h"
+#include "host/improve/poor_cells.hpp"
 
 namespace mortise::improve {
 namespace {
 
 constexpr std::size_t kChunk = 4096;
-/// Below this an element's neighbourhood is improved.
-constexpr double kPoorQuality = kGoodQuality;
-/// A hexahedron, wedge or pyramid with an edge shorter than this, in cells, counts as poor: it may have right
-/// angles and still make its neighbours flat.
-constexpr double kShortestEdge = 0.35;
 constexpr int kGrowths = 3;
 constexpr double kSameDistance = 2e-5;  ///< cells
 constexpr double kLessTurned = 0.1;
 constexpr double kTipReach = 1.5;  ///< cells
 /// A split into tetrahedra that is flatter than this is replaced by a cone from the element's centre.
 constexpr double kLowestSplit = 0.02;
-
-/// Bits over the cells of the root box, and one ring around it for elements whose nodes have moved out.
-class CellSet {
-  public:
-    explicit CellSet(int level)
-        : size_((std::int64_t{1} << level) + 2),
-          bits_(static_cast<std::size_t>((size_ * size_ * size_ + 63) / 64)) {}
-    std::size_t index(const Point& p) const {
-        std::int64_t at[3];
-        for (std::size_t j = 0; j < 3; ++j) {
-            at[j] = std::clamp<std::int64_t>(static_cast<std::int64_t>(std::floor(p[j])) + 1, 0, size_ - 1);
-        }
-        return static_cast<std::size_t>((at[2] * size_ + at[1]) * size_ + at[0]);
-    }
-    bool test(std::size_t i) const { return ((bits_[i >> 6] >> (i & 63)) & 1) != 0; }
-    void set(std::size_t i) { bits_[i >> 6] |= std::uint64_t{1} << (i & 63); }
-    void reset(std::size_t i) { bits_[i >> 6] &= ~(std::uint64_t{1} << (i & 63)); }
-    void set_ring(std::size_t i) {
-        const std::int64_t at[3] = {static_cast<std::int64_t>(i) % size_,
-                                    static_cast<std::int64_t>(i) / size_ % size_,
-                                    static_cast<std::int64_t>(i) / size_ / size_};
-        for (int k = 0; k < 27; ++k) {
-            const std::int64_t x = at[0] + k % 3 - 1;
-            const std::int64_t y = at[1] + k / 3 % 3 - 1;
-            const std::int64_t z = at[2] + k / 9 - 1;
-            if (std::min({x, y, z}) < 0 || std::max({x, y, z}) >= size_) continue;
-            set(static_cast<std::size_t>((z * size_ + y) * size_ + x));
-        }
-    }
-
-  private:
-    std::int64_t size_;
-    std::vector<std::uint64_t> bits_;
-};
-
-struct Element {
-    ElementType type;
-    const NodeId* node;
-    std::size_t count;
-};
-
-Element element(const Mesh& mesh, int t, std::size_t i) {
-    const auto size = static_cast<std::size_t>(kElementNodes[static_cast<std::size_t>(t)]);
-    return {static_cast<ElementType>(t), mesh.elements[static_cast<std::size_t>(t)].nodes.data() + i * size,
-            size};
-}
-
-/// Nodes lie on the lattice of 2^-26 of a cell: rounding takes away what the map to model coordinates added.
-Point in_cells(const Mesh& mesh, const CellFrame& frame, NodeId node) {
-    Point p;
-    for (std::size_t j = 0; j < 3; ++j) {
-        const double x = (mesh.points[3 * std::size_t{node} + j] - frame.origin[j]) / frame.cell;
-        p[j] = std::rint(x * kCellUnits) / kCellUnits;
-    }
-    return p;
-}
-
-Point centroid(const Mesh& mesh, const CellFrame& frame, const Element& e) {
-    Point sum = {0, 0, 0};
-    for (std::size_t k = 0; k < e.count; ++k) sum = sum + in_cells(mesh, frame, e.node[k]);
-    return (1.0 / static_cast<double>(e.count)) * sum;
-}
-
-double element_quality(const Mesh& mesh, const CellFrame& frame, const Element& e) {
-    std::array<Point, 8> p;
-    for (std::size_t k = 0; k < e.count; ++k) p[k] = in_cells(mesh, frame, e.node[k]);
-    const auto corner = [&](std::size_t o, std::size_t a, std::size_t b, std::size_t c) {
-        return corner_quality(p[a] - p[o], p[b] - p[o], p[c] - p[o]);
-    };
-    double worst = 2;
-    switch (e.type) {
-        case ElementType::kTetrahedron: return tetrahedron_quality(p[0], p[1], p[2], p[3]);
-        case ElementType::kPyramid: return pyramid_quality({p[0], p[1], p[2], p[3], p[4]});
-        case ElementType::kWedge:
-            for (std::size_t i = 0; i < 3; ++i) {
-                worst = std::min(worst, corner(i, (i + 1) % 3, (i + 2) % 3, i + 3));
-                worst = std::min(worst, corner(i + 3, 3 + (i + 2) % 3, 3 + (i + 1) % 3, i));
-            }
-            return worst;
-        case ElementType::kHexahedron:
-            for (std::size_t i = 0; i < 4; ++i) {
-                worst = std::min(worst, corner(i, (i + 1) % 4, (i + 3) % 4, i + 4));
-                worst = std::min(worst, corner(i + 4, 4 + (i + 3) % 4, 4 + (i + 1) % 4, i));
-            }
-            return worst;
-    }
-    return worst;
-}
-
-/// Whether an element that is no tetrahedron is too flat to be split into good ones.
-bool is_flat(const Mesh& mesh, const CellFrame& frame, const Element& e) {
-    const LocalFaces faces = local_faces(e.type);
-    for (int f = 0; f < faces.count; ++f) {
-        const LocalFace& face = faces.faces[f];
-        const std::size_t count = face[3] < 0 ? 3 : 4;
-        for (std::size_t k = 0; k < count; ++k) {
-            const Point edge =
-                in_cells(mesh, frame, e.node[face[k]]) - in_cells(mesh, frame, e.node[face[(k + 1) % count]]);
-            if (squared_length(edge) < kShortestEdge * kShortestEdge) return true;
-        }
-    }
-    return false;
-}
-
-/// Cells of the elements that are not good enough.
-std::vector<std::size_t> poor_cells(const Mesh& mesh, const CellFrame& frame, const CellSet& cells,
-                                    int threads) {
-    std::vector<std::size_t> poor;
-    for (int t = 0; t < kElementTypes; ++t) {
-        const ElementBlock& block = mesh.elements[static_cast<std::size_t>(t)];
-        std::vector<std::vector<std::size_t>> found(chunk_count(block.size(), kChunk));
-        parallel_chunks(block.size(), kChunk, threads, [&](std::size_t begin, std::size_t end, int) {
-            std::vector<std::size_t>& list = found[begin / kChunk];
-            for (std::size_t i = begin; i < end; ++i) {
-                // Hexahedra of IN cells are cubes.
-                if (t == 0 && block.kind[i] == static_cast<std::uint8_t>(ElementKind::kIn)) continue;
-                const Element e = element(mesh, t, i);
-                if (element_quality(mesh, frame, e) < kPoorQuality || (t < 3 && is_flat(mesh, frame, e)))
-                    list.push_back(cells.index(centroid(mesh, frame, e)));
-            }
-        });
-        for (const auto& list : found) poor.insert(poor.end(), list.begin(), list.end());
-    }
-    std::sort(poor.begin(), poor.end());
-    poor.erase(std::unique(poor.begin(), poor.end()), poor.end());
-    return poor;
-}
 
 using QuadKey = std::array<NodeId, 4>;
 
@@ -282,7 +150,7 @@ class Opener {
             std::vector<std::vector<ElementRef>> found(chunk_count(count, kChunk));
             parallel_chunks(count, kChunk, threads_, [&](std::size_t begin, std::size_t end, int) {
                 for (std::size_t i = begin; i < end; ++i) {
-                    const std::size_t cell = cells_.index(centroid(mesh_, frame_, element(mesh_, t, i)));
+                    const std::size_t cell = cells_.index(place_of(mesh_, frame_, t, i));
                     if (!cells_.test(cell)) continue;
                     taken[i] = 1;
                     found[begin / kChunk].push_back({static_cast<std::uint8_t>(t), i, cell, 0});
