@@ -7,8 +7,8 @@ namespace {
 
 template <class T>
 void keep(std::vector<T>& values, const std::vector<std::uint8_t>& taken, std::size_t stride) {
-    std::size_t to = 0;
-    for (std::size_t i = 0; i < taken.size(); ++i) {
+    auto to = static_cast<std::size_t>(std::find(taken.begin(), taken.end(), 1) - taken.begin());
+    for (std::size_t i = to; i < taken.size(); ++i) {
         if (taken[i] != 0) continue;
         for (std::size_t k = 0; k < stride; ++k) values[to * stride + k] = values[i * stride + k];
         ++to;
@@ -16,16 +16,59 @@ void keep(std::vector<T>& values, const std::vector<std::uint8_t>& taken, std::s
     values.resize(to * stride);
 }
 
+/// Nodes of the mesh for those of the zone. New nodes take the numbers of nodes that are gone; `unused`
+/// receives the numbers that are left over, ascending.
+std::vector<NodeId> number_nodes(const Zone& zone, std::size_t count, std::vector<NodeId>* unused) {
+    std::vector<std::uint8_t> used = zone.frozen;
+    for (const Tetrahedron& t : zone.tetrahedra) {
+        for (const ZoneNode n : t.node) used[n] = 1;
+    }
+    for (const Pyramid& p : zone.pyramids) {
+        for (const ZoneNode n : p.node) used[n] = 1;
+    }
+    for (std::size_t i = 0; i < used.size(); ++i) {
+        if (used[i] == 0 && zone.mesh_node[i] != kNone) unused->push_back(zone.mesh_node[i]);
+    }
+    std::vector<NodeId> node = zone.mesh_node;
+    std::size_t taken = 0;
+    for (std::size_t i = 0; i < used.size(); ++i) {
+        if (used[i] == 0 || node[i] != kNone) continue;
+        node[i] = taken < unused->size() ? (*unused)[taken++] : static_cast<NodeId>(count++);
+    }
+    unused->erase(unused->begin(), unused->begin() + static_cast<std::ptrdiff_t>(taken));
+    return node;
+}
+
+/// Takes nodes out that no element uses; the others keep their order.
+void remove_nodes(const std::vector<NodeId>& unused, Mesh& mesh) {
+    if (unused.empty()) return;
+    std::vector<NodeId> number(mesh.node_count());
+    std::size_t gone = 0;
+    for (std::size_t i = 0; i < number.size(); ++i) {
+        if (gone < unused.size() && unused[gone] == i) {
+            ++gone;
+            continue;
+        }
+        number[i] = static_cast<NodeId>(i - gone);
+        for (std::size_t j = 0; j < 3; ++j) mesh.points[3 * (i - gone) + j] = mesh.points[3 * i + j];
+    }
+    mesh.points.resize(mesh.points.size() - 3 * unused.size());
+    for (ElementBlock& block : mesh.elements) {
+        for (NodeId& n : block.nodes) n = number[n];
+    }
+    for (NodeId& n : mesh.facets.nodes) n = number[n];
+}
+
 }  // namespace
 
-Mesh close_zone(const Mesh& mesh, const CellFrame& frame, const Zone& zone) {
-    Mesh result = mesh;
-    std::vector<NodeId> node(zone.points.size());
+Mesh close_zone(Mesh mesh, const CellFrame& frame, const Zone& zone) {
+    Mesh result = std::move(mesh);
+    std::vector<NodeId> unused;
+    const std::vector<NodeId> node = number_nodes(zone, result.node_count(), &unused);
     for (std::size_t i = 0; i < zone.points.size(); ++i) {
-        const bool is_new = zone.mesh_node[i] == kNone;
-        node[i] = is_new ? static_cast<NodeId>(result.node_count()) : zone.mesh_node[i];
-        if (is_new) result.points.insert(result.points.end(), 3, 0.0);
-        if (!is_new && zone.points[i] == zone.original[i]) continue;
+        if (node[i] == kNone) continue;
+        if (zone.mesh_node[i] != kNone && zone.points[i] == zone.original[i]) continue;
+        if (node[i] >= result.node_count()) result.points.resize(3 * (std::size_t{node[i]} + 1));
         for (std::size_t j = 0; j < 3; ++j) {
             result.points[3 * std::size_t{node[i]} + j] = frame.origin[j] + frame.cell * zone.points[i][j];
         }
@@ -89,23 +132,7 @@ Mesh close_zone(const Mesh& mesh, const CellFrame& frame, const Zone& zone) {
             facets.outside.push_back(outside);
         }
     }
-    // Nodes that no element uses any more go; the others keep their order.
-    std::vector<NodeId> number(result.node_count(), kNone);
-    for (const ElementBlock& block : result.elements) {
-        for (const NodeId n : block.nodes) number[n] = 0;
-    }
-    NodeId next = 0;
-    for (std::size_t i = 0; i < number.size(); ++i) {
-        if (number[i] == kNone) continue;
-        for (std::size_t j = 0; j < 3; ++j)
-            result.points[3 * std::size_t{next} + j] = result.points[3 * i + j];
-        number[i] = next++;
-    }
-    result.points.resize(3 * std::size_t{next});
-    for (ElementBlock& block : result.elements) {
-        for (NodeId& n : block.nodes) n = number[n];
-    }
-    for (NodeId& n : facets.nodes) n = number[n];
+    remove_nodes(unused, result);
     return result;
 }
 

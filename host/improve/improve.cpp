@@ -181,7 +181,7 @@ Mesh improve(Mesh mesh, const tape::BoundModel& model, const Options& options, C
         for (int pass = 0; pass < kPasses && (pass == 0 || !improver.is_done()); ++pass) {
             improver.pass(kBlockCells / kPasses * pass, local);
         }
-        mesh = close_zone(mesh, frame, zone);
+        mesh = close_zone(std::move(mesh), frame, zone);
     }
     if (counters != nullptr) *counters = local;
     return mesh;

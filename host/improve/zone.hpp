@@ -81,6 +81,6 @@ Zone open_zone(const Mesh& mesh, const CellFrame& frame, const Surfaces& surface
                const std::vector<Tip>& tips, int threads);
 
 /// Puts the zone's elements, facets and moved nodes in place of those that were taken.
-Mesh close_zone(const Mesh& mesh, const CellFrame& frame, const Zone& zone);
+Mesh close_zone(Mesh mesh, const CellFrame& frame, const Zone& zone);
 
 }  // namespace mortise::improve
