@@ -147,10 +147,17 @@ class Opener {
             const std::size_t count = mesh_.elements[static_cast<std::size_t>(t)].size();
             std::vector<std::uint8_t>& taken = zone_.taken[static_cast<std::size_t>(t)];
             taken.assign(count, 0);
+            std::vector<std::uint32_t>& cell_of = cell_of_[static_cast<std::size_t>(t)];
+            const bool is_known = cell_of.size() == count;
+            cell_of.resize(count);
             std::vector<std::vector<ElementRef>> found(chunk_count(count, kChunk));
             parallel_chunks(count, kChunk, threads_, [&](std::size_t begin, std::size_t end, int) {
                 for (std::size_t i = begin; i < end; ++i) {
-                    const std::size_t cell = cells_.index(place_of(mesh_, frame_, t, i));
+                    if (!is_known) {
+                        const std::size_t at = cells_.index(place_of(mesh_, frame_, t, i));
+                        cell_of[i] = static_cast<std::uint32_t>(at);
+                    }
+                    const std::size_t cell = cell_of[i];
                     if (!cells_.test(cell)) continue;
                     taken[i] = 1;
                     found[begin / kChunk].push_back({static_cast<std::uint8_t>(t), i, cell, 0});
@@ -455,6 +462,8 @@ class Opener {
     int threads_;
     CellSet cells_;
     Zone zone_;
+    /// Per element of the mesh: its cell in cells_ (fits: a uniform tree has at most level 10).
+    std::array<std::vector<std::uint32_t>, kElementTypes> cell_of_;
     std::vector<QuadKey> outer_quads_;
     std::vector<ElementRef> elements_;
     std::vector<std::uint32_t> place_;  ///< per node of the mesh: its place in the zone
