@@ -3,6 +3,17 @@
 #include <algorithm>
 
 namespace mortise::improve {
+namespace {
+
+/// Square of the sine of the angle between faces with outward normals n and m, per square of 6 V, obtuse
+/// angles weighted: the sine is 6 V · (length of their edge) / (product of the normals). The last two are
+/// squares.
+double sine(const Point& n, const Point& m, double edge, double product) {
+    const double value = edge / product;
+    return dot(n, m) > 0 ? kObtuseWeight * kObtuseWeight * value : value;
+}
+
+}  // namespace
 
 double tetrahedron_quality(const Point& a, const Point& b, const Point& c, const Point& d) {
     const Point ab = b - a;
@@ -29,12 +40,7 @@ double tetrahedron_quality(const Point& a, const Point& b, const Point& c, const
     const double n_abd = squared_length(abd);
     const double n_acd = squared_length(acd);
     const double n_bcd = squared_length(bcd);
-    // Squares, for one root at the end. The sine of the angle between two faces is 6 V · (length of their
-    // edge) / (product of the normals).
-    const auto sine = [](const Point& n, const Point& m, double edge, double product) {
-        const double value = edge / product;
-        return dot(n, m) > 0 ? kObtuseWeight * kObtuseWeight * value : value;
-    };
+    // Squares, for one root at the end.
     double worst = sine(abc, abd, l_ab, n_abc * n_abd);
     worst = std::min(worst, sine(abc, acd, l_ac, n_abc * n_acd));
     worst = std::min(worst, sine(abd, acd, l_ad, n_abd * n_acd));
@@ -53,20 +59,17 @@ double corner_quality(const Point& u, const Point& v, const Point& w) {
     if (!(volume > 0)) return kInvertedQuality;
     const Point vw = cross(v, w);
     const Point wu = cross(w, u);
-    const double n_uv = length(uv);
-    const double n_vw = length(vw);
-    const double n_wu = length(wu);
-    const double l_u = length(u);
-    const double l_v = length(v);
-    const double l_w = length(w);
-    const auto sine = [volume](const Point& n, const Point& m, double edge, double product) {
-        const double value = volume * edge / product;
-        return dot(n, m) > 0 ? kObtuseWeight * value : value;
-    };
-    double worst = kJacobianWeight * volume / (l_u * l_v * l_w);
+    const double n_uv = squared_length(uv);
+    const double n_vw = squared_length(vw);
+    const double n_wu = squared_length(wu);
+    const double l_u = squared_length(u);
+    const double l_v = squared_length(v);
+    const double l_w = squared_length(w);
+    double worst = kJacobianWeight * kJacobianWeight / (l_u * l_v * l_w);
     worst = std::min(worst, sine(uv, wu, l_u, n_uv * n_wu));
     worst = std::min(worst, sine(uv, vw, l_v, n_uv * n_vw));
-    return std::min(worst, sine(vw, wu, l_w, n_vw * n_wu));
+    worst = std::min(worst, sine(vw, wu, l_w, n_vw * n_wu));
+    return volume * std::sqrt(worst);
 }
 
 double pyramid_quality(const std::array<Point, 5>& p) {

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "host/common/random.hpp"
 #include "host/report/facet_grid.hpp"
 
 namespace mortise::report {
@@ -13,21 +14,6 @@ constexpr std::size_t kChunk = 2048;
 constexpr std::size_t kMostPoints = 300000;
 constexpr int kLineSteps = 8;    // that a line in a leaf is looked at in
 constexpr int kBisections = 40;  // of one of them: 2⁻⁴³ of a cell
-
-/// SplitMix64 (Steele, Lea, Flood 2014).
-class Random {
-  public:
-    explicit Random(std::uint64_t seed) : state_(seed) {}
-    double uniform() {  ///< in [0, 1)
-        std::uint64_t z = (state_ += 0x9E3779B97F4A7C15ULL);
-        z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9ULL;
-        z = (z ^ (z >> 27)) * 0x94D049BB133111EBULL;
-        return static_cast<double>((z ^ (z >> 31)) >> 11) * 0x1.0p-53;
-    }
-
-  private:
-    std::uint64_t state_;
-};
 
 /// A sum and the largest of many values, with the place of the largest.
 struct Tally {
