@@ -48,6 +48,25 @@ void require_cone(const char* primitive, const Primitive& cone) {
     if (cone.slope == 0) require_positive(primitive, "radius of a cone without slope", cone.radius);
 }
 
+void require_polyhedron(const Primitive& primitive) {
+    if (!primitive.triangles || primitive.triangles->triangles.size() < 4) {
+        refuse("polyhedron: a closed surface needs at least four triangles");
+    }
+    for (const Vec3& point : primitive.triangles->points) require_finite("polyhedron", "point", point);
+    const std::size_t count = primitive.triangles->points.size();
+    for (const auto& triangle : primitive.triangles->triangles) {
+        for (const std::uint32_t point : triangle) {
+            if (point < count) continue;
+            refuse("polyhedron: point " + std::to_string(point) + " does not exist; there are " +
+                   std::to_string(count));
+        }
+    }
+    if (!(primitive.sharp_angle >= 0 && primitive.sharp_angle <= 180)) {
+        refuse("polyhedron: the sharp angle is " + number_text(primitive.sharp_angle) +
+               " degrees; expected 0 to 180");
+    }
+}
+
 void check_primitive(const Primitive& primitive) {
     switch (primitive.kind) {
         case Primitive::Kind::kConvex:
@@ -68,6 +87,7 @@ void check_primitive(const Primitive& primitive) {
         case Primitive::Kind::kExpression:
             if (primitive.expression.empty()) refuse("expression primitive: the formula is empty");
             return;
+        case Primitive::Kind::kPolyhedron: require_polyhedron(primitive); return;
     }
     refuse("primitive: unknown kind " + std::to_string(static_cast<int>(primitive.kind)));
 }
@@ -209,6 +229,15 @@ Primitive torus(double major, double minor) {
     require_positive("torus", "minor radius", minor);
     Primitive result = with_radius(Primitive::Kind::kTorus, minor);
     result.major = major;
+    return result;
+}
+
+Primitive polyhedron(TriangleSurface triangles, double sharp_angle) {
+    Primitive result;
+    result.kind = Primitive::Kind::kPolyhedron;
+    result.triangles = std::make_shared<const TriangleSurface>(std::move(triangles));
+    result.sharp_angle = sharp_angle;
+    require_polyhedron(result);
     return result;
 }
 

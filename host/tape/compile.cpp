@@ -6,6 +6,7 @@
 #include <limits>
 #include <map>
 #include <numeric>
+#include <optional>
 
 #include "host/tape/expression_parser.hpp"
 
@@ -23,6 +24,7 @@ struct Term {
     bool negated = false;
     std::uint32_t surface = 0;
     std::vector<std::uint32_t> children;
+    std::optional<Box3> hint{};  ///< known to hold the set, in model coordinates
 };
 
 /// Affine map as 3×3 matrix and offset, in double precision.
@@ -42,6 +44,32 @@ Map to_map(const Affine& a) {
 
 Map compose(const Map& outer, const Map& inner) {
     return {outer.matrix * inner.matrix, outer.matrix * inner.offset + outer.offset};
+}
+
+/// Axis-aligned box around the image of a box.
+Box3 map_box(const Box3& box, const Map& map) {
+    Box3 result;
+    for (int i = 0; i < 3; ++i) {
+        double low = map.offset[i];
+        double high = map.offset[i];
+        for (std::size_t j = 0; j < 3; ++j) {
+            const double factor = map.matrix[static_cast<int>(j)][i];
+            if (factor == 0) continue;  // keeps 0 · ∞ out
+            low += std::min(factor * box.min[j], factor * box.max[j]);
+            high += std::max(factor * box.min[j], factor * box.max[j]);
+        }
+        result.min[static_cast<std::size_t>(i)] = low;
+        result.max[static_cast<std::size_t>(i)] = high;
+    }
+    return result;
+}
+
+/// Intersection; empty boxes have a minimum above their maximum.
+void shrink(Box3& box, const Box3& by) {
+    for (std::size_t j = 0; j < 3; ++j) {
+        box.min[j] = std::max(box.min[j], by.min[j]);
+        box.max[j] = std::min(box.max[j], by.max[j]);
+    }
 }
 
 class Compiler {
@@ -104,7 +132,7 @@ class Compiler {
     }
 
     std::uint32_t add_constant(bool value) {
-        return add({value ? Term::Type::kTrue : Term::Type::kFalse, false, 0, {}});
+        return add({value ? Term::Type::kTrue : Term::Type::kFalse, false, 0, {}, {}});
     }
 
     /// And / or of any number of terms, constants removed.
@@ -119,7 +147,7 @@ class Compiler {
         }
         if (kept.empty()) return add_constant(is_and);
         if (kept.size() == 1) return kept[0];
-        return add({type, false, 0, std::move(kept)});
+        return add({type, false, 0, std::move(kept), {}});
     }
 
     /// The formula of the subtree at `root`, by an explicit stack: any depth of tree.
@@ -141,6 +169,7 @@ class Compiler {
                 continue;
             }
             const std::uint32_t term = finish(frame, node);
+            if (node.bounds && !frame.negate) terms_[term].hint = map_box(*node.bounds, frame.map);
             stack.pop_back();
             if (stack.empty()) return term;
             stack.back().terms.push_back(term);
@@ -167,12 +196,12 @@ class Compiler {
     }
 
     std::uint32_t literal(std::uint32_t surface, bool negated) {
-        return add({Term::Type::kLiteral, negated, surface, {}});
+        return add({Term::Type::kLiteral, negated, surface, {}, {}});
     }
 
     std::uint32_t primitive(const Primitive& p, const Frame& frame) {
         static const char* const kNames[] = {"convex", "sphere", "cylinder", "cone",
-                                             "cone",   "torus",  "formula"};
+                                             "cone",   "torus",  "formula",  "polyhedron"};
         const std::size_t kind = static_cast<std::size_t>(p.kind);
         // An unnamed primitive counts once however often its frame is expanded: names stay short and stable.
         std::string base = *frame.name;
@@ -407,6 +436,7 @@ class Compiler {
             if (term.type == Term::Type::kFalse) continue;
             if (term.type == Term::Type::kLiteral) {
                 boxes[i] = literal_bounds(term);
+                if (term.hint) shrink(boxes[i], *term.hint);
                 continue;
             }
             const bool is_or = term.type == Term::Type::kOr;
@@ -424,6 +454,7 @@ class Compiler {
                     break;
                 }
             }
+            if (term.hint) shrink(boxes[i], *term.hint);
         }
         out_.bounds = nothing;
         for (const std::uint32_t root : roots) {

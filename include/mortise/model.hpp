@@ -7,6 +7,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -22,11 +23,24 @@ using Affine = std::array<double, 12>;
 
 inline constexpr Affine kIdentity = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
 
+/// Axis-aligned box in model units.
+struct Box3 {
+    Vec3 min{};
+    Vec3 max{};
+};
+
 /// Half-space { x : normal·x <= offset }. `normal` points outwards and need not have unit length.
 struct Plane {
     Vec3 normal{};
     double offset = 0;
     std::string name;  ///< suffix of the surface's name, e.g. "xmin"; may be empty
+};
+
+/// A closed surface of triangles, counter-clockwise seen from outside. Small holes and overlaps are borne:
+/// a point is inside where the winding number is above one half.
+struct TriangleSurface {
+    std::vector<Vec3> points;
+    std::vector<std::array<std::uint32_t, 3>> triangles;  ///< indices into `points`
 };
 
 /// One primitive in its own local frame. The region inside is { x : f(x) <= 0 }.
@@ -39,6 +53,7 @@ struct Primitive {
         kDoubleCone,  ///< both nappes: x² + y² <= (radius + slope·z)²
         kTorus,       ///< (sqrt(x² + y²) - major)² + z² <= radius²; axis z
         kExpression,  ///< expression <= 0; see `expression`
+        kPolyhedron,  ///< what `triangles` enclose
     };
     Kind kind = Kind::kConvex;
     std::vector<Plane> planes;  ///< kConvex only, at least one
@@ -46,6 +61,8 @@ struct Primitive {
     double slope = 0;           ///< cones: change of radius per unit of z
     double major = 0;           ///< torus: distance from the axis to the tube's centre line
     std::string expression;     ///< kExpression: formula in x, y, z (grammar: docs/expressions.md)
+    std::shared_ptr<const TriangleSurface> triangles;  ///< kPolyhedron only
+    double sharp_angle = 0;  ///< kPolyhedron: edges where the normal turns by more degrees are creases
 };
 
 /// A node of the CSG tree.
@@ -64,6 +81,8 @@ struct CsgNode {
     Affine map = kIdentity;               ///< kTransform only
     std::string name;     ///< names the surfaces of the primitives below; the innermost non-empty name wins
     double max_size = 0;  ///< element size wanted on the surfaces below and inside; 0: none
+    /// A box known to hold the solid of this node, in its own frame: helps to find the model's bounds.
+    std::optional<Box3> bounds;
     SourceLocation where;
 };
 
@@ -73,12 +92,6 @@ struct Region {
     std::uint32_t root = 0;  ///< index into Model::nodes
     double max_size = 0;     ///< element size wanted inside; 0: none
     std::string metadata;    ///< text that the file attached to the region, verbatim
-};
-
-/// Axis-aligned box in model units.
-struct Box3 {
-    Vec3 min{};
-    Vec3 max{};
 };
 
 /// A whole model as read from a file or built in code.
@@ -107,6 +120,8 @@ Primitive infinite_cylinder(double radius);
 Primitive cone(double radius, double slope);
 Primitive double_cone(double radius, double slope);
 Primitive torus(double major, double minor);
+/// Needs at least four triangles, finite points, indices in range; `sharp_angle` in degrees, 0 to 180.
+Primitive polyhedron(TriangleSurface triangles, double sharp_angle = 0);
 
 /// Reads a model; the format follows from the file's extension (.csg, .geo).
 ///

@@ -32,6 +32,8 @@ std::string describe_primitive(const Primitive& primitive) {
         case Primitive::Kind::kTorus:
             return "torus major=" + number(primitive.major) + " minor=" + number(primitive.radius);
         case Primitive::Kind::kExpression: return "expression " + primitive.expression;
+        case Primitive::Kind::kPolyhedron:
+            return "polyhedron of " + std::to_string(primitive.triangles->triangles.size()) + " triangles";
     }
     return "unknown primitive";
 }

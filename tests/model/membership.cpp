@@ -7,6 +7,27 @@
 namespace mortise::test {
 namespace {
 
+/// Sum of the signed solid angles under which the triangles are seen (Van Oosterom & Strackee 1983), in
+/// turns.
+double winding_number(const TriangleSurface& surface, const Vec3& p) {
+    double sum = 0;
+    for (const auto& triangle : surface.triangles) {
+        Vec3 v[3];
+        double length[3];
+        for (std::size_t k = 0; k < 3; ++k) {
+            for (std::size_t j = 0; j < 3; ++j) v[k][j] = surface.points[triangle[k]][j] - p[j];
+            length[k] = std::sqrt(v[k][0] * v[k][0] + v[k][1] * v[k][1] + v[k][2] * v[k][2]);
+        }
+        const auto dot = [](const Vec3& a, const Vec3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; };
+        const double volume = v[0][0] * (v[1][1] * v[2][2] - v[1][2] * v[2][1]) +
+                              v[0][1] * (v[1][2] * v[2][0] - v[1][0] * v[2][2]) +
+                              v[0][2] * (v[1][0] * v[2][1] - v[1][1] * v[2][0]);
+        sum += 2 * std::atan2(volume, length[0] * length[1] * length[2] + dot(v[0], v[1]) * length[2] +
+                                          dot(v[1], v[2]) * length[0] + dot(v[2], v[0]) * length[1]);
+    }
+    return sum / (4 * std::acos(-1.0));
+}
+
 bool primitive_holds(const Primitive& primitive, const Vec3& p) {
     const double rho = std::sqrt(p[0] * p[0] + p[1] * p[1]);
     const double level = primitive.radius + primitive.slope * p[2];
@@ -21,6 +42,7 @@ bool primitive_holds(const Primitive& primitive, const Vec3& p) {
         case Primitive::Kind::kCone: return rho <= level;
         case Primitive::Kind::kDoubleCone: return rho <= std::fabs(level);
         case Primitive::Kind::kTorus: return std::hypot(rho - primitive.major, p[2]) <= primitive.radius;
+        case Primitive::Kind::kPolyhedron: return winding_number(*primitive.triangles, p) > 0.5;
         case Primitive::Kind::kExpression: break;
     }
     throw std::logic_error("no membership for this primitive");
