@@ -21,6 +21,7 @@ class Descent {
         descend_ = device.kernel("octree/descend.cl", "descend");
         gather_ = device.kernel("octree/descend.cl", "gather_children");
         bounds_ = device.upload(model.bounds);
+        spatial_ = device.upload(model.spatial.empty() ? std::vector<std::uint32_t>(1) : model.spatial);
         capacity_ = model.tape.size() + (1u << 16);
         tapes_ = device.allocate(capacity_ * sizeof(std::uint32_t));
         device.upload(tapes_, model.tape.data(), model.tape.size());
@@ -57,8 +58,9 @@ class Descent {
         for (;;) {
             const auto before = static_cast<std::uint32_t>(used_words_);
             device_.upload(used_, &before, 1);
-            device_.launch(descend_, count_, nodes_, tapes_, bounds_, ops, children, states, unknown, in,
-                           used_, static_cast<std::uint32_t>(capacity_), static_cast<std::int32_t>(level));
+            device_.launch(descend_, count_, nodes_, tapes_, bounds_, ops, spatial_, children, states,
+                           unknown, in, used_, static_cast<std::uint32_t>(capacity_),
+                           static_cast<std::int32_t>(level));
             std::uint32_t after = 0;
             device_.download(used_, &after, 1);
             if (after <= capacity_ && after >= before) {
@@ -101,6 +103,7 @@ class Descent {
     device::Kernel descend_;
     device::Kernel gather_;
     Buffer bounds_;
+    Buffer spatial_;
     Buffer tapes_;
     Buffer nodes_;
     Buffer in_nodes_;

@@ -18,6 +18,7 @@
 #include "host/snio/classify.hpp"
 #include "host/tape/compile.hpp"
 #include "host/tetrahedra/split.hpp"
+#include "host/triangles/divide.hpp"
 
 namespace mortise {
 namespace {
@@ -260,8 +261,12 @@ Mesh generate_mesh(const Model& model, const MeshOptions& options, MeshReport* r
                                           " yet; use larger cells");
     }
     check_precision(root, model.source);
-    const tape::BoundModel bound = tape::bind(compiled, root.origin, root.side);
+    tape::BoundModel bound = tape::bind(compiled, root.origin, root.side);
     stages.end(bound.surfaces.size());
+    if (!bound.polyhedra.empty()) {
+        stages.begin("polyhedra", 0.01);
+        stages.end(triangles::divide(bound, root.level, options.threads).nodes);
+    }
 
     stages.begin("device", 0.02);
     device::DeviceOptions device_options;

@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <map>
 
 #include "host/tape/compile.hpp"
 #include "host/tape/reference.hpp"
@@ -111,18 +112,24 @@ BoundModel bind(const CompiledModel& compiled, const Vec3& origin, double side) 
     bound.expression_ops = compiled.expression_ops;
     if (bound.expression_ops.empty()) bound.expression_ops.push_back({});
     std::vector<std::array<double, 16>> signatures;
+    // Surfaces by the size of one coefficient, whose sign may be flipped: equal ones are neighbours.
+    std::multimap<double, std::size_t> by_offset;
     std::vector<std::uint32_t> target(compiled.surfaces.size());
     std::vector<std::uint32_t> flipped(compiled.surfaces.size(), 0);
     for (std::size_t i = 0; i < compiled.surfaces.size(); ++i) {
         const Surface local = to_local(compiled.surfaces[i].surface, origin, side);
         const auto mine = signature(local);
         std::size_t found = bound.surfaces.size();
-        for (std::size_t k = 0; k < bound.surfaces.size(); ++k) {
-            const int equal = compare(bound.surfaces[k], signatures[k], local, mine, bound.expression_ops);
+        const double offset = std::fabs(mine[3]);
+        const double reach = 2 * kMergeTolerance * std::max(1.0, offset);
+        const auto end = by_offset.upper_bound(offset + reach);
+        for (auto k = by_offset.lower_bound(offset - reach); k != end; ++k) {
+            if (k->second >= found) continue;  // the first equal one, whatever the order here
+            const int equal =
+                compare(bound.surfaces[k->second], signatures[k->second], local, mine, bound.expression_ops);
             if (equal == 0) continue;
-            found = k;
+            found = k->second;
             flipped[i] = equal < 0 ? 1 : 0;
-            break;
         }
         target[i] = static_cast<std::uint32_t>(found);
         if (found < bound.surfaces.size()) continue;
@@ -130,12 +137,22 @@ BoundModel bind(const CompiledModel& compiled, const Vec3& origin, double side) 
         bound.bounds.push_back(make_bounds(local));
         bound.surface_name.push_back(compiled.surfaces[i].name);
         signatures.push_back(mine);
+        by_offset.emplace(offset, found);
     }
     bound.tape = compiled.tape;
     for (std::uint32_t& word : bound.tape) {
         if (tape_operation(word) != kTapeLiteral) continue;
         const std::uint32_t surface = tape_surface(word);
         word = make_literal(target[surface], tape_negated(word) ^ flipped[surface]);
+    }
+    for (const WorldPolyhedron& world : compiled.polyhedra) {
+        BoundPolyhedron local;
+        local.shape = world.shape;
+        for (Vec3& point : local.shape.points) {
+            for (std::size_t j = 0; j < 3; ++j) point[j] = (point[j] - origin[j]) / side;
+        }
+        for (const std::uint32_t surface : world.surface) local.surface.push_back(target[surface]);
+        bound.polyhedra.push_back(std::move(local));
     }
     return bound;
 }

@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "host/tape/expression_parser.hpp"
+#include "host/tape/facets.hpp"
 
 namespace mortise::tape {
 namespace {
@@ -19,10 +20,10 @@ constexpr std::size_t kMaxTerms = 1u << 24;
 
 /// A monotone formula over signed surfaces; children come before their users.
 struct Term {
-    enum class Type : std::uint8_t { kFalse, kTrue, kLiteral, kAnd, kOr };
+    enum class Type : std::uint8_t { kFalse, kTrue, kLiteral, kSpatial, kAnd, kOr };
     Type type = Type::kFalse;
     bool negated = false;
-    std::uint32_t surface = 0;
+    std::uint32_t surface = 0;  ///< kSpatial: index of the polyhedron
     std::vector<std::uint32_t> children;
     std::optional<Box3> hint{};  ///< known to hold the set, in model coordinates
 };
@@ -236,6 +237,7 @@ class Compiler {
             }
             return add_operation(frame.negate ? Term::Type::kOr : Term::Type::kAnd, std::move(faces));
         }
+        if (p.kind == Primitive::Kind::kPolyhedron) return polyhedron(*p.triangles, frame, base);
         Surface s{};
         for (int i = 0; i < 3; ++i) {
             for (int j = 0; j < 3; ++j) s.map[4 * i + j] = inverse[j][i];
@@ -273,6 +275,54 @@ class Compiler {
             default: return formula(p.expression, s, base, frame.negate);
         }
         return literal(add_surface(s, base), frame.negate);
+    }
+
+    /// A surface for every flat face; their formulas depend on the cell (kernels/shared/spatial.h).
+    std::uint32_t polyhedron(const TriangleSurface& local, const Frame& frame, const std::string& base) {
+        constexpr std::size_t kMostNamed = 24;  // more faces than that share the name
+        WorldPolyhedron world;
+        Box3 bounds{{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
+        for (const Vec3& point : local.points) {
+            const glm::dvec3 x =
+                frame.map.matrix * glm::dvec3(point[0], point[1], point[2]) + frame.map.offset;
+            world.shape.points.push_back({x.x, x.y, x.z});
+        }
+        const bool mirrored = glm::determinant(frame.map.matrix) < 0;
+        for (std::array<std::uint32_t, 3> triangle : local.triangles) {
+            if (mirrored) std::swap(triangle[1], triangle[2]);
+            world.shape.triangles.push_back(triangle);
+        }
+        const Facets facets = find_facets(world.shape);
+        std::vector<std::uint32_t> surfaces;
+        for (std::size_t i = 0; i < facets.planes.size(); ++i) {
+            Surface s{};
+            s.kind = kSurfacePlane;
+            std::copy(facets.planes[i].begin(), facets.planes[i].end(), s.map);
+            const bool named = facets.planes.size() <= kMostNamed;
+            surfaces.push_back(add_surface(s, named ? base + "_face" + std::to_string(i + 1) : base));
+        }
+        std::size_t kept = 0;
+        for (std::size_t t = 0; t < facets.of_triangle.size(); ++t) {
+            if (facets.of_triangle[t] == Facets::kNone) continue;
+            world.surface.push_back(surfaces[facets.of_triangle[t]]);
+            world.shape.triangles[kept++] = world.shape.triangles[t];
+            for (const std::uint32_t corner : world.shape.triangles[kept - 1]) {
+                const Vec3& x = world.shape.points[corner];
+                for (std::size_t j = 0; j < 3; ++j) {
+                    bounds.min[j] = std::min(bounds.min[j], x[j]);
+                    bounds.max[j] = std::max(bounds.max[j], x[j]);
+                }
+            }
+        }
+        world.shape.triangles.resize(kept);
+        if (kept == 0) return add_constant(frame.negate);
+        Term term;
+        term.type = Term::Type::kSpatial;
+        term.negated = frame.negate;
+        term.surface = static_cast<std::uint32_t>(out_.polyhedra.size());
+        if (!frame.negate) term.hint = bounds;
+        out_.polyhedra.push_back(std::move(world));
+        return add(std::move(term));
     }
 
     /// min, max and neg that are reached from the root through each other only become set operations.
@@ -357,6 +407,7 @@ class Compiler {
         needs_.assign(terms_.size(), 1);
         for (std::size_t i = 0; i < terms_.size(); ++i) {
             auto& children = terms_[i].children;
+            if (terms_[i].type == Term::Type::kSpatial) needs_[i] = kSpatialStack;
             if (children.empty()) continue;
             std::stable_sort(children.begin(), children.end(),
                              [this](std::uint32_t a, std::uint32_t b) { return needs_[a] > needs_[b]; });
@@ -374,6 +425,11 @@ class Compiler {
                 stack.pop_back();
                 continue;
             }
+            if (term.type == Term::Type::kSpatial) {
+                out_.tape.push_back(make_spatial(term.surface, term.negated ? 1 : 0));
+                stack.pop_back();
+                continue;
+            }
             if (next >= 2) {
                 out_.tape.push_back(make_operation(term.type == Term::Type::kAnd ? kTapeAnd : kTapeOr, 0, 0));
             }
@@ -388,6 +444,7 @@ class Compiler {
 
     Box3 literal_bounds(const Term& term) const {
         Box3 box{{-kInfinity, -kInfinity, -kInfinity}, {kInfinity, kInfinity, kInfinity}};
+        if (term.type == Term::Type::kSpatial) return box;
         const Surface& s = out_.surfaces[term.surface].surface;
         if (s.kind == kSurfacePlane) {
             for (std::size_t j = 0; j < 3; ++j) {
@@ -434,7 +491,7 @@ class Compiler {
         for (std::size_t i = 0; i < terms_.size(); ++i) {
             const Term& term = terms_[i];
             if (term.type == Term::Type::kFalse) continue;
-            if (term.type == Term::Type::kLiteral) {
+            if (term.type == Term::Type::kLiteral || term.type == Term::Type::kSpatial) {
                 boxes[i] = literal_bounds(term);
                 if (term.hint) shrink(boxes[i], *term.hint);
                 continue;

@@ -22,15 +22,28 @@ struct WorldSurface {
     std::uint32_t name = 0;  ///< index into CompiledModel::surface_names
 };
 
+/// A polyhedron in model coordinates. In a compiled tape, a spatial word holds its index.
+struct WorldPolyhedron {
+    TriangleSurface shape;
+    std::vector<std::uint32_t> surface;  ///< per triangle: index into CompiledModel::surfaces
+};
+
 /// A model as formula over surfaces, in model units.
 struct CompiledModel {
     std::vector<WorldSurface> surfaces;
     std::vector<ExpressionOp> expression_ops;
     std::vector<std::uint32_t> tape;  ///< literals index `surfaces`
+    std::vector<WorldPolyhedron> polyhedra;
     std::vector<std::string> surface_names;
     std::vector<std::string> region_names;
     Box3 bounds{};     ///< holds the solid; components may be infinite
     double scale = 1;  ///< a length that is large compared with every number in the model
+};
+
+/// A polyhedron in box-local coordinates, on surfaces that may be shared with other solids.
+struct BoundPolyhedron {
+    TriangleSurface shape;
+    std::vector<std::uint32_t> surface;  ///< per triangle: index into BoundModel::surfaces, a plane
 };
 
 /// A compiled model in box-local coordinates of a cube: what the octree and all later stages work on.
@@ -39,6 +52,8 @@ struct BoundModel {
     std::vector<SurfaceBounds> bounds;         ///< one per surface
     std::vector<ExpressionOp> expression_ops;  ///< never empty, so that a device buffer exists
     std::vector<std::uint32_t> tape;
+    std::vector<std::uint32_t> spatial;       ///< kernels/shared/spatial.h; empty: polyhedra are not divided
+    std::vector<BoundPolyhedron> polyhedra;   ///< spatial words hold their index until they are divided
     std::vector<std::uint32_t> surface_name;  ///< per surface, index into CompiledModel::surface_names
     Vec3 origin{};                            ///< model coordinates of the cube's minimum corner
     double side = 1;
@@ -48,7 +63,8 @@ struct BoundModel {
 /// Throws Error(kInput) for a formula that cannot be parsed and for a solid that is empty by its structure.
 CompiledModel compile(const Model& model, const Box3* clip = nullptr);
 
-/// Binds to the cube [origin, origin + side]^3 and merges equal surfaces.
+/// Binds to the cube [origin, origin + side]^3 and merges equal surfaces. Polyhedra stay undivided
+/// (host/triangles): their cells are undecided.
 BoundModel bind(const CompiledModel& compiled, const Vec3& origin, double side);
 
 /// A box that holds the solid, each side within about 1/64 of its extent. Throws Error(kInput) if the solid

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "kernels/shared/expression_bounds.h"
+#include "kernels/shared/spatial.h"
 
 namespace mortise::tape {
 namespace {
@@ -27,6 +28,37 @@ int decide(double low, double high) {
     if (low - slack > 0) return 1;
     if (high + slack < 0) return -1;
     return 0;
+}
+
+/// Which child of its parent the cell is, in Morton order.
+std::uint32_t child_slot(const Cell& cell) {
+    std::uint32_t slot = 0;
+    for (int j = 0; j < 3; ++j) {
+        const double index = (cell.centre[j] - cell.half) / (2 * cell.half);
+        slot |= (static_cast<std::uint32_t>(std::llround(index)) & 1u) << j;
+    }
+    return slot;
+}
+
+/// Appends what stands for a spatial word in a child (kernels/shared/spatial.h).
+void expand_spatial(const BoundModel& model, std::uint32_t word, std::uint32_t slot,
+                    std::vector<std::uint32_t>& words, std::vector<std::int32_t>& states) {
+    const std::uint32_t negated = tape_negated(word);
+    const std::uint32_t entry = model.spatial[tape_surface(word) + slot];
+    const std::uint32_t place = entry & ~kSpatialFormula;
+    if (entry <= kSpatialIn) {
+        words.push_back(word);
+        states.push_back(static_cast<std::int32_t>(entry ^ negated));
+    } else if (entry == place) {
+        words.push_back(make_spatial(place, negated));
+        states.push_back(kUnknown);
+    } else {
+        for (std::uint32_t i = 0; i < model.spatial[place]; ++i) {
+            const std::uint32_t copied = model.spatial[place + 1 + i];
+            words.push_back(negated != 0 ? negate_word(copied) : copied);
+            states.push_back(kUnknown);
+        }
+    }
 }
 
 }  // namespace
@@ -92,7 +124,7 @@ std::int32_t prune(const std::vector<std::uint32_t>& tape, const std::vector<std
     for (std::size_t i = 0; i < tape.size(); ++i) {
         const std::uint32_t word = tape[i];
         const std::uint32_t operation = tape_operation(word);
-        if (operation == kTapeLiteral) {
+        if (operation == kTapeLiteral || operation == kTapeSpatial) {
             stack.push_back({states[i], out.size()});
             if (states[i] == kUnknown) out.push_back(word);
             continue;
@@ -134,25 +166,58 @@ std::int32_t prune(const std::vector<std::uint32_t>& tape, const std::vector<std
 
 std::int32_t classify_cell(const BoundModel& model, const std::vector<std::uint32_t>& tape, const Cell& cell,
                            std::vector<std::uint32_t>* pruned) {
-    std::vector<std::int32_t> states(tape.size(), kUnknown);
-    for (std::size_t i = 0; i < tape.size(); ++i) {
-        if (tape_operation(tape[i]) != kTapeLiteral) continue;
-        const int sign = classify_surface(model, tape_surface(tape[i]), cell);
-        if (sign != 0) states[i] = (sign < 0) != (tape_negated(tape[i]) != 0) ? 1 : 0;
+    std::vector<std::uint32_t> words;
+    std::vector<std::int32_t> states;
+    for (const std::uint32_t word : tape) {
+        if (tape_operation(word) == kTapeSpatial && cell.half < 0.5 && !model.spatial.empty()) {
+            expand_spatial(model, word, child_slot(cell), words, states);
+        } else {
+            words.push_back(word);
+            states.push_back(kUnknown);
+        }
     }
-    return prune(tape, states, pruned);
+    for (std::size_t i = 0; i < words.size(); ++i) {
+        if (tape_operation(words[i]) != kTapeLiteral) continue;
+        const int sign = classify_surface(model, tape_surface(words[i]), cell);
+        if (sign != 0) states[i] = (sign < 0) != (tape_negated(words[i]) != 0) ? 1 : 0;
+    }
+    return prune(words, states, pruned);
 }
 
 std::int32_t region_at(const BoundModel& model, double x, double y, double z) {
-    std::vector<std::int32_t> states(model.tape.size(), 0);
-    for (std::size_t i = 0; i < model.tape.size(); ++i) {
-        const std::uint32_t word = model.tape[i];
-        if (tape_operation(word) != kTapeLiteral) continue;
-        const double value =
-            surface_value(&model.surfaces[tape_surface(word)], model.expression_ops.data(), x, y, z);
-        states[i] = (value <= 0) != (tape_negated(word) != 0) ? 1 : 0;
+    std::vector<std::uint32_t> words = model.tape;
+    std::vector<std::int32_t> states(words.size(), kUnknown);
+    const double point[3] = {x, y, z};
+    // Cell by cell down to the formulas that hold around the point.
+    Cell cell{{0.5, 0.5, 0.5}, 0.5};
+    const auto is_open = [&](std::size_t i) {
+        return tape_operation(words[i]) == kTapeSpatial && states[i] == kUnknown;
+    };
+    for (bool open = true; open;) {
+        open = false;
+        cell.half *= 0.5;
+        for (int j = 0; j < 3; ++j) cell.centre[j] += point[j] < cell.centre[j] ? -cell.half : cell.half;
+        std::vector<std::uint32_t> next;
+        std::vector<std::int32_t> next_states;
+        for (std::size_t i = 0; i < words.size(); ++i) {
+            if (is_open(i)) {
+                expand_spatial(model, words[i], child_slot(cell), next, next_states);
+                open = true;
+            } else {
+                next.push_back(words[i]);
+                next_states.push_back(states[i]);
+            }
+        }
+        words = std::move(next);
+        states = std::move(next_states);
     }
-    return prune(model.tape, states, nullptr);
+    for (std::size_t i = 0; i < words.size(); ++i) {
+        if (tape_operation(words[i]) != kTapeLiteral) continue;
+        const double value =
+            surface_value(&model.surfaces[tape_surface(words[i])], model.expression_ops.data(), x, y, z);
+        states[i] = (value <= 0) != (tape_negated(words[i]) != 0) ? 1 : 0;
+    }
+    return prune(words, states, nullptr);
 }
 
 std::int32_t evaluate_signs(const std::uint32_t* tape, std::size_t length, const std::uint32_t* surfaces,

@@ -20,7 +20,8 @@ struct Cell {
 /// Sign of a surface over the closed cell: -1 inside, +1 outside everywhere, 0 undecided. Conservative.
 int classify_surface(const BoundModel& model, std::uint32_t surface, const Cell& cell);
 
-/// Region of the closed cell, or kUnknown; `pruned` receives the tape of what is unknown (may be null).
+/// Region of the closed cell, or kUnknown; `pruned` receives the tape of what is unknown (may be null). The
+/// tape must be that of the cell's parent, or of the root for the root.
 std::int32_t classify_cell(const BoundModel& model, const std::vector<std::uint32_t>& tape, const Cell& cell,
                            std::vector<std::uint32_t>* pruned);
 

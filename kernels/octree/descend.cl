@@ -2,7 +2,7 @@
 // by interval arithmetic on the node's pruned tape (algorithms.md §1; Saxena & Perucchio 1992, §3: IN / OUT /
 // ? cells).
 //
-// Reads   parents, tapes (words of the parents), surfaces, ops.
+// Reads   parents, tapes (words of the parents), surfaces, ops, spatial (kernels/shared/spatial.h).
 // Writes  children[8i + c], states[8i + c] for parent i, unknown_counts[i], in_counts[i], new words of tapes.
 // One work-item handles one parent; its eight children are the lanes of one vector on CPUs (LANES 8) and a
 // loop on GPUs (LANES 1). Guarantees: a child is IN or OUT only if its closed cube is, whatever the rounding;
@@ -12,6 +12,7 @@
 #include "shared/bounds.h"
 #include "shared/expression_bounds.h"
 #include "shared/lattice.h"
+#include "shared/spatial.h"
 #include "shared/surface.h"
 #include "shared/tape.h"
 
@@ -191,11 +192,33 @@ int choice_of(const ushort* choices, uint i, int c) {
     return i < MAX_CHOICES ? (choices[i] >> (2 * c)) & 3 : 0;
 }
 
-// Copies what is unknown of a tape for lane c; out may be null to count only. Returns the number of words.
+// What a spatial word is in child c: 0, 1 or kUnknown.
+int spatial_state(uint entry, uint word) {
+    return entry > kSpatialIn ? kUnknown : (int)(entry ^ tape_negated(word));
+}
+
+// Writes what stands for an undecided spatial word in a child, the child's node or its formula, to out (null:
+// counts only). Returns the number of words.
+uint expand_spatial(__global const uint* spatial, uint entry, uint word, __global uint* out) {
+    const uint place = entry & ~kSpatialFormula;
+    if (entry == place) {
+        if (out) out[0] = make_spatial(place, tape_negated(word));
+        return 1;
+    }
+    if (out) {
+        for (uint i = 0; i < spatial[place]; ++i) {
+            const uint copied = spatial[place + 1 + i];
+            out[i] = tape_negated(word) ? negate_word(copied) : copied;
+        }
+    }
+    return spatial[place];
+}
+
+// Copies what is unknown of a tape for child c; out may be null to count only. Returns the number of words.
 // While it runs it writes up to `peak` words: code of an operand is dropped only when its operation turns out
-// to be known.
-uint prune(__global const uint* tape, uint length, const ushort* choices, int c, __global uint* out,
-           uint* peak) {
+// to be known. `expanded` tells whether spatial words were replaced.
+uint prune(__global const uint* tape, uint length, __global const uint* spatial, const ushort* choices, int c,
+           __global uint* out, uint* peak, int* expanded) {
     int value[kTapeStack];
     uint begin[kTapeStack];
     int top = -1;
@@ -211,6 +234,16 @@ uint prune(__global const uint* tape, uint length, const ushort* choices, int c,
             value[top] = choice == 0 ? kUnknown : choice - 1;
             begin[top] = words;
             emits = choice == 0;
+        } else if (operation == kTapeSpatial) {
+            const uint entry = spatial[tape_surface(word) + (uint)c];
+            ++top;
+            value[top] = spatial_state(entry, word);
+            begin[top] = words;
+            if (value[top] == kUnknown) {
+                words += expand_spatial(spatial, entry, word, out ? out + words : 0);
+                *peak = max(*peak, words);
+                *expanded = 1;
+            }
         } else if (operation == kTapeSelectConst) {
             value[top] = combine_select(tape_otherwise(word), value[top], tape_region(word));
             if (value[top] == kUnknown) {
@@ -283,6 +316,7 @@ uint reduce(__global uint* tape, uint length, int* constant_value) {
     uint redundant = 0;
     if (length > MAX_REDUCED_WORDS) return length;
     for (uint i = 0; i < length; ++i) {
+        if (tape_operation(tape[i]) == kTapeSpatial) return length;
         if (tape_operation(tape[i]) == kTapeLiteral) {
             uint s = 0;
             while (s < count && surfaces[s] != tape_surface(tape[i])) ++s;
@@ -309,15 +343,16 @@ uint reduce(__global uint* tape, uint length, int* constant_value) {
     }
     {
         uint peak = 0;  // in place, never more than what was read
-        return prune(tape, length, choices, 0, tape, &peak);
+        int expanded = 0;
+        return prune(tape, length, 0, choices, 0, tape, &peak, &expanded);
     }
 }
 
 MORTISE_KERNEL void descend(__global const TreeNode* parents, __global uint* tapes,
                             __global const SurfaceBounds* surfaces, __global const ExpressionOp* ops,
-                            __global TreeNode* children, __global int* states, __global uint* unknown_counts,
-                            __global uint* in_counts, __global uint* used, uint capacity, int level,
-                            uint items) {
+                            __global const uint* spatial, __global TreeNode* children, __global int* states,
+                            __global uint* unknown_counts, __global uint* in_counts, __global uint* used,
+                            uint capacity, int level, uint items) {
     const uint item = get_global_id(0);
     if (item >= items) return;
     {
@@ -361,6 +396,13 @@ MORTISE_KERNEL void descend(__global const TreeNode* parents, __global uint* tap
                         choices[i] = (ushort)((round == 0 ? 0 : choices[i]) | ((state + 1) << (2 * round)));
 #endif
                     }
+                } else if (operation == kTapeSpatial) {
+                    int entries[8 / ROUNDS];
+                    for (int lane = 0; lane < 8 / ROUNDS; ++lane) {
+                        entries[lane] =
+                            spatial_state(spatial[tape_surface(word) + (uint)(round + lane)], word);
+                    }
+                    stack[++top] = LOAD_LANES(entries);
                 } else if (operation == kTapeSelectConst) {
                     const lanes_int a = stack[top];
                     const int region = tape_region(word);
@@ -394,13 +436,15 @@ MORTISE_KERNEL void descend(__global const TreeNode* parents, __global uint* tap
             child.tape_length = parent.tape_length;
             if (values[c] == kUnknown) {
                 uint peak = 0;
-                const uint words = prune(tape, parent.tape_length, choices, c, 0, &peak);
+                int expanded = 0;
+                const uint words = prune(tape, parent.tape_length, spatial, choices, c, 0, &peak, &expanded);
                 // An unchanged tape was reduced when it was made; the root's is written anew.
-                if (words != parent.tape_length || level == 1) {
+                if (words != parent.tape_length || expanded || level == 1) {
                     const uint offset = atomic_add(used, peak);
                     if (offset + peak <= capacity && offset + peak >= offset) {
                         int constant_value = kUnknown;
-                        prune(tape, parent.tape_length, choices, c, tapes + offset, &peak);
+                        prune(tape, parent.tape_length, spatial, choices, c, tapes + offset, &peak,
+                              &expanded);
                         child.tape_offset = offset;
                         child.tape_length = reduce(tapes + offset, words, &constant_value);
                         if (child.tape_length == 0) values[c] = constant_value;

@@ -14,8 +14,10 @@
 #define kTapeOr 2           // a b → a ∨ b
 #define kTapeSelect 3       // rest a → a ? k : rest, k in bits 0–11
 #define kTapeSelectConst 4  // a → a ? k : v, k in bits 0–11, v in bits 12–23
+#define kTapeSpatial 5      // bits 0–27: place in the spatial table; bit 28: negated (spatial.h)
 
-#define kTapeStack 40  // deepest stack that the compiler emits
+#define kTapeStack 40    // deepest stack that the compiler emits
+#define kSpatialStack 8  // deepest stack of a formula in the spatial table
 #define kMaxRegions 4095
 #define kUnknown (-1)
 
@@ -26,6 +28,9 @@ MORTISE_FUNCTION i32 tape_region(u32 word) { return (i32)(word & 0xfffu); }
 MORTISE_FUNCTION i32 tape_otherwise(u32 word) { return (i32)((word >> 12) & 0xfffu); }
 
 MORTISE_FUNCTION u32 make_literal(u32 surface, u32 negated) { return surface | (negated << 28); }
+MORTISE_FUNCTION u32 make_spatial(u32 place, u32 negated) {
+    return ((u32)kTapeSpatial << 29) | place | (negated << 28);
+}
 MORTISE_FUNCTION u32 make_operation(u32 operation, i32 region, i32 otherwise) {
     return (operation << 29) | (u32)region | ((u32)otherwise << 12);
 }

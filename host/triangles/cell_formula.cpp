@@ -1,0 +1,157 @@
+#include "host/triangles/cell_formula.hpp"
+
+#include <algorithm>
+#include <limits>
+
+#include "kernels/shared/tape.h"
+
+namespace mortise::triangles {
+namespace {
+
+// Corners of a flat face are off its plane by 1e-6 of the surface's size (tape::find_facets), at most.
+constexpr double kTolerance = 2e-6;
+constexpr double kToleranceInCells = 1e-3;
+constexpr std::size_t kMostCandidates = 12;  ///< planes that are tried for one division
+
+}  // namespace
+
+void CellFormula::make(const std::vector<Polygon>& polygons, double cell_size) {
+    cell_size_ = cell_size;
+    tolerance_ = std::min(kTolerance, kToleranceInCells * cell_size);
+    terms_.assign(2, {});
+    words_.clear();
+    root_ = divide(polygons);
+    if (!is_constant()) emit(root_);
+}
+
+CutPlane CellFormula::plane(std::uint32_t surface) const {
+    const double* map = model_.surfaces[surface].map;
+    return {{map[0], map[1], map[2]}, map[3]};
+}
+
+/// The plane that cuts the fewest other polygons, best of all with all of them on one side.
+std::uint32_t CellFormula::choose_plane(const std::vector<Polygon>& polygons) const {
+    std::vector<std::uint32_t> candidates;
+    for (const Polygon& polygon : polygons) {
+        if (std::find(candidates.begin(), candidates.end(), polygon.surface) == candidates.end()) {
+            candidates.push_back(polygon.surface);
+        }
+        if (candidates.size() == kMostCandidates) break;
+    }
+    std::sort(candidates.begin(), candidates.end());
+    std::uint32_t best = candidates[0];
+    int best_cost = std::numeric_limits<int>::max();
+    for (const std::uint32_t candidate : candidates) {
+        const CutPlane cut = plane(candidate);
+        int cuts = 0;
+        int front = 0;
+        int back = 0;
+        for (const Polygon& polygon : polygons) {
+            if (polygon.surface == candidate) continue;
+            double low = 0;
+            double high = 0;
+            for (int i = 0; i < polygon.count; ++i) {
+                const double f = cut.at(polygon.corner[static_cast<std::size_t>(i)]);
+                low = std::min(low, f);
+                high = std::max(high, f);
+            }
+            if (low < -tolerance_ && high > tolerance_) {
+                ++cuts;
+            } else {
+                ++(high > -low ? front : back);
+            }
+        }
+        const bool one_sided = cuts == 0 && (front == 0 || back == 0);
+        const int cost = one_sided ? -1 : 8 * cuts + std::abs(front - back);
+        if (cost < best_cost) {
+            best_cost = cost;
+            best = candidate;
+        }
+    }
+    return best;
+}
+
+bool CellFormula::is_solid_beside(const std::vector<Polygon>& polygons, std::uint32_t surface,
+                                  int side) const {
+    const Polygon* largest = nullptr;
+    double area = -1;
+    for (const Polygon& polygon : polygons) {
+        if (polygon.surface != surface || polygon.area() <= area) continue;
+        area = polygon.area();
+        largest = &polygon;
+    }
+    // Close enough to see nothing else, far enough to be told from the polygon itself.
+    const double step = std::min(1e-3 * cell_size_, 0.2 * area / largest->perimeter());
+    return winding_.is_inside(largest->centre() + side * step * plane(surface).normal);
+}
+
+std::uint32_t CellFormula::divide(std::vector<Polygon> polygons) {
+    const std::uint32_t surface = choose_plane(polygons);
+    const CutPlane cut = plane(surface);
+    std::vector<Polygon> behind;
+    std::vector<Polygon> before;
+    for (const Polygon& polygon : polygons) {
+        if (polygon.surface == surface) continue;
+        double low = 0;
+        double high = 0;
+        for (int i = 0; i < polygon.count; ++i) {
+            const double f = cut.at(polygon.corner[static_cast<std::size_t>(i)]);
+            low = std::min(low, f);
+            high = std::max(high, f);
+        }
+        if (low < -tolerance_ && high > tolerance_) {
+            const Polygon a = part_of(polygon, cut, -1, tolerance_);
+            const Polygon b = part_of(polygon, cut, 1, tolerance_);
+            if (a.count >= 3) behind.push_back(a);
+            if (b.count >= 3) before.push_back(b);
+        } else {
+            (high > -low ? before : behind).push_back(polygon);
+        }
+    }
+    const bool solid_behind = behind.empty() && is_solid_beside(polygons, surface, -1);
+    const bool solid_before = before.empty() && is_solid_beside(polygons, surface, 1);
+    polygons = {};  // not held through the recursion
+    const std::uint32_t inner = behind.empty() ? (solid_behind ? kTrue : kFalse) : divide(std::move(behind));
+    const std::uint32_t outer = before.empty() ? (solid_before ? kTrue : kFalse) : divide(std::move(before));
+    if (inner == outer) return inner;
+    if (inner == kTrue) return add_operation(kTapeOr, add_literal(surface, false), outer);
+    if (outer == kTrue) return add_operation(kTapeOr, add_literal(surface, true), inner);
+    const std::uint32_t a = add_operation(kTapeAnd, add_literal(surface, false), inner);
+    const std::uint32_t b = add_operation(kTapeAnd, add_literal(surface, true), outer);
+    return add_operation(kTapeOr, a, b);
+}
+
+std::uint32_t CellFormula::add_literal(std::uint32_t surface, bool negated) {
+    return add_term({make_literal(surface, negated ? 1 : 0), 0, 0, 1});
+}
+
+/// Equal terms have equal numbers, so that a division that changes nothing is seen.
+std::uint32_t CellFormula::add_term(const Term& term) {
+    for (std::uint32_t i = 2; i < terms_.size(); ++i) {
+        const Term& t = terms_[i];
+        if (t.word == term.word && t.first == term.first && t.second == term.second) return i;
+    }
+    terms_.push_back(term);
+    return static_cast<std::uint32_t>(terms_.size() - 1);
+}
+
+std::uint32_t CellFormula::add_operation(std::uint32_t operation, std::uint32_t a, std::uint32_t b) {
+    const std::uint32_t absorbing = operation == kTapeAnd ? kFalse : kTrue;
+    const std::uint32_t neutral = operation == kTapeAnd ? kTrue : kFalse;
+    if (a == absorbing || b == absorbing) return absorbing;
+    if (a == neutral) return b;
+    if (b == neutral) return a;
+    if (terms_[a].need < terms_[b].need) std::swap(a, b);
+    return add_term({make_operation(operation, 0, 0), a, b, std::max(terms_[a].need, 1 + terms_[b].need)});
+}
+
+void CellFormula::emit(std::uint32_t term) {
+    const Term& t = terms_[term];
+    if (tape_operation(t.word) != kTapeLiteral) {
+        emit(t.first);
+        emit(t.second);
+    }
+    words_.push_back(t.word);
+}
+
+}  // namespace mortise::triangles

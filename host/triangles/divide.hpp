@@ -1,0 +1,20 @@
+// Polyhedra divided into cells that few of their planes cross (kernels/shared/spatial.h).
+#pragma once
+
+#include "host/tape/compile.hpp"
+
+namespace mortise::triangles {
+
+struct Division {
+    std::uint64_t nodes = 0;     ///< of all octrees
+    std::uint64_t formulas = 0;  ///< entries that are a formula
+    std::uint64_t crowded =
+        0;  ///< finest cells with more faces than a formula holds: small ones were left out
+};
+
+/// Fills model.spatial for a tree of `level` >= 1 and makes the tape's spatial words point into it. What a
+/// finest cell holds of a polyhedron is exact, but for crowded cells. The result does not depend on `threads`
+/// (0: all cores).
+Division divide(tape::BoundModel& model, int level, int threads);
+
+}  // namespace mortise::triangles
