@@ -135,6 +135,7 @@ Octree build(Device& device, const tape::BoundModel& model, int level, DeviceTre
     tree.level = level;
     view.surfaces = device.upload(model.surfaces);
     view.ops = device.upload(model.expression_ops);
+    view.local_formulas = !model.polyhedra.empty();
     Descent descent(device, model);
     descent.run(level, view.ops, tree);
     view.nio = descent.take_nodes();

@@ -44,8 +44,9 @@ struct DeviceTree {
     device::Buffer in_rank;
     device::Buffer nio_rank;
     device::Buffer in_nodes;
-    device::Buffer surfaces;  ///< Surface
-    device::Buffer ops;       ///< ExpressionOp
+    device::Buffer surfaces;      ///< Surface
+    device::Buffer ops;           ///< ExpressionOp
+    bool local_formulas = false;  ///< tapes of neighbours may disagree (BoundModel::spatial)
 };
 
 /// Largest level of a uniform tree: its bitmaps hold one bit per cell.

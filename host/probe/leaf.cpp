@@ -78,7 +78,7 @@ bool LeafProbe::load(const TreeNode& leaf) {
     std::uint32_t last = 0xffffffffu;
     for (std::uint32_t i = 0; i < leaf.tape_length; ++i) {
         if (tape_operation(words[i]) != kTapeLiteral || tape_surface(words[i]) == last) continue;
-        if (model_.surfaces[tape_surface(words[i])].kind == kSurfacePlane) continue;
+        if (cannot_hide(tape_surface(words[i]))) continue;
         last = tape_surface(words[i]);
         ++curved;
     }
@@ -88,7 +88,7 @@ bool LeafProbe::load(const TreeNode& leaf) {
     hidden_sign_.clear();
     bool steady = true;
     for (std::uint32_t s = 0; s < surfaces_.size(); ++s) {
-        if (model_.surfaces[surfaces_[s]].kind == kSurfacePlane) continue;
+        if (cannot_hide(surfaces_[s])) continue;
         if (tape::classify_surface(model_, surfaces_[s], whole) != 0) continue;
         const std::int8_t sign = sample_sign(surfaces_[s]);
         if (sign == 0) continue;

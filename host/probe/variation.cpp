@@ -125,7 +125,7 @@ Gradient expression_gradient(const ExpressionOp* ops, std::uint32_t count, const
 
 bool has_small_variation(const tape::BoundModel& model, std::uint32_t surface, const tape::Cell& cell) {
     const Surface& s = model.surfaces[surface];
-    if (s.kind == kSurfacePlane) return true;
+    if (s.kind == kSurfacePlane || s.kind == kSurfacePatch) return true;  // patches are not searched
     double centre[3];
     surface_frame(&s, cell.centre[0], cell.centre[1], cell.centre[2], centre);
     if (s.kind == kSurfaceQuadric) {

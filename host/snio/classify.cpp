@@ -19,6 +19,10 @@ class Classifier {
         candidates_ = device_.allocate(count() * sizeof(SnioCandidate));
         device_.launch(device_.kernel("snio/classify.cl", "classify"), count(), on_device_.nio,
                        on_device_.tapes, on_device_.surfaces, on_device_.ops, candidates_, level(), snap_);
+        if (on_device_.local_formulas) {
+            device_.launch(device_.kernel("snio/classify.cl", "test_neighbours"), count(), on_device_.nio,
+                           on_device_.tapes, on_device_.nio_bits, on_device_.nio_rank, candidates_, level());
+        }
         if (!complex_.empty()) {
             const Buffer leaves = device_.upload(complex_);
             device_.launch(device_.kernel("snio/classify.cl", "leave_to_certificate"), complex_.size(),

@@ -36,7 +36,7 @@ std::array<double, 16> signature(const Surface& s) {
         std::copy(s.map, s.map + 4, g.begin());
         return g;
     }
-    if (s.kind == kSurfaceTorus || s.kind == kSurfaceExpression) {
+    if (s.kind == kSurfaceTorus || s.kind == kSurfaceExpression || s.kind == kSurfacePatch) {
         std::copy(s.map, s.map + 12, g.begin());
         std::copy(s.form, s.form + 4, g.begin() + 12);
     } else {
@@ -55,7 +55,7 @@ std::array<double, 16> signature(const Surface& s) {
         if (s.kind == kSurfaceCone) std::copy(s.map + 8, s.map + 12, g.begin() + 10);
     }
     double norm = 0;
-    const std::size_t scaled = s.kind == kSurfaceTorus || s.kind == kSurfaceExpression ? 0 : 10;
+    const std::size_t scaled = s.kind == kSurfaceQuadric || s.kind == kSurfaceCone ? 10 : 0;
     for (std::size_t i = 0; i < scaled; ++i) norm += g[i] * g[i];
     norm = std::sqrt(norm);
     for (std::size_t i = 0; i < scaled && norm > 0; ++i) g[i] /= norm;

@@ -9,7 +9,7 @@
 #include <optional>
 
 #include "host/tape/expression_parser.hpp"
-#include "host/tape/facets.hpp"
+#include "host/tape/polyhedron.hpp"
 
 namespace mortise::tape {
 namespace {
@@ -41,6 +41,18 @@ Map to_map(const Affine& a) {
         map.offset[row] = a[4 * row + 3];
     }
     return map;
+}
+
+Affine to_affine(const Map& map) {
+    Affine a{};
+    for (int row = 0; row < 3; ++row) {
+        const auto first = static_cast<std::size_t>(4 * row);
+        for (int column = 0; column < 3; ++column) {
+            a[first + static_cast<std::size_t>(column)] = map.matrix[column][row];
+        }
+        a[first + 3] = map.offset[row];
+    }
+    return a;
 }
 
 Map compose(const Map& outer, const Map& inner) {
@@ -237,7 +249,7 @@ class Compiler {
             }
             return add_operation(frame.negate ? Term::Type::kOr : Term::Type::kAnd, std::move(faces));
         }
-        if (p.kind == Primitive::Kind::kPolyhedron) return polyhedron(*p.triangles, frame, base);
+        if (p.kind == Primitive::Kind::kPolyhedron) return polyhedron(p, frame, base);
         Surface s{};
         for (int i = 0; i < 3; ++i) {
             for (int j = 0; j < 3; ++j) s.map[4 * i + j] = inverse[j][i];
@@ -277,51 +289,32 @@ class Compiler {
         return literal(add_surface(s, base), frame.negate);
     }
 
-    /// A surface for every flat face; their formulas depend on the cell (kernels/shared/spatial.h).
-    std::uint32_t polyhedron(const TriangleSurface& local, const Frame& frame, const std::string& base) {
+    /// Its surfaces; their formulas depend on the cell (kernels/shared/spatial.h).
+    std::uint32_t polyhedron(const Primitive& p, const Frame& frame, const std::string& base) {
         constexpr std::size_t kMostNamed = 24;  // more faces than that share the name
-        WorldPolyhedron world;
-        Box3 bounds{{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
-        for (const Vec3& point : local.points) {
-            const glm::dvec3 x =
-                frame.map.matrix * glm::dvec3(point[0], point[1], point[2]) + frame.map.offset;
-            world.shape.points.push_back({x.x, x.y, x.z});
-        }
-        const bool mirrored = glm::determinant(frame.map.matrix) < 0;
-        for (std::array<std::uint32_t, 3> triangle : local.triangles) {
-            if (mirrored) std::swap(triangle[1], triangle[2]);
-            world.shape.triangles.push_back(triangle);
-        }
-        const Facets facets = find_facets(world.shape);
-        std::vector<std::uint32_t> surfaces;
-        for (std::size_t i = 0; i < facets.planes.size(); ++i) {
-            Surface s{};
-            s.kind = kSurfacePlane;
-            std::copy(facets.planes[i].begin(), facets.planes[i].end(), s.map);
-            const bool named = facets.planes.size() <= kMostNamed;
-            surfaces.push_back(add_surface(s, named ? base + "_face" + std::to_string(i + 1) : base));
-        }
-        std::size_t kept = 0;
-        for (std::size_t t = 0; t < facets.of_triangle.size(); ++t) {
-            if (facets.of_triangle[t] == Facets::kNone) continue;
-            world.surface.push_back(surfaces[facets.of_triangle[t]]);
-            world.shape.triangles[kept++] = world.shape.triangles[t];
-            for (const std::uint32_t corner : world.shape.triangles[kept - 1]) {
-                const Vec3& x = world.shape.points[corner];
-                for (std::size_t j = 0; j < 3; ++j) {
-                    bounds.min[j] = std::min(bounds.min[j], x[j]);
-                    bounds.max[j] = std::max(bounds.max[j], x[j]);
-                }
+        const auto key = std::make_pair(p.triangles.get(), to_affine(frame.map));
+        auto found = polyhedra_.find(key);
+        if (found == polyhedra_.end()) {
+            const auto& affine = key.second;
+            PolyhedronParts parts =
+                make_polyhedron(transformed(*p.triangles, affine), p.sharp_angle, out_.expression_ops);
+            std::vector<std::uint32_t> place;
+            for (std::size_t i = 0; i < parts.surfaces.size(); ++i) {
+                const bool named = parts.surfaces.size() <= kMostNamed;
+                place.push_back(
+                    add_surface(parts.surfaces[i], named ? base + "_face" + std::to_string(i + 1) : base));
             }
+            for (std::uint32_t& surface : parts.world.surface) surface = place[surface];
+            found = polyhedra_.emplace(key, static_cast<std::uint32_t>(out_.polyhedra.size())).first;
+            out_.polyhedra.push_back(std::move(parts.world));
         }
-        world.shape.triangles.resize(kept);
-        if (kept == 0) return add_constant(frame.negate);
+        const TriangleSurface& shape = out_.polyhedra[found->second].shape;
+        if (shape.triangles.empty()) return add_constant(frame.negate);
         Term term;
         term.type = Term::Type::kSpatial;
         term.negated = frame.negate;
-        term.surface = static_cast<std::uint32_t>(out_.polyhedra.size());
-        if (!frame.negate) term.hint = bounds;
-        out_.polyhedra.push_back(std::move(world));
+        term.surface = found->second;
+        if (!frame.negate) term.hint = bounds_of(shape);
         return add(std::move(term));
     }
 
@@ -550,6 +543,7 @@ class Compiler {
     std::map<std::string, std::uint32_t> name_index_;
     std::map<std::string, int> counts_;
     std::map<std::uint32_t, int> ordinals_;
+    std::map<std::pair<const TriangleSurface*, Affine>, std::uint32_t> polyhedra_;  ///< by shape and place
 };
 
 }  // namespace

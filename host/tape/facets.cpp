@@ -30,7 +30,6 @@ std::vector<std::uint32_t> weld(const std::vector<Vec3>& points) {
     return number;
 }
 
-/// Per triangle the triangles across its three edges, where exactly two meet; kNone elsewhere.
 std::vector<std::array<std::uint32_t, 3>> neighbours(const TriangleSurface& surface) {
     struct Side {
         std::uint32_t low;
@@ -67,9 +66,40 @@ std::vector<std::array<std::uint32_t, 3>> neighbours(const TriangleSurface& surf
     return result;
 }
 
+/// Numbers the planes' patches in the order of their first planes.
+void join_patches(Facets& facets, double sharp_angle) {
+    constexpr double kDegree = 0.017453292519943295;
+    // Equal angles count as sharp or smooth alike, whatever their rounding.
+    const double least = std::cos((sharp_angle + 1e-6) * kDegree);
+    std::vector<std::uint32_t> parent(facets.planes.size());
+    std::iota(parent.begin(), parent.end(), 0U);
+    const auto find = [&parent](std::uint32_t i) {
+        while (parent[i] != i) i = parent[i] = parent[parent[i]];
+        return i;
+    };
+    for (std::size_t t = 0; t < facets.across.size() && sharp_angle > 0; ++t) {
+        if (facets.of_triangle[t] == Facets::kNone) continue;
+        for (const std::uint32_t next : facets.across[t]) {
+            if (next == Facets::kNone || facets.of_triangle[next] == Facets::kNone) continue;
+            const std::uint32_t a = find(facets.of_triangle[t]);
+            const std::uint32_t b = find(facets.of_triangle[next]);
+            if (a == b) continue;
+            const auto& p = facets.planes[facets.of_triangle[t]];
+            const auto& q = facets.planes[facets.of_triangle[next]];
+            if (p[0] * q[0] + p[1] * q[1] + p[2] * q[2] >= least) parent[std::max(a, b)] = std::min(a, b);
+        }
+    }
+    facets.patch_of_plane.resize(parent.size());
+    for (std::uint32_t i = 0; i < parent.size(); ++i) {
+        const std::uint32_t first = find(i);
+        facets.patch_of_plane[i] =
+            first == i ? static_cast<std::uint32_t>(facets.patches++) : facets.patch_of_plane[first];
+    }
+}
+
 }  // namespace
 
-Facets find_facets(const TriangleSurface& surface) {
+Facets find_facets(const TriangleSurface& surface, double sharp_angle) {
     Facets facets;
     const std::size_t count = surface.triangles.size();
     facets.of_triangle.assign(count, Facets::kNone);
@@ -90,7 +120,7 @@ Facets find_facets(const TriangleSurface& surface) {
             glm::cross(to_vector(surface.points[corner[1]]) - a, to_vector(surface.points[corner[2]]) - a);
         area[t] = glm::length(normal[t]);
     }
-    const auto across = neighbours(surface);
+    facets.across = neighbours(surface);
     std::vector<std::uint32_t> order(count);
     std::iota(order.begin(), order.end(), 0U);
     std::stable_sort(order.begin(), order.end(),
@@ -108,7 +138,7 @@ Facets find_facets(const TriangleSurface& surface) {
         while (!open.empty()) {
             const std::uint32_t at = open.back();
             open.pop_back();
-            for (const std::uint32_t next : across[at]) {
+            for (const std::uint32_t next : facets.across[at]) {
                 if (next == Facets::kNone || facets.of_triangle[next] != Facets::kNone) continue;
                 if (glm::dot(normal[next], n) < kSameWay * area[next]) continue;
                 bool flat = true;
@@ -122,6 +152,7 @@ Facets find_facets(const TriangleSurface& surface) {
             }
         }
     }
+    join_patches(facets, sharp_angle);
     return facets;
 }
 

@@ -65,6 +65,7 @@ void expand_spatial(const BoundModel& model, std::uint32_t word, std::uint32_t s
 
 int classify_surface(const BoundModel& model, std::uint32_t index, const Cell& cell) {
     const Surface& s = model.surfaces[index];
+    if (s.kind == kSurfacePatch) return 0;  // in a tape only where it passes
     double u[3];
     double w[3];
     surface_frame(&s, cell.centre[0], cell.centre[1], cell.centre[2], u);

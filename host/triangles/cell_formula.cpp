@@ -12,16 +12,90 @@ namespace {
 constexpr double kTolerance = 2e-6;
 constexpr double kToleranceInCells = 1e-3;
 constexpr std::size_t kMostCandidates = 12;  ///< planes that are tried for one division
+// Samples lie this far beside a polygon, in cells: close enough to see nothing else.
+constexpr double kStep = 1e-3;
+constexpr int kGrid = 4;              ///< samples along an edge of the cell
+constexpr double kGridWeight = 1e-3;  ///< area that a grid sample counts for, in cell faces
 
 }  // namespace
 
-void CellFormula::make(const std::vector<Polygon>& polygons, double cell_size) {
+void CellFormula::make(const std::vector<Polygon>& polygons, const glm::dvec3& centre, double cell_size) {
     cell_size_ = cell_size;
     tolerance_ = std::min(kTolerance, kToleranceInCells * cell_size);
     terms_.assign(2, {});
     words_.clear();
-    root_ = divide(polygons);
+    surfaces_.clear();
+    for (const Polygon& polygon : polygons) surfaces_.push_back(polygon.surface);
+    std::sort(surfaces_.begin(), surfaces_.end());
+    surfaces_.erase(std::unique(surfaces_.begin(), surfaces_.end()), surfaces_.end());
+    const bool flat = std::all_of(surfaces_.begin(), surfaces_.end(), [this](std::uint32_t surface) {
+        return model_.surfaces[surface].kind == kSurfacePlane;
+    });
+    root_ = flat ? divide(polygons) : decide(take_samples(polygons, centre));
     if (!is_constant()) emit(root_);
+}
+
+std::vector<CellFormula::Sample> CellFormula::take_samples(const std::vector<Polygon>& polygons,
+                                                           const glm::dvec3& centre) const {
+    std::vector<Sample> samples;
+    const auto add = [&](const glm::dvec3& x, double weight) {
+        Sample sample;
+        for (const std::uint32_t surface : surfaces_) {
+            sample.behind.push_back(
+                surface_value(&model_.surfaces[surface], model_.expression_ops.data(), x.x, x.y, x.z) < 0);
+        }
+        sample.solid = winding_.is_inside(x);
+        sample.weight = weight;
+        samples.push_back(std::move(sample));
+    };
+    for (const Polygon& polygon : polygons) {
+        const double area = polygon.area();
+        const double step = std::min(kStep * cell_size_, 0.2 * area / polygon.perimeter());
+        const glm::dvec3 middle = polygon.centre();
+        const glm::dvec3 normal = polygon.unit_normal();
+        for (const int side : {-1, 1}) add(middle + side * step * normal, area);
+    }
+    // Where one surface passes, its own two sides tell all.
+    if (surfaces_.size() == 1) return samples;
+    for (int i = 0; i < kGrid * kGrid * kGrid; ++i) {
+        const glm::dvec3 at(i % kGrid, i / kGrid % kGrid, i / (kGrid * kGrid));
+        add(centre + (at - 0.5 * (kGrid - 1)) / static_cast<double>(kGrid) * cell_size_,
+            kGridWeight * cell_size_ * cell_size_);
+    }
+    return samples;
+}
+
+/// The surface that tells solid samples best from others comes first; what has no samples does not matter.
+std::uint32_t CellFormula::decide(const std::vector<Sample>& samples) {
+    double solid = 0;
+    double empty = 0;
+    for (const Sample& sample : samples) (sample.solid ? solid : empty) += sample.weight;
+    if (solid == 0 || empty == 0) return solid > 0 ? kTrue : kFalse;
+    std::size_t best = surfaces_.size();
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t s = 0; s < surfaces_.size(); ++s) {
+        double weight[2][2] = {{0, 0}, {0, 0}};
+        for (const Sample& sample : samples) weight[sample.behind[s]][sample.solid] += sample.weight;
+        double impurity = 0;
+        bool divides = true;
+        for (const auto& side : weight) {
+            const double total = side[0] + side[1];
+            divides = divides && total > 0;
+            if (total > 0) impurity += side[0] * side[1] / total;
+        }
+        if (divides && impurity < least) {
+            least = impurity;
+            best = s;
+        }
+    }
+    // Signs that tell nothing more: overlaps, holes, or features below the sampling.
+    if (best == surfaces_.size()) return solid > empty ? kTrue : kFalse;
+    std::vector<Sample> behind;
+    std::vector<Sample> before;
+    for (const Sample& sample : samples) (sample.behind[best] ? behind : before).push_back(sample);
+    const std::uint32_t inner = decide(behind);
+    const std::uint32_t outer = decide(before);
+    return combine(surfaces_[best], inner, outer);
 }
 
 CutPlane CellFormula::plane(std::uint32_t surface) const {
@@ -80,8 +154,7 @@ bool CellFormula::is_solid_beside(const std::vector<Polygon>& polygons, std::uin
         area = polygon.area();
         largest = &polygon;
     }
-    // Close enough to see nothing else, far enough to be told from the polygon itself.
-    const double step = std::min(1e-3 * cell_size_, 0.2 * area / largest->perimeter());
+    const double step = std::min(kStep * cell_size_, 0.2 * area / largest->perimeter());
     return winding_.is_inside(largest->centre() + side * step * plane(surface).normal);
 }
 
@@ -113,6 +186,11 @@ std::uint32_t CellFormula::divide(std::vector<Polygon> polygons) {
     polygons = {};  // not held through the recursion
     const std::uint32_t inner = behind.empty() ? (solid_behind ? kTrue : kFalse) : divide(std::move(behind));
     const std::uint32_t outer = before.empty() ? (solid_before ? kTrue : kFalse) : divide(std::move(before));
+    return combine(surface, inner, outer);
+}
+
+/// (f < 0 and inner) or (f > 0 and outer).
+std::uint32_t CellFormula::combine(std::uint32_t surface, std::uint32_t inner, std::uint32_t outer) {
     if (inner == outer) return inner;
     if (inner == kTrue) return add_operation(kTapeOr, add_literal(surface, false), outer);
     if (outer == kTrue) return add_operation(kTapeOr, add_literal(surface, true), inner);

@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <vector>
 
+#include "host/tape/compile.hpp"
 #include "host/triangles/polygon.hpp"
 #include "host/triangles/winding.hpp"
-#include "host/tape/compile.hpp"
 
 namespace mortise::triangles {
 
@@ -15,10 +15,13 @@ class CellFormula {
     CellFormula(const tape::BoundModel& model, const WindingNumber& winding)
         : model_(model), winding_(winding) {}
 
-    /// Makes the formula for polygons (at least one), the triangles' parts in a cell of the given size, by
-    /// binary space partition: a polygon's plane halves the cell, each half has its own formula. What lies
-    /// beside the last polygon of a half is found by winding number, so that open or overlapping surfaces do.
-    void make(const std::vector<Polygon>& polygons, double cell_size);
+    /// Makes the formula for polygons (at least one), the triangles' parts in a cell of the given size.
+    ///
+    /// Of planes alone: by binary space partition. A polygon's plane halves the cell, each half has its own
+    /// formula. What lies beside the last polygon of a half is found by winding number, so that open or
+    /// overlapping surfaces do. With patches: by a decision tree over the signs of the surfaces at samples,
+    /// both sides of each polygon among them.
+    void make(const std::vector<Polygon>& polygons, const glm::dvec3& centre, double cell_size);
 
     bool is_constant() const { return root_ <= kTrue; }
     bool value() const { return root_ == kTrue; }
@@ -36,7 +39,17 @@ class CellFormula {
         int need = 0;  ///< stack entries
     };
 
+    /// A point, and what is known of it.
+    struct Sample {
+        std::vector<bool> behind;  ///< per surface of surfaces_: f < 0
+        bool solid = false;
+        double weight = 0;  ///< of its polygon: its area
+    };
+
     std::uint32_t divide(std::vector<Polygon> polygons);
+    std::vector<Sample> take_samples(const std::vector<Polygon>& polygons, const glm::dvec3& centre) const;
+    std::uint32_t decide(const std::vector<Sample>& samples);
+    std::uint32_t combine(std::uint32_t surface, std::uint32_t inner, std::uint32_t outer);
     std::uint32_t choose_plane(const std::vector<Polygon>& polygons) const;
     bool is_solid_beside(const std::vector<Polygon>& polygons, std::uint32_t surface, int side) const;
     std::uint32_t add_literal(std::uint32_t surface, bool negated);
@@ -49,6 +62,7 @@ class CellFormula {
     const WindingNumber& winding_;
     double cell_size_ = 1;
     double tolerance_ = 0;
+    std::vector<std::uint32_t> surfaces_;  ///< of the polygons, ascending
     std::vector<Term> terms_;
     std::uint32_t root_ = kFalse;
     std::vector<std::uint32_t> words_;

@@ -16,7 +16,7 @@ namespace {
 // descent prunes costs its length.
 constexpr std::size_t kFewFaces = 6;
 constexpr std::size_t kShortFormula = 24;
-constexpr std::size_t kMostFaces = 48;  ///< in a finest cell
+constexpr std::size_t kMostFaces = 16;  ///< in a finest cell
 // Cells are this much larger, in finest cells, so that rounding hides no triangle on their faces.
 constexpr double kMargin = 1.0 / 1024;
 constexpr double kNoArea = 1e-12;  ///< of a cell's face: smaller pieces of triangles are left out
@@ -126,17 +126,18 @@ class Divider {
         }
         const bool finest = level == level_;
         std::size_t faces = count_faces(pieces, kFewFaces + 1);
-        if (finest || faces <= kFewFaces) {
+        // Patches are bounded by nothing but the cell: they stay with the finest ones.
+        if (finest || (faces <= kFewFaces && all_flat(pieces))) {
             if (finest && faces > kFewFaces) faces = count_faces(pieces, kMostFaces + 1);
             if (faces > kMostFaces) {
                 entry.crowded = true;
                 keep_largest(pieces, kMostFaces);
             }
-            formula.make(pieces, size);
+            formula.make(pieces, centre, size);
             for (std::size_t most = kMostFaces / 2; finest && formula.stack() > kSpatialStack; most /= 2) {
                 entry.crowded = true;
                 keep_largest(pieces, most);
-                formula.make(pieces, size);
+                formula.make(pieces, centre, size);
             }
             if (formula.is_constant()) {
                 entry.solid = formula.value();
@@ -178,6 +179,12 @@ class Divider {
             pieces.push_back(piece);
             inside.push_back(t);
         }
+    }
+
+    bool all_flat(const std::vector<Polygon>& pieces) const {
+        return std::all_of(pieces.begin(), pieces.end(), [this](const Polygon& piece) {
+            return model_.surfaces[piece.surface].kind == kSurfacePlane;
+        });
     }
 
     /// Number of different surfaces, up to `most`.

@@ -8,13 +8,21 @@ glm::dvec3 Polygon::centre() const {
     return sum / static_cast<double>(count);
 }
 
-double Polygon::area() const {
+namespace {
+
+glm::dvec3 twice_the_area(const Polygon& polygon) {
     glm::dvec3 sum(0.0);
-    for (std::size_t i = 1; i + 1 < static_cast<std::size_t>(count); ++i) {
-        sum += glm::cross(corner[i] - corner[0], corner[i + 1] - corner[0]);
+    for (std::size_t i = 1; i + 1 < static_cast<std::size_t>(polygon.count); ++i) {
+        sum += glm::cross(polygon.corner[i] - polygon.corner[0], polygon.corner[i + 1] - polygon.corner[0]);
     }
-    return 0.5 * glm::length(sum);
+    return sum;
 }
+
+}  // namespace
+
+double Polygon::area() const { return 0.5 * glm::length(twice_the_area(*this)); }
+
+glm::dvec3 Polygon::unit_normal() const { return glm::normalize(twice_the_area(*this)); }
 
 double Polygon::perimeter() const {
     double sum = 0;

@@ -17,6 +17,8 @@ struct Polygon {
     glm::dvec3 centre() const;
     double area() const;
     double perimeter() const;
+    /// On the side from which the corners run counter-clockwise.
+    glm::dvec3 unit_normal() const;
 };
 
 /// The plane { x : normal·x + offset = 0 }.

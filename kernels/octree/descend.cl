@@ -71,6 +71,7 @@ lanes_float interval_square_high(lanes_float low, lanes_float high) {
 lanes_int classify_surface(__global const SurfaceBounds* s, __global const ExpressionOp* ops, Cube cube) {
     lanes_float u[3];
     float width[3];
+    if (s->kind == kSurfacePatch) return (lanes_int)(0);  // is in the tape only where it passes (spatial.h)
     const int rows = s->kind == kSurfacePlane ? 1 : 3;
     for (int i = 0; i < rows; ++i) {
         const float a = s->map[4 * i];

@@ -15,6 +15,7 @@
 #define MORTISE_TABLE __constant
 #define MORTISE_GLOBAL __global const
 #define MORTISE_FUNCTION
+#define MORTISE_NOINLINE __attribute__((noinline))  // large and called from many places: compile time
 
 typedef char i8;
 typedef uchar u8;
@@ -38,6 +39,7 @@ typedef ulong u64;
 #define MORTISE_TABLE inline constexpr
 #define MORTISE_GLOBAL const
 #define MORTISE_FUNCTION inline
+#define MORTISE_NOINLINE inline
 
 using i8 = std::int8_t;
 using u8 = std::uint8_t;

@@ -10,6 +10,7 @@
 
 #include "expression.h"
 #include "lattice.h"
+#include "patch.h"
 
 // Kinds of surface. Append-only. With u = map · (x, 1):
 #define kSurfacePlane 0       // u0, |row 0| = 1
@@ -17,6 +18,9 @@
 #define kSurfaceCone 2        // sqrt(u0² + u1²) + u2   (single nappe)
 #define kSurfaceTorus 3       // (sqrt(u0² + u1²) - form0)² + u2² + form3
 #define kSurfaceExpression 4  // expression operations first_op … first_op + op_count - 1, in x, y, z = u
+#define kSurfacePatch \
+    5  // signed distance to triangles (patch.h) at ops + first_op, with u as point;
+       // form0: where its triangles start, form1: what tells it from other patches
 
 typedef struct Surface {
     double map[12];  // row-major 3×4, box-local x to the surface's own frame u
@@ -44,6 +48,12 @@ MORTISE_FUNCTION void surface_frame(MORTISE_GLOBAL Surface* s, double x, double 
     }
 }
 
+MORTISE_FUNCTION double surface_patch(MORTISE_GLOBAL Surface* s, MORTISE_GLOBAL ExpressionOp* ops,
+                                      const double* u, double* gradient) {
+    MORTISE_GLOBAL patch_number* data = (MORTISE_GLOBAL patch_number*)(ops + s->first_op);
+    return patch_sample(data, data + (u32)s->form[0], u, gradient);
+}
+
 // f(x) alone: what sign tests and root finding need.
 MORTISE_FUNCTION double surface_value(MORTISE_GLOBAL Surface* s, MORTISE_GLOBAL ExpressionOp* ops, double x,
                                       double y, double z) {
@@ -60,6 +70,10 @@ MORTISE_FUNCTION double surface_value(MORTISE_GLOBAL Surface* s, MORTISE_GLOBAL 
         // Where a formula is no number is outside: a root search then ends at the edge of its domain.
         const double value = expression_value(ops + s->first_op, s->op_count, u);
         return value == value ? value : kMortiseInfinity;
+    }
+    if (s->kind == kSurfacePatch) {
+        double gradient[3];
+        return surface_patch(s, ops, u, gradient);
     }
     {
         const double radial = mortise_sqrt(u[0] * u[0] + u[1] * u[1]);
@@ -87,6 +101,8 @@ MORTISE_FUNCTION SurfaceSample surface_sample(MORTISE_GLOBAL Surface* s, MORTISE
     } else if (s->kind == kSurfaceExpression) {
         result.value = expression_sample(ops + s->first_op, s->op_count, u, d);
         if (result.value != result.value) result.value = kMortiseInfinity;
+    } else if (s->kind == kSurfacePatch) {
+        result.value = surface_patch(s, ops, u, d);
     } else {
         const double radial = mortise_sqrt(u[0] * u[0] + u[1] * u[1]);
         const double inverse = radial > 0 ? 1 / radial : 0;

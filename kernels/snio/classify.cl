@@ -9,6 +9,7 @@
 #include "shared/snio.h"
 #include "shared/tape.h"
 #include "shared/template_table.h"
+#include "shared/tree.h"
 
 // Value of a tape whose literals are all of one surface, with that surface's sign given.
 int evaluate_tape(__global const uint* tape, uint length, uint inside) {
@@ -155,4 +156,70 @@ MORTISE_KERNEL void leave_to_certificate(__global const uint* leaves, __global S
     const uint item = get_global_id(0);
     if (item >= items) return;
     candidates[leaves[item]].flags = 0;
+}
+
+// Whether the leaf beside (x, y, z) in the given direction depends on the surface.
+int depends_beside(__global const TreeNode* nio, __global const uint* tapes, __global const uint* nio_bits,
+                   __global const uint* nio_rank, const uint* at, const int* direction, int level,
+                   uint surface) {
+    uint other[3];
+    ulong code;
+    for (int j = 0; j < 3; ++j) {
+        other[j] = at[j] + (uint)direction[j];
+        if (other[j] >= (1u << level)) return 0;  // wraps below zero
+    }
+    code = morton_encode(other[0], other[1], other[2]);
+    if (!test_bit(nio_bits, code)) return 0;
+    {
+        const TreeNode node = nio[rank_of(nio_bits, nio_rank, code)];
+        for (uint i = 0; i < node.tape_length; ++i) {
+            const uint word = tapes[node.tape_offset + i];
+            if (tape_operation(word) == kTapeLiteral && tape_surface(word) == surface) return 1;
+        }
+    }
+    return 0;
+}
+
+// Leaves whose surface cuts a face or an edge that the leaf beyond holds for uncut are not simple: a template
+// would not fit the certificate there. It happens only where formulas hold in one cell each (spatial.h), at
+// the rims of open surfaces of triangles.
+//
+// Reads   nio, tapes, nio_bits, nio_rank. Writes candidates. One work-item handles one leaf.
+MORTISE_KERNEL void test_neighbours(__global const TreeNode* nio, __global const uint* tapes,
+                                    __global const uint* nio_bits, __global const uint* nio_rank,
+                                    __global SnioCandidate* candidates, int level, uint items) {
+    const uint item = get_global_id(0);
+    if (item >= items) return;
+    {
+        const SnioCandidate candidate = candidates[item];
+        const ulong morton = nio[item].morton;
+        const uint at[3] = {gather_bits(morton), gather_bits(morton >> 1), gather_bits(morton >> 2)};
+        const uint inside = candidate.inside & (uint)~candidate.zero;
+        const uint outside = ~candidate.inside & (uint)~candidate.zero;
+        int fits = 1;
+        if (!(candidate.flags & kCandidateSimple)) return;
+        for (int f = 0; f < 6 && fits; ++f) {
+            int direction[3] = {0, 0, 0};
+            uint corners = 0;
+            for (int i = 0; i < 4; ++i) corners |= 1u << kFaceCorners[f][i];
+            direction[f >> 1] = (f & 1) ? 1 : -1;
+            if ((corners & inside) && (corners & outside)) {
+                fits =
+                    depends_beside(nio, tapes, nio_bits, nio_rank, at, direction, level, candidate.surface);
+            }
+        }
+        for (int e = 0; e < 12 && fits; ++e) {
+            const uint low = 1u << kEdgeCorners[e][0];
+            const uint high = 1u << kEdgeCorners[e][1];
+            const int axis = e >> 2;
+            int direction[3] = {0, 0, 0};
+            direction[axis == 0 ? 1 : 0] = (e & 1) ? 1 : -1;
+            direction[axis == 2 ? 1 : 2] = (e & 2) ? 1 : -1;
+            if (((inside & low) && (outside & high)) || ((inside & high) && (outside & low))) {
+                fits =
+                    depends_beside(nio, tapes, nio_bits, nio_rank, at, direction, level, candidate.surface);
+            }
+        }
+        if (!fits) candidates[item].flags = 0;
+    }
 }
