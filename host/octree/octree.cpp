@@ -164,6 +164,22 @@ Octree build(Device& device, const tape::BoundModel& model, int level, DeviceTre
     return tree;
 }
 
+std::uint16_t in_region(const Octree& tree, std::uint64_t morton) {
+    const auto before = [](const InNode& a, const InNode& b) {
+        return a.level != b.level ? a.level < b.level : a.morton < b.morton;
+    };
+    for (int level = 1; level <= tree.level; ++level) {
+        InNode wanted{};
+        wanted.level = static_cast<std::uint32_t>(level);
+        wanted.morton = morton >> (3 * (tree.level - level));
+        const auto found = std::lower_bound(tree.in_nodes.begin(), tree.in_nodes.end(), wanted, before);
+        if (found != tree.in_nodes.end() && !before(wanted, *found)) {
+            return static_cast<std::uint16_t>(found->region);
+        }
+    }
+    return 1;
+}
+
 std::vector<std::uint16_t> in_regions(const Octree& tree, std::uint16_t* single) {
     *single = tree.in_nodes.empty() ? 1 : static_cast<std::uint16_t>(tree.in_nodes[0].region);
     const bool uniform = std::all_of(tree.in_nodes.begin(), tree.in_nodes.end(),

@@ -61,6 +61,9 @@ Octree build(device::Device& device, const tape::BoundModel& model, int level, D
 std::uint64_t make_rank(device::Device& device, const device::Buffer& bits, std::size_t words,
                         device::Buffer& rank);
 
+/// Region of a finest cell that was found IN (it may have been promoted since).
+std::uint16_t in_region(const Octree& tree, std::uint64_t morton);
+
 /// Region of each IN leaf, by IN index. Empty if there is one region only (then it is `single`).
 std::vector<std::uint16_t> in_regions(const Octree& tree, std::uint16_t* single);
 

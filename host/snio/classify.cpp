@@ -1,6 +1,9 @@
 #include "host/snio/classify.hpp"
 
+#include <iterator>
 #include <utility>
+
+#include "kernels/shared/tape.h"
 
 namespace mortise::snio {
 namespace {
@@ -15,20 +18,20 @@ class Classifier {
                const std::vector<std::uint32_t>& complex)
         : device_(device), tree_(tree), on_device_(on_device), complex_(complex), snap_(snap ? 1 : 0) {}
 
-    Classification run() {
+    Classification run(bool templates) {
+        if (!templates && !on_device_.local_formulas) return all_complex();
         candidates_ = device_.allocate(count() * sizeof(SnioCandidate));
         device_.launch(device_.kernel("snio/classify.cl", "classify"), count(), on_device_.nio,
                        on_device_.tapes, on_device_.surfaces, on_device_.ops, candidates_, level(), snap_);
-        if (on_device_.local_formulas) {
-            device_.launch(device_.kernel("snio/classify.cl", "test_neighbours"), count(), on_device_.nio,
-                           on_device_.tapes, on_device_.nio_bits, on_device_.nio_rank, candidates_, level());
-        }
         if (!complex_.empty()) {
             const Buffer leaves = device_.upload(complex_);
             device_.launch(device_.kernel("snio/classify.cl", "leave_to_certificate"), complex_.size(),
                            leaves, candidates_);
         }
-        if (snap_ != 0) promote();
+        if (on_device_.local_formulas) drop_misfits();
+        if (snap_ != 0 || on_device_.local_formulas) promote();
+        if (!templates) return all_complex();
+        if (on_device_.local_formulas) drop_misfits();  // promoted leaves, too
         device_.launch(device_.kernel("snio/snap.cl", "test_subsets"), count(), on_device_.nio,
                        on_device_.surfaces, on_device_.ops, candidates_, level(), snap_);
         moved_ = device_.allocate(count() * sizeof(std::uint8_t));
@@ -42,6 +45,15 @@ class Classifier {
     std::size_t count() const { return tree_.nio.size(); }
     std::int32_t level() const { return tree_.level; }
 
+    /// Leaves that do not fit their neighbours go to the certificate.
+    void drop_misfits() {
+        Buffer misfit = device_.allocate(count() * sizeof(std::uint8_t));
+        device_.launch(device_.kernel("snio/classify.cl", "find_misfits"), count(), on_device_.nio,
+                       on_device_.tapes, on_device_.in_bits, on_device_.nio_bits, on_device_.nio_rank,
+                       candidates_, misfit, level());
+        device_.launch(device_.kernel("snio/classify.cl", "drop_misfits"), count(), misfit, candidates_);
+    }
+
     /// IN leaves with a corner on the surface join the NIO leaves, here and on the device.
     void promote() {
         const std::size_t words = tree_.words();
@@ -51,6 +63,10 @@ class Classifier {
         device_.launch(device_.kernel("snio/snap.cl", "mark_vertices"), count(), on_device_.in_bits,
                        on_device_.nio_bits, on_device_.nio_rank, on_device_.nio, candidates_, near, promoted,
                        level());
+        if (on_device_.local_formulas) {
+            device_.launch(device_.kernel("snio/classify.cl", "mark_exposed"), words, on_device_.in_bits,
+                           on_device_.nio_bits, promoted, level());
+        }
         Buffer old_nio_bits = device_.allocate(words * sizeof(std::uint32_t));
         device_.launch(device_.kernel("snio/snap.cl", "promote_words"), words, on_device_.in_bits,
                        on_device_.nio_bits, old_nio_bits, promoted);
@@ -70,6 +86,18 @@ class Classifier {
         tree_.nio_bits = device_.download<std::uint32_t>(on_device_.nio_bits, words);
         tree_.in_rank = device_.download<std::uint32_t>(on_device_.in_rank, words + 1);
         tree_.nio_rank = device_.download<std::uint32_t>(on_device_.nio_rank, words + 1);
+    }
+
+    /// Every leaf is left to the certificate.
+    Classification all_complex() const {
+        Classification result;
+        SnioLeaf leaf{};
+        leaf.pattern = kPatternCnio;
+        result.leaves.assign(count(), leaf);
+        result.used.assign(count(), 0);
+        result.facets.assign(count(), 0);
+        for (auto& elements : result.elements) elements.assign(count(), 0);
+        return result;
     }
 
     Classification fill() {
@@ -100,26 +128,26 @@ class Classifier {
     Buffer moved_;
 };
 
-/// Every leaf is left to the certificate.
-Classification all_complex(std::size_t count) {
-    Classification result;
-    SnioLeaf leaf{};
-    leaf.pattern = kPatternCnio;
-    result.leaves.assign(count, leaf);
-    result.used.assign(count, 0);
-    result.facets.assign(count, 0);
-    for (auto& elements : result.elements) elements.assign(count, 0);
-    return result;
+/// A promoted leaf that the certificate gets needs words that say its region: (p or not p) of any surface.
+void give_tape(octree::Octree& tree, std::uint32_t leaf) {
+    TreeNode& node = tree.nio[leaf];
+    const std::int32_t region = octree::in_region(tree, node.morton);
+    const std::uint32_t words[] = {make_literal(0, 0), make_literal(0, 1), make_operation(kTapeOr, 0, 0),
+                                   make_operation(kTapeSelectConst, region, 0)};
+    node.tape_offset = static_cast<std::uint32_t>(tree.tapes.size());
+    node.tape_length = 4;
+    tree.tapes.insert(tree.tapes.end(), std::begin(words), std::end(words));
 }
 
 }  // namespace
 
 Classification classify(Device& device, octree::Octree& tree, octree::DeviceTree& on_device, bool templates,
                         bool snap, const std::vector<std::uint32_t>& complex) {
-    Classification result =
-        templates ? Classifier(device, tree, on_device, snap, complex).run() : all_complex(tree.nio.size());
+    Classification result = Classifier(device, tree, on_device, templates && snap, complex).run(templates);
     for (std::uint32_t i = 0; i < tree.nio.size(); ++i) {
-        if (result.leaves[i].pattern == kPatternCnio) result.cnio.push_back(i);
+        if (result.leaves[i].pattern != kPatternCnio) continue;
+        result.cnio.push_back(i);
+        if (tree.nio[i].tape_length == 0) give_tape(tree, i);
     }
     return result;
 }

@@ -158,68 +158,124 @@ MORTISE_KERNEL void leave_to_certificate(__global const uint* leaves, __global S
     candidates[leaves[item]].flags = 0;
 }
 
-// Whether the leaf beside (x, y, z) in the given direction depends on the surface.
-int depends_beside(__global const TreeNode* nio, __global const uint* tapes, __global const uint* nio_bits,
-                   __global const uint* nio_rank, const uint* at, const int* direction, int level,
-                   uint surface) {
-    uint other[3];
-    ulong code;
-    for (int j = 0; j < 3; ++j) {
-        other[j] = at[j] + (uint)direction[j];
-        if (other[j] >= (1u << level)) return 0;  // wraps below zero
-    }
-    code = morton_encode(other[0], other[1], other[2]);
-    if (!test_bit(nio_bits, code)) return 0;
-    {
-        const TreeNode node = nio[rank_of(nio_bits, nio_rank, code)];
-        for (uint i = 0; i < node.tape_length; ++i) {
-            const uint word = tapes[node.tape_offset + i];
-            if (tape_operation(word) == kTapeLiteral && tape_surface(word) == surface) return 1;
-        }
+// Code of the cell beside another one; kNoOwner beyond the root box.
+ulong code_beside(ulong morton, const int* direction, int level) {
+    const uint size = 1u << level;  // sums wrap below zero
+    const uint x = gather_bits(morton) + (uint)direction[0];
+    const uint y = gather_bits(morton >> 1) + (uint)direction[1];
+    const uint z = gather_bits(morton >> 2) + (uint)direction[2];
+    return x < size && y < size && z < size ? morton_encode(x, y, z) : kNoOwner;
+}
+
+// Whether the surface is active in an NIO leaf.
+int depends_on(__global const uint* tapes, const TreeNode node, uint surface) {
+    for (uint i = 0; i < node.tape_length; ++i) {
+        const uint word = tapes[node.tape_offset + i];
+        if (tape_operation(word) == kTapeLiteral && tape_surface(word) == surface) return 1;
     }
     return 0;
 }
 
-// Leaves whose surface cuts a face or an edge that the leaf beyond holds for uncut are not simple: a template
-// would not fit the certificate there. It happens only where formulas hold in one cell each (spatial.h), at
-// the rims of open surfaces of triangles.
+// The four functions below are for formulas that hold in one cell each (spatial.h). These may disagree about
+// a common face: at the rim of an open surface of triangles, or where a cell holds too many of them. A
+// template would not fit there; the certificate makes facets where its cell and the next one differ.
+
+// Marks IN leaves beside OUT leaves to be promoted. One work-item handles one word of the bitmaps.
+MORTISE_KERNEL void mark_exposed(__global const uint* in_bits, __global const uint* nio_bits,
+                                 __global uint* promoted, int level, uint items) {
+    const uint word = get_global_id(0);
+    if (word >= items) return;
+    for (uint rest = in_bits[word]; rest != 0; rest &= rest - 1) {
+        const uint bit = popcount((rest & -rest) - 1u);
+        for (int f = 0; f < 6; ++f) {
+            int direction[3] = {0, 0, 0};
+            ulong code;
+            direction[f >> 1] = (f & 1) ? 1 : -1;
+            code = code_beside(((ulong)word << 5) | bit, direction, level);
+            if (code == kNoOwner || (!test_bit(in_bits, code) && !test_bit(nio_bits, code))) {
+                promoted[word] |= 1u << bit;
+            }
+        }
+    }
+}
+
+// Whether a candidate's face fits what lies beyond: a cut face needs the surface there, a whole one the same
+// side.
+int face_fits(__global const TreeNode* nio, __global const uint* tapes, __global const uint* in_bits,
+              __global const uint* nio_bits, __global const uint* nio_rank,
+              __global const SnioCandidate* candidates, const SnioCandidate candidate, ulong morton, int f,
+              int level) {
+    const int axis = f >> 1;
+    int direction[3] = {0, 0, 0};
+    uint corners = 0;
+    uint index;
+    uint inside;
+    uint outside;
+    ulong code;
+    for (int i = 0; i < 4; ++i) corners |= 1u << kFaceCorners[f][i];
+    inside = corners & candidate.inside & ~(uint)candidate.zero;
+    outside = corners & ~(uint)candidate.inside & ~(uint)candidate.zero;
+    direction[axis] = (f & 1) ? 1 : -1;
+    code = code_beside(morton, direction, level);
+    if (code == kNoOwner) return inside == 0;
+    if (test_bit(in_bits, code)) return outside == 0;
+    if (!test_bit(nio_bits, code)) return inside == 0;
+    index = rank_of(nio_bits, nio_rank, code);
+    if (inside && outside && !depends_on(tapes, nio[index], candidate.surface)) return 0;
+    {
+        const SnioCandidate other = candidates[index];
+        if (!(other.flags & kCandidateSimple)) return 1;
+        for (int i = 0; i < 4; ++i) {
+            const uint here = kFaceCorners[f][i];
+            const uint there = here ^ (1u << axis);
+            if ((other.zero >> there) & 1) continue;
+            if (((inside >> here) & 1) && !((other.inside >> there) & 1)) return 0;
+            if (((outside >> here) & 1) && ((other.inside >> there) & 1)) return 0;
+        }
+    }
+    return 1;
+}
+
+// Finds the candidates that do not fit the leaves around them: misfit[i].
 //
-// Reads   nio, tapes, nio_bits, nio_rank. Writes candidates. One work-item handles one leaf.
-MORTISE_KERNEL void test_neighbours(__global const TreeNode* nio, __global const uint* tapes,
-                                    __global const uint* nio_bits, __global const uint* nio_rank,
-                                    __global SnioCandidate* candidates, int level, uint items) {
+// Reads   nio, tapes, in_bits, nio_bits, nio_rank, candidates. One work-item handles one leaf.
+MORTISE_KERNEL void find_misfits(__global const TreeNode* nio, __global const uint* tapes,
+                                 __global const uint* in_bits, __global const uint* nio_bits,
+                                 __global const uint* nio_rank, __global const SnioCandidate* candidates,
+                                 __global uchar* misfit, int level, uint items) {
     const uint item = get_global_id(0);
     if (item >= items) return;
     {
         const SnioCandidate candidate = candidates[item];
         const ulong morton = nio[item].morton;
-        const uint at[3] = {gather_bits(morton), gather_bits(morton >> 1), gather_bits(morton >> 2)};
-        const uint inside = candidate.inside & (uint)~candidate.zero;
-        const uint outside = ~candidate.inside & (uint)~candidate.zero;
+        const uint inside = candidate.inside & ~(uint)candidate.zero;
+        const uint outside = ~(uint)candidate.inside & ~(uint)candidate.zero;
         int fits = 1;
-        if (!(candidate.flags & kCandidateSimple)) return;
         for (int f = 0; f < 6 && fits; ++f) {
-            int direction[3] = {0, 0, 0};
-            uint corners = 0;
-            for (int i = 0; i < 4; ++i) corners |= 1u << kFaceCorners[f][i];
-            direction[f >> 1] = (f & 1) ? 1 : -1;
-            if ((corners & inside) && (corners & outside)) {
-                fits =
-                    depends_beside(nio, tapes, nio_bits, nio_rank, at, direction, level, candidate.surface);
-            }
+            fits =
+                face_fits(nio, tapes, in_bits, nio_bits, nio_rank, candidates, candidate, morton, f, level);
         }
         for (int e = 0; e < 12 && fits; ++e) {
             const uint low = 1u << kEdgeCorners[e][0];
             const uint high = 1u << kEdgeCorners[e][1];
             const int axis = e >> 2;
             int direction[3] = {0, 0, 0};
+            ulong code;
+            if (!((inside & low) && (outside & high)) && !((inside & high) && (outside & low))) continue;
             direction[axis == 0 ? 1 : 0] = (e & 1) ? 1 : -1;
             direction[axis == 2 ? 1 : 2] = (e & 2) ? 1 : -1;
-            if (((inside & low) && (outside & high)) || ((inside & high) && (outside & low))) {
-                fits =
-                    depends_beside(nio, tapes, nio_bits, nio_rank, at, direction, level, candidate.surface);
-            }
+            code = code_beside(morton, direction, level);
+            fits = code != kNoOwner && test_bit(nio_bits, code) &&
+                   depends_on(tapes, nio[rank_of(nio_bits, nio_rank, code)], candidate.surface);
         }
-        if (!fits) candidates[item].flags = 0;
+        misfit[item] = (uchar)!fits;
     }
+}
+
+// Leaves the misfits to the certificate. One work-item handles one leaf.
+MORTISE_KERNEL void drop_misfits(__global const uchar* misfit, __global SnioCandidate* candidates,
+                                 uint items) {
+    const uint item = get_global_id(0);
+    if (item >= items) return;
+    if (misfit[item]) candidates[item].flags = 0;
 }
