@@ -14,7 +14,7 @@ constexpr double kToleranceInCells = 1e-3;
 constexpr std::size_t kMostCandidates = 12;  ///< planes that are tried for one division
 // Samples lie this far beside a polygon, in cells: close enough to see nothing else.
 constexpr double kStep = 1e-3;
-constexpr int kGrid = 4;              ///< samples along an edge of the cell
+constexpr int kGrid = 3;              ///< samples along an edge of the cell
 constexpr double kGridWeight = 1e-3;  ///< area that a grid sample counts for, in cell faces
 
 }  // namespace

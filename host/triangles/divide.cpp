@@ -5,6 +5,7 @@
 #include <map>
 
 #include "host/common/parallel.hpp"
+#include "host/tape/reference.hpp"
 #include "host/triangles/cell_formula.hpp"
 #include "kernels/shared/spatial.h"
 #include "mortise/error.hpp"
@@ -17,8 +18,10 @@ namespace {
 constexpr std::size_t kFewFaces = 6;
 constexpr std::size_t kShortFormula = 24;
 constexpr std::size_t kMostFaces = 16;  ///< in a finest cell
-// Cells are this much larger, in finest cells, so that rounding hides no triangle on their faces.
-constexpr double kMargin = 1.0 / 1024;
+// A cell's formula holds a little beyond the cell, in finest cells. Then neighbours know the same surfaces
+// where two of these cross close to their common edge, and what each makes of the edge agrees: three-valued
+// logic cannot tell such an edge from one that the solid touches, so it must not be left to one side.
+constexpr double kMargin = 0.5;
 constexpr double kNoArea = 1e-12;  ///< of a cell's face: smaller pieces of triangles are left out
 constexpr std::size_t kChunk = 16;
 
@@ -143,7 +146,11 @@ class Divider {
                 entry.solid = formula.value();
                 return;
             }
-            if (finest || (formula.words().size() <= kShortFormula && formula.stack() <= kSpatialStack)) {
+            if (finest) {
+                prune(formula.words(), {{centre[0], centre[1], centre[2]}, 0.5 * size}, entry);
+                return;
+            }
+            if (formula.words().size() <= kShortFormula && formula.stack() <= kSpatialStack) {
                 entry.kind = Entry::Kind::kFormula;
                 entry.words = formula.words();
                 return;
@@ -151,6 +158,34 @@ class Divider {
         }
         entry.kind = Entry::Kind::kNode;
         entry.words = std::move(inside);
+    }
+
+    /// What is left of a formula in the closed cell; above the finest level the descent does this.
+    void prune(const std::vector<std::uint32_t>& words, const tape::Cell& cell, Entry& entry) const {
+        std::vector<std::int32_t> states;
+        for (const std::uint32_t word : words) {
+            int sign = 0;
+            if (tape_operation(word) == kTapeLiteral) {
+                const std::uint32_t surface = tape_surface(word);
+                sign = model_.surfaces[surface].kind == kSurfacePatch
+                           ? patch_side(surface, cell)
+                           : tape::classify_surface(model_, surface, cell);
+            }
+            states.push_back(sign == 0 ? kUnknown : (sign < 0) != (tape_negated(word) != 0) ? 1 : 0);
+        }
+        const std::int32_t value = tape::prune(words, states, &entry.words);
+        entry.solid = value == 1;
+        if (value == kUnknown) entry.kind = Entry::Kind::kFormula;
+    }
+
+    /// Side of a patch that the cell lies on, 0: perhaps both. Patches are distances.
+    int patch_side(std::uint32_t surface, const tape::Cell& cell) const {
+        const Surface& s = model_.surfaces[surface];
+        const double value =
+            surface_value(&s, model_.expression_ops.data(), cell.centre[0], cell.centre[1], cell.centre[2]);
+        const double unit = std::sqrt(s.map[0] * s.map[0] + s.map[1] * s.map[1] + s.map[2] * s.map[2]);
+        const double reach = 1.7321 * cell.half * unit;
+        return value > reach ? 1 : value < -reach ? -1 : 0;
     }
 
     /// The triangles' parts in a cube, and which triangles have one.
