@@ -22,6 +22,8 @@ constexpr std::size_t kMostFaces = 16;  ///< in a finest cell
 // where two of these cross close to their common edge, and what each makes of the edge agrees: three-valued
 // logic cannot tell such an edge from one that the solid touches, so it must not be left to one side.
 constexpr double kMargin = 0.5;
+// A surface this close to a cell, in cells, is not off it: far above kSignTolerance.
+constexpr double kTouching = 1.0 / 1024;
 constexpr double kNoArea = 1e-12;  ///< of a cell's face: smaller pieces of triangles are left out
 constexpr std::size_t kChunk = 16;
 
@@ -147,7 +149,7 @@ class Divider {
                 return;
             }
             if (finest) {
-                prune(formula.words(), {{centre[0], centre[1], centre[2]}, 0.5 * size}, entry);
+                prune(formula.words(), {{centre[0], centre[1], centre[2]}, (0.5 + kTouching) * size}, entry);
                 return;
             }
             if (formula.words().size() <= kShortFormula && formula.stack() <= kSpatialStack) {
