@@ -90,7 +90,7 @@ int parse_integer(const std::string& option, const std::string& text, int smalle
 
 /// The words as CLI11 leaves them.
 struct Words {
-    std::string level, size, elements, floor, threads, work_group;
+    std::string level, size, elements, floor, threads, work_group, facets;
     std::vector<std::string> box;
     bool no_templates = false;
     bool no_snap = false;
@@ -126,6 +126,8 @@ void add_mesh_options(CLI::App& app, Arguments& arguments, Words& words) {
         ->multi_option_policy(CLI::MultiOptionPolicy::Throw);
     app.add_option("--elements", words.elements, "hex: mostly hexahedra (default); tet: tetrahedra only")
         ->option_text("hex|tet");
+    app.add_option("--facets", words.facets, "circles of .csg: smooth (default), or exact as OpenSCAD's")
+        ->option_text("smooth|exact");
     app.add_flag("--no-templates", words.no_templates, "mesh simple surface cells like complex ones");
     app.add_option("--smooth", words.smooth, "rounds of moving nodes to better places, 0 to 100 (4)");
     app.add_flag("--no-improve", words.no_improve, "leave elements as templates and certificate make them");
@@ -175,6 +177,10 @@ void read_mesh_words(const Words& words, Arguments& arguments) {
     if (!words.elements.empty() && words.elements != "hex" && words.elements != "tet") {
         refuse("--elements '" + words.elements + "': expected hex or tet");
     }
+    if (!words.facets.empty() && words.facets != "smooth" && words.facets != "exact") {
+        refuse("--facets '" + words.facets + "': expected smooth or exact");
+    }
+    if (words.facets == "exact") arguments.read.facets = Facets::kExact;
     options.tetrahedra = words.elements == "tet";
     options.templates = !words.no_templates;
     options.snap = !words.no_snap;

@@ -23,6 +23,7 @@ struct Arguments {
     bool quality = false;       ///< print the quality report
     double quality_floor = -1;  ///< smallest scaled Jacobian that is good enough; negative: any
     MeshOptions options;
+    ReadOptions read;
     std::string text;  ///< kPrint: what to print, for --help and --version
 };
 

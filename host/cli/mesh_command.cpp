@@ -115,7 +115,7 @@ ExitCode mesh_command(const Arguments& arguments) {
 
     std::vector<StageTime> before, after;
     Model model;
-    timed("read", before, 1, [&] { model = read_model(arguments.file); });
+    timed("read", before, 1, [&] { model = read_model(arguments.file, arguments.read); });
     // Said before the work, in case that fails.
     for (const std::string& warning : model.warnings) progress.warn(warning);
     MeshReport report;

@@ -32,6 +32,7 @@ void skip_csg_blanks(TextCursor& cursor) {
 void CsgArguments::read(TextCursor& cursor) {
     arguments_.clear();
     numbers_.clear();
+    row_ends_.clear();
     cursor.advance();  // '('
     skip_csg_blanks(cursor);
     if (cursor.peek() == ')') {
@@ -95,6 +96,7 @@ void CsgArguments::read_value(TextCursor& cursor, CsgArgument& argument) {
 
 void CsgArguments::read_list(TextCursor& cursor, CsgArgument& argument) {
     const SourceLocation opening = cursor.where();
+    argument.first_row = row_ends_.size();
     std::size_t depth = 0;
     std::size_t in_row = 0;
     while (true) {
@@ -102,13 +104,13 @@ void CsgArguments::read_list(TextCursor& cursor, CsgArgument& argument) {
             cursor.advance();
             ++depth;
             if (depth == 2) in_row = 0;
-            if (depth > 2) argument.regular = false;
+            if (depth > 2) argument.numeric = argument.regular = false;
             skip_csg_blanks(cursor);
             if (cursor.peek() != ']') continue;
         } else {
             CsgArgument element;
             read_scalar(cursor, element);
-            if (element.kind != CsgArgument::Kind::kNumber) argument.regular = false;
+            if (element.kind != CsgArgument::Kind::kNumber) argument.numeric = argument.regular = false;
             if (element.not_finite.line != 0 && argument.not_finite.line == 0) {
                 argument.not_finite = element.not_finite;
             }
@@ -121,6 +123,7 @@ void CsgArguments::read_list(TextCursor& cursor, CsgArgument& argument) {
                 if (argument.rows != 0 && argument.row_length != in_row) argument.regular = false;
                 argument.row_length = in_row;
                 ++argument.rows;
+                row_ends_.push_back(numbers_.size() - argument.first);
             }
             if (--depth == 0) {
                 argument.kind = CsgArgument::Kind::kList;
@@ -141,11 +144,13 @@ void CsgArguments::read_scalar(TextCursor& cursor, CsgArgument& argument) {
     const SourceLocation start = cursor.where();
     if (cursor.peek() == '"') {
         cursor.advance();
+        const TextCursor first = cursor;
         while (cursor.peek() != '"') {
             if (cursor.at_end()) fail(cursor.source(), start, "this string is never closed; expected '\"'");
             if (cursor.peek() == '\\' && cursor.peek_next() != '\0') cursor.advance();
             cursor.advance();
         }
+        argument.text = first.text_until(cursor);
         cursor.advance();
         argument.kind = CsgArgument::Kind::kString;
         return;

@@ -20,7 +20,10 @@ struct CsgArgument {
     std::size_t direct = 0;      ///< numbers that stand in the outermost list itself
     std::size_t rows = 0;        ///< lists that stand in the outermost list
     std::size_t row_length = 0;  ///< numbers in each of them, if `regular`
-    bool regular = true;         ///< only numbers, nested at most twice, rows equally long
+    bool numeric = true;         ///< only numbers, nested at most twice
+    bool regular = true;         ///< `numeric`, and rows equally long
+    std::size_t first_row = 0;   ///< the rows' ends start here in CsgArguments::row_ends
+    std::string_view text;       ///< kString: between the quotes, with its backslashes
     SourceLocation not_finite;   ///< first nan or inf; line 0: none
 };
 
@@ -33,6 +36,10 @@ class CsgArguments {
     /// The argument of that name, or the nameless one at `position` (-1: names only); null if there is none.
     const CsgArgument* find(std::string_view name, int position = -1) const;
     const double* numbers(const CsgArgument& argument) const { return numbers_.data() + argument.first; }
+    /// Where each row of a list ends, counted in numbers from the list's first one.
+    const std::size_t* row_ends(const CsgArgument& argument) const {
+        return row_ends_.data() + argument.first_row;
+    }
 
   private:
     void read_value(TextCursor& cursor, CsgArgument& argument);
@@ -41,6 +48,7 @@ class CsgArguments {
 
     std::vector<CsgArgument> arguments_;
     std::vector<double> numbers_;
+    std::vector<std::size_t> row_ends_;
 };
 
 /// Skips blanks and // and /* */ comments.

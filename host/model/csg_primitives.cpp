@@ -9,89 +9,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <initializer_list>
 #include <utility>
 
 #include "host/model/affine.hpp"
+#include "host/model/flat_tree.hpp"
 
 namespace mortise::model_reader {
 namespace {
-
-constexpr int kMostFlatFragments = 12;
-
-std::string quoted(std::string_view name) { return "'" + std::string(name) + "'"; }
-
-/// Arguments with a $ concern the number of fragments and animation; only $fn is of interest here.
-void refuse_unknown_arguments(const CsgNodeText& node, std::initializer_list<std::string_view> known,
-                              std::size_t most_by_position) {
-    std::size_t by_position = 0;
-    for (const CsgArgument& argument : node.arguments.all()) {
-        if (argument.name.empty()) {
-            if (++by_position > most_by_position) {
-                fail(node.source, argument.where,
-                     quoted(node.name) + " has too many arguments without a name");
-            }
-        } else if (argument.name[0] != '$' &&
-                   std::find(known.begin(), known.end(), argument.name) == known.end()) {
-            std::string list;
-            for (const std::string_view name : known) list += (list.empty() ? "" : ", ") + std::string(name);
-            fail(node.source, argument.where,
-                 quoted(node.name) + " has no argument " + quoted(argument.name) + "; expected " + list);
-        }
-    }
-}
-
-double finite_number(const CsgNodeText& node, const CsgArgument& argument, std::string_view what) {
-    if (argument.kind != CsgArgument::Kind::kNumber) {
-        fail(node.source, argument.where,
-             quoted(node.name) + ": " + std::string(what) + " is not a number; expected one");
-    }
-    const double value = *node.arguments.numbers(argument);
-    if (!std::isfinite(value)) {
-        fail(node.source, argument.where,
-             quoted(node.name) + ": " + std::string(what) + " is " + number_text(value) +
-                 "; expected a finite number");
-    }
-    return value;
-}
-
-[[noreturn]] void fail_size(const CsgNodeText& node, SourceLocation where, std::string_view what,
-                            double value, std::string_view expected) {
-    fail(node.source, where,
-         quoted(node.name) + ": " + std::string(what) + " is " + number_text(value) + "; expected " +
-             std::string(expected));
-}
-
-bool is_centered(const CsgNodeText& node, int position) {
-    const CsgArgument* center = node.arguments.find("center", position);
-    if (center == nullptr || center->kind == CsgArgument::Kind::kUndefined) return false;
-    if (center->kind != CsgArgument::Kind::kBoolean) {
-        fail(node.source, center->where, quoted(node.name) + ": center is neither true nor false");
-    }
-    return center->boolean;
-}
-
-/// Number of flat fragments that the node asks for; 0: a true curve.
-int flat_fragments(const CsgNodeText& node) {
-    const CsgArgument* argument = node.arguments.find("$fn");
-    if (argument == nullptr) return 0;
-    const double wanted = finite_number(node, *argument, "$fn");
-    if (!(wanted > 0) || wanted > kMostFlatFragments) return 0;
-    return std::max(3, static_cast<int>(std::ceil(wanted)));
-}
-
-/// Cosine of degrees, exact at the multiples of 30 where the cosine is rational.
-double cosine_of_degrees(double degrees) {
-    degrees = std::fmod(std::fabs(degrees), 360.0);
-    if (degrees > 180) degrees = 360 - degrees;
-    if (degrees > 90) return -cosine_of_degrees(180 - degrees);
-    if (degrees == 90) return 0;
-    if (degrees == 60) return 0.5;
-    constexpr double kRadians = 3.14159265358979323846 / 180;
-    // Sine for the steeper half, so that cos 45° equals sin 45° bit for bit.
-    return degrees > 45 ? std::sin((90 - degrees) * kRadians) : std::cos(degrees * kRadians);
-}
-double sine_of_degrees(double degrees) { return cosine_of_degrees(degrees - 90); }
 
 /// Scales a plane so that its largest component is 1: equal planes of different sizes get equal normals.
 Plane scaled(Plane plane) {
@@ -145,7 +69,7 @@ std::uint32_t add_csg_cube(Model& model, const CsgNodeText& node) {
     }
     Vec3 low{};
     Vec3 high = size;
-    if (is_centered(node, 1)) {
+    if (optional_boolean(node, "center", 1)) {
         for (std::size_t k = 0; k < 3; ++k) {
             high[k] = size[k] / 2;
             low[k] = -high[k];
@@ -166,7 +90,7 @@ std::uint32_t add_csg_sphere(Model& model, const CsgNodeText& node) {
         where = d->where;
     }
     if (!(radius > 0)) fail_size(node, where, "radius", radius, "a positive number");
-    const int n = flat_fragments(node);
+    const int n = flat_fragments(node, radius);
     if (n == 0) return model.add_primitive(sphere(radius), node.surface, node.where);
 
     // Rings of n vertices at polar angles 180 (i + 1/2) / rings; the first and last are flat caps.
@@ -209,14 +133,14 @@ std::uint32_t add_csg_cylinder(Model& model, const CsgNodeText& node) {
     if (radii[0] == 0 && radii[1] == 0) {
         fail_size(node, where, "radius", 0, "at least one positive radius");
     }
-    const double zmin = is_centered(node, 3) ? -height / 2 : 0;
+    const double zmin = optional_boolean(node, "center", 3) ? -height / 2 : 0;
     const double zmax = zmin + height;
     // A cap is missing where the solid ends in an apex.
     const double* lower_cap = radii[0] > 0 ? &zmin : nullptr;
     const double* upper_cap = radii[1] > 0 ? &zmax : nullptr;
     const double slope = (radii[1] - radii[0]) / height;
 
-    if (const int n = flat_fragments(node); n != 0) {
+    if (const int n = flat_fragments(node, std::max(radii[0], radii[1])); n != 0) {
         Primitive polyhedron;
         // Without taper the offset is exactly the radius; else the line goes through the wider end.
         const double at_zero = radii[0] >= radii[1] ? radii[0] - slope * zmin : radii[1] - slope * zmax;
@@ -259,11 +183,6 @@ Affine csg_matrix(const CsgNodeText& node) {
     }
     Affine map{};
     std::copy_n(numbers, 12, map.begin());
-    if (std::fabs(relative_determinant(map)) <= kSingular) {
-        fail(node.source, argument->where,
-             "'multmatrix': the matrix is singular, it would flatten the solid; expected a determinant other "
-             "than 0");
-    }
     return map;
 }
 

@@ -43,20 +43,21 @@ bool is_known_format(const std::string& format) { return format == "csg" || form
 
 }  // namespace
 
-Model read_model(const std::string& path) {
+Model read_model(const std::string& path, const ReadOptions& options) {
     std::string format = lower_case(std::filesystem::path(path).extension().string());
     if (!format.empty()) format.erase(0, 1);
     // A missing file is a missing file, whatever its name.
     const std::string text = read_text(path);
     if (!is_known_format(format)) unknown_format(path, format);
-    return parse_model(text, format, path);
+    return parse_model(text, format, path, options);
 }
 
-Model parse_model(const std::string& text, const std::string& format, const std::string& source) {
+Model parse_model(const std::string& text, const std::string& format, const std::string& source,
+                  const ReadOptions& options) {
     if (!is_known_format(format)) unknown_format(source, format);
     if (format == "geo") return model_reader::read_geo(text, source);
     const std::string stem = std::filesystem::path(source).stem().string();
-    return model_reader::read_csg(text, source, stem.empty() ? "solid" : stem);
+    return model_reader::read_csg(text, source, stem.empty() ? "solid" : stem, options.facets);
 }
 
 }  // namespace mortise

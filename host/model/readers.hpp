@@ -8,7 +8,8 @@
 namespace mortise::model_reader {
 
 /// OpenSCAD's .csg text (csg_reader.cpp). The one region is called `region`.
-Model read_csg(const std::string& text, const std::string& source, const std::string& region);
+Model read_csg(const std::string& text, const std::string& source, const std::string& region,
+               Facets facets = Facets::kSmooth);
 
 /// Netgen's .geo text (geo_reader.cpp).
 Model read_geo(const std::string& text, const std::string& source);

@@ -123,13 +123,24 @@ Primitive torus(double major, double minor);
 /// Needs at least four triangles, finite points, indices in range; `sharp_angle` in degrees, 0 to 180.
 Primitive polyhedron(TriangleSurface triangles, double sharp_angle = 0);
 
+/// How OpenSCAD's circles, cylinders and spheres are read.
+enum class Facets : std::uint8_t {
+    kSmooth,  ///< as true curves, unless $fn asks for at most twelve sides: a deliberate prism
+    kExact,   ///< as the polyhedra that OpenSCAD makes of them
+};
+
+struct ReadOptions {
+    Facets facets = Facets::kSmooth;  ///< .csg only
+};
+
 /// Reads a model; the format follows from the file's extension (.csg, .geo).
 ///
 /// Throws Error(kFiles) if the file cannot be read and Error(kInput), with file:line:column, what was
 /// expected and what to do, for anything that is not understood. Nothing is skipped silently.
-Model read_model(const std::string& path);
+Model read_model(const std::string& path, const ReadOptions& options = {});
 
 /// The same for a text in memory; `source` is used in messages, `format` is "csg" or "geo".
-Model parse_model(const std::string& text, const std::string& format, const std::string& source);
+Model parse_model(const std::string& text, const std::string& format, const std::string& source,
+                  const ReadOptions& options = {});
 
 }  // namespace mortise

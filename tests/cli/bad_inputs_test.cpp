@@ -105,6 +105,7 @@ TEST_CASE("numbers out of range") {
         {"--threads", "0"},
         {"--work-group", "-1"},
         {"--elements", "oct"},
+        {"--facets", "fine"},
         {"--level"},
         {"--box", "0", "0", "0", "1"},
         {"--box", "0", "0", "0", "1", "1", "0"},
