@@ -109,7 +109,7 @@ void refuse_empty_values(CLI::App& app) {
 }
 
 void add_mesh_options(CLI::App& app, Arguments& arguments, Words& words) {
-    app.add_option("MODEL", arguments.file, "model file, .csg or .geo");
+    app.add_option("MODEL", arguments.file, "model file: .csg, .geo, .stl, .obj or .off");
     app.add_option("-o,--output", arguments.outputs, "mesh file, .vtu or .msh; may be given several times")
         ->option_text("FILE")
         ->allow_extra_args(false);

@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "host/model/readers.hpp"
+#include "host/model/triangle_files.hpp"
 #include "mortise/model.hpp"
 
 namespace mortise {
@@ -36,10 +37,12 @@ std::string read_text(const std::string& path) {
 
 [[noreturn]] void unknown_format(const std::string& source, const std::string& format) {
     throw Error(ExitCode::kInput, source + ": unknown model format '" + format +
-                                      "'; expected .csg (OpenSCAD) or .geo (Netgen)");
+                                      "'; expected .csg (OpenSCAD), .geo (Netgen), .stl, .obj or .off");
 }
 
-bool is_known_format(const std::string& format) { return format == "csg" || format == "geo"; }
+bool is_known_format(const std::string& format) {
+    return format == "csg" || format == "geo" || model_reader::is_triangle_format(format);
+}
 
 }  // namespace
 
@@ -57,7 +60,11 @@ Model parse_model(const std::string& text, const std::string& format, const std:
     if (!is_known_format(format)) unknown_format(source, format);
     if (format == "geo") return model_reader::read_geo(text, source);
     const std::string stem = std::filesystem::path(source).stem().string();
-    return model_reader::read_csg(text, source, stem.empty() ? "solid" : stem, options.facets);
+    const std::string region = stem.empty() ? "solid" : stem;
+    if (model_reader::is_triangle_format(format)) {
+        return model_reader::read_triangle_model(text, format, source, region);
+    }
+    return model_reader::read_csg(text, source, region, options.facets);
 }
 
 }  // namespace mortise

@@ -133,13 +133,13 @@ struct ReadOptions {
     Facets facets = Facets::kSmooth;  ///< .csg only
 };
 
-/// Reads a model; the format follows from the file's extension (.csg, .geo).
+/// Reads a model; the format follows from the extension (.csg, .geo, .stl, .obj, .off).
 ///
 /// Throws Error(kFiles) if the file cannot be read and Error(kInput), with file:line:column, what was
 /// expected and what to do, for anything that is not understood. Nothing is skipped silently.
 Model read_model(const std::string& path, const ReadOptions& options = {});
 
-/// The same for a text in memory; `source` is used in messages, `format` is "csg" or "geo".
+/// The same for a text in memory; `source` is used in messages, `format` is the extension without dot.
 Model parse_model(const std::string& text, const std::string& format, const std::string& source,
                   const ReadOptions& options = {});
 

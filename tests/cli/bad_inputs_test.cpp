@@ -62,7 +62,8 @@ const BadModel kBadModels[] = {
     {"cylinder.geo", kGeo + "solid s = cylinder (0, 0, 0; 0, 0, 1; 0.5);\ntlo s;\n", kInput, "--box"},
     {"word.geo", kGeo + "solid s = frobnicate (0, 0, 0; 1);\ntlo s;\n", kInput, "'frobnicate'"},
     {"no_object.geo", kGeo + "solid s = sphere (0, 0, 0; 1);\n", kInput, "tlo"},
-    {"model.stl", "solid\n", kInput, "unknown model format"},
+    {"model.step", "solid\n", kInput, "unknown model format"},
+    {"model.stl", "solid\n", kInput, "model.stl:2:1: expected 'facet' or 'endsolid'"},
 };
 
 }  // namespace

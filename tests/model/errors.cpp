@@ -160,5 +160,5 @@ TEST_CASE("files that cannot be read, and unknown formats") {
     CHECK(code_of(write("part.stl", "solid x")) == ExitCode::kInput);
     CHECK(code_of(write("part.CSG", "cube();")) == ExitCode::kOk);
     fs::remove_all(folder);
-    CHECK(refusal("cube();", "stl").find("unknown model format 'stl'") != std::string::npos);
+    CHECK(refusal("cube();", "step").find("unknown model format 'step'") != std::string::npos);
 }
