@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "host/model/affine.hpp"
+#include "host/model/csg_imports.hpp"
 #include "host/model/csg_primitives.hpp"
 #include "host/model/csg_shapes.hpp"
 
@@ -52,7 +53,7 @@ constexpr CsgNodeType branch(std::string_view name, CsgFinish (*read)(CsgScene&,
 }
 
 /// The commonest first.
-constexpr std::array<CsgNodeType, 21> kTypes = {branch("multmatrix", read_multmatrix),
+constexpr std::array<CsgNodeType, 25> kTypes = {branch("multmatrix", read_multmatrix),
                                                 leaf("cube", read_solid<add_csg_cube>),
                                                 operation("group", Op::kUnion),
                                                 leaf("cylinder", read_solid<add_csg_cylinder>),
@@ -72,11 +73,14 @@ constexpr std::array<CsgNodeType, 21> kTypes = {branch("multmatrix", read_multma
                                                 branch("minkowski", read_minkowski),
                                                 branch("resize", read_resize),
                                                 branch("fill", read_fill),
-                                                branch("projection", read_projection)};
+                                                branch("projection", read_projection),
+                                                leaf("polyhedron", read_polyhedron),
+                                                leaf("text", read_text),
+                                                leaf("import", read_import),
+                                                leaf("surface", read_surface)};
 
 /// OpenSCAD's other node types, to tell a gap in this reader from a typing error.
-constexpr std::array<std::string_view, 6> kNotYet = {"polyhedron", "text",   "roof",
-                                                     "surface",    "import", "path_extrude"};
+constexpr std::array<std::string_view, 2> kNotYet = {"roof", "path_extrude"};
 
 }  // namespace
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "host/model/csg_imports.hpp"
 #include "host/model/polygons.hpp"
 
 namespace mortise::model_reader {
@@ -185,11 +186,10 @@ CsgFinish read_fill(CsgScene&, const CsgNodeText& node) {
 CsgFinish read_hull(CsgScene&, const CsgNodeText& node) {
     refuse_unknown_arguments(node, {}, 0);
     const SourceLocation where = node.where;
-    return [where](CsgScene& scene, std::vector<CsgOperand> children) {
+    return [where, name = node.surface](CsgScene& scene, std::vector<CsgOperand> children) {
         if (std::any_of(children.begin(), children.end(),
                         [](const CsgOperand& child) { return child.kind == Kind::kSolid; })) {
-            // Hook: the hull of solids belongs here.
-            fail_not_yet(scene.source, where, "'hull' is not supported yet for solids");
+            return hull_of_solids(scene, children, name, where);
         }
         Contours all;
         for (const CsgOperand& child : children) {
@@ -202,11 +202,10 @@ CsgFinish read_hull(CsgScene&, const CsgNodeText& node) {
 CsgFinish read_minkowski(CsgScene&, const CsgNodeText& node) {
     refuse_unknown_arguments(node, {"convexity"}, 1);
     const SourceLocation where = node.where;
-    return [where](CsgScene& scene, std::vector<CsgOperand> children) -> CsgOperand {
+    return [where, name = node.surface](CsgScene& scene, std::vector<CsgOperand> children) -> CsgOperand {
         if (std::any_of(children.begin(), children.end(),
                         [](const CsgOperand& child) { return child.kind == Kind::kSolid; })) {
-            // Hook: the sum of solids belongs here.
-            fail_not_yet(scene.source, where, "'minkowski' is not supported yet for solids");
+            return minkowski_of_solids(scene, children, name, where);
         }
         std::optional<Contours> sum;
         for (const CsgOperand& child : children) {

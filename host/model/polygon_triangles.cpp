@@ -189,6 +189,15 @@ void flip_diagonals(const std::vector<Vec2>& plane, std::vector<Triangle>& trian
 void triangulate_polygon(const std::vector<Vec3>& points, const std::vector<std::uint32_t>& corners,
                          std::vector<Triangle>& triangles) {
     if (corners.size() < 3) return;
+    // Ear clipping takes quadratic time. A fan's triangles overlap with both orientations where it leaves the
+    // polygon; its winding numbers are the polygon's all the same.
+    constexpr std::size_t kMostClipped = 20000;
+    if (corners.size() > kMostClipped) {
+        for (std::size_t i = 2; i < corners.size(); ++i) {
+            triangles.push_back({corners[0], corners[i - 1], corners[i]});
+        }
+        return;
+    }
     if (corners.size() == 3) {
         triangles.push_back({corners[0], corners[1], corners[2]});
         return;

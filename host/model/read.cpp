@@ -1,39 +1,13 @@
 // read_model and parse_model: fetch the text, choose the reader.
-#include <cerrno>
-#include <cstring>
 #include <filesystem>
-#include <fstream>
-#include <sstream>
 
+#include "host/model/file_content.hpp"
 #include "host/model/readers.hpp"
 #include "host/model/triangle_files.hpp"
 #include "mortise/model.hpp"
 
 namespace mortise {
 namespace {
-
-std::string lower_case(std::string text) {
-    for (char& c : text) {
-        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-    }
-    return text;
-}
-
-std::string read_text(const std::string& path) {
-    std::error_code ignored;
-    if (std::filesystem::is_directory(path, ignored)) {
-        throw Error(ExitCode::kFiles, path + ": is a folder; expected a model file");
-    }
-    errno = 0;
-    std::ifstream file(path, std::ios::binary);
-    std::ostringstream text;
-    if (file && file.peek() != std::ifstream::traits_type::eof()) text << file.rdbuf();
-    if (!file.is_open() || file.bad() || text.bad()) {
-        const std::string cause = errno != 0 ? std::strerror(errno) : "input error";
-        throw Error(ExitCode::kFiles, path + ": cannot be read: " + cause);
-    }
-    return text.str();
-}
 
 [[noreturn]] void unknown_format(const std::string& source, const std::string& format) {
     throw Error(ExitCode::kInput, source + ": unknown model format '" + format +
@@ -47,10 +21,9 @@ bool is_known_format(const std::string& format) {
 }  // namespace
 
 Model read_model(const std::string& path, const ReadOptions& options) {
-    std::string format = lower_case(std::filesystem::path(path).extension().string());
-    if (!format.empty()) format.erase(0, 1);
+    const std::string format = model_reader::format_of(path);
     // A missing file is a missing file, whatever its name.
-    const std::string text = read_text(path);
+    const std::string text = model_reader::read_file(path);
     if (!is_known_format(format)) unknown_format(path, format);
     return parse_model(text, format, path, options);
 }

@@ -376,8 +376,6 @@ TEST_CASE("errors of plane shapes and extrusions") {
         {"linear_extrude(height = 1) { multmatrix([[1,1,0,0],[1,1,0,0],[0,0,1,0],[0,0,0,1]]) { square(); } }",
          "1:41", "singular"},
         {"offset(r = true) { square(); }", "1:12", "not a number"},
-        {"hull() { cube(); }", "1:1", "not supported yet"},
-        {"minkowski() { cube(); sphere(); }", "1:1", "not supported yet"},
         {"projection(cut = true) { cube(); }", "1:1", "not supported yet"},
         {"projection(cut = false) { cube(); }", "1:1", "not supported yet"},
         {"resize(newsize = [1,2,-3]) { cube(); }", "1:18", "newsize is -3"},

@@ -397,3 +397,20 @@ TEST_CASE("every triangle file of the corpora is read") {
                   << " with warnings\n";
     }
 }
+
+TEST_CASE("faces with very many corners take no quadratic time") {
+    std::ostringstream text;
+    constexpr int kCorners = 200000;
+    text << "v 0 0 1\n";
+    for (int i = 0; i < kCorners; ++i) {
+        const double angle = 6.283185307179586 * i / kCorners;
+        const double radius = i % 2 == 0 ? 1 : 0.9;
+        text << "v " << radius * std::cos(angle) << " " << radius * std::sin(angle) << " 0\n";
+    }
+    text << "f";
+    for (int i = 0; i < kCorners; ++i) text << " " << kCorners + 1 - i;
+    text << "\n";
+    for (int i = 0; i < kCorners; ++i) text << "f 1 " << 2 + i << " " << 2 + (i + 1) % kCorners << "\n";
+    const Model model = parse_model(text.str(), "obj", "t.obj");
+    CHECK(volume(surface_of(model)) == doctest::Approx(0.9 * 3.14159265 / 3).epsilon(1e-3));
+}

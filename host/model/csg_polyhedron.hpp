@@ -1,0 +1,21 @@
+// OpenSCAD's polyhedron(points, faces) as a surface of triangles.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "host/model/text.hpp"
+#include "mortise/model.hpp"
+
+namespace mortise::model_reader {
+
+/// `faces` holds numbers of points as read, from 0, clockwise seen from outside; faces need be neither plane
+/// nor convex. `where` is the place of the node, for errors. A surface that is inside out is turned.
+TriangleSurface polyhedron_surface(std::vector<Vec3> points, const std::vector<std::vector<double>>& faces,
+                                   const std::string& source, SourceLocation where,
+                                   std::vector<std::string>& warnings);
+
+/// Faces of polyhedron() are written with six digits: below this angle in degrees they count as one.
+inline constexpr double kPolyhedronSharpAngle = 1;
+
+}  // namespace mortise::model_reader

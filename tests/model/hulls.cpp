@@ -1,0 +1,382 @@
+// hull() and minkowski(): membership against support functions, volumes against closed forms.
+#include "host/model/hulls.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <functional>
+#include <random>
+
+#include "host/model/convex_hull.hpp"
+#include "tests/model/membership.hpp"
+
+using namespace mortise;
+
+namespace {
+
+/// The largest value of a direction times a point of the solid: what defines a convex solid.
+using Support = std::function<double(const Vec3&)>;
+
+double dot(const Vec3& a, const Vec3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+Support ball(const Vec3& c, double r) {
+    return [=](const Vec3& u) { return dot(u, c) + r * std::sqrt(dot(u, u)); };
+}
+Support box_of(const Vec3& low, const Vec3& high) {
+    return [=](const Vec3& u) {
+        double sum = 0;
+        for (std::size_t k = 0; k < 3; ++k) sum += std::max(u[k] * low[k], u[k] * high[k]);
+        return sum;
+    };
+}
+Support frustum(double x, double y, double z0, double z1, double r0, double r1) {
+    return [=](const Vec3& u) {
+        const double across = std::hypot(u[0], u[1]);
+        return u[0] * x + u[1] * y + std::max(u[2] * z0 + across * r0, u[2] * z1 + across * r1);
+    };
+}
+Support hull_of(const std::vector<Support>& parts) {
+    return [=](const Vec3& u) {
+        double most = -1e300;
+        for (const Support& part : parts) most = std::max(most, part(u));
+        return most;
+    };
+}
+Support sum_of(const Support& a, const Support& b) {
+    return [=](const Vec3& u) { return a(u) + b(u); };
+}
+Support rotated_x(const Support& a) {  // by 90 degrees: y to z
+    return [=](const Vec3& u) { return a({u[0], u[2], -u[1]}); };
+}
+
+/// How far outside a point is: the best of many directions, then of ever smaller changes to it.
+double outside(const Support& support, const Vec3& p, std::mt19937& random) {
+    std::normal_distribution<double> normal;
+    const auto value = [&](const Vec3& u) { return dot(u, p) - support(u); };
+    const auto unit = [](Vec3 u) {
+        const double norm = std::sqrt(dot(u, u));
+        return Vec3{u[0] / norm, u[1] / norm, u[2] / norm};
+    };
+    Vec3 best = {0, 0, 1};
+    for (const Vec3& u : {Vec3{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, -1}}) {
+        if (value(u) > value(best)) best = u;
+    }
+    for (int i = 0; i < 300; ++i) {
+        const Vec3 u = unit({normal(random), normal(random), normal(random)});
+        if (value(u) > value(best)) best = u;
+    }
+    for (int i = 0; i < 400; ++i) {
+        const double step = std::pow(0.98, i);
+        const Vec3 u = unit({best[0] + step * normal(random), best[1] + step * normal(random),
+                             best[2] + step * normal(random)});
+        if (value(u) > value(best)) best = u;
+    }
+    return value(best);
+}
+
+struct Built {
+    Model model;
+    std::uint32_t node = 0;
+    std::string error;
+};
+
+/// The hull or sum of the solids of a .csg text.
+Built build(const std::string& text, bool minkowski = false) {
+    Built built;
+    built.model = parse_model(text, "csg", "m.csg");
+    const CsgNode& root = built.model.nodes[built.model.regions[0].root];
+    std::vector<std::uint32_t> children = {built.model.regions[0].root};
+    if (root.op == CsgNode::Op::kUnion) children = root.children;
+    try {
+        built.node = minkowski ? model_reader::add_minkowski(built.model, children, "minkowski1", {3, 4})
+                               : model_reader::add_hull(built.model, children, "hull1", {3, 4});
+    } catch (const Error& error) {
+        built.error = error.what();
+    }
+    return built;
+}
+
+/// Compares at random points of a cube, except within `band` of the surface.
+void compare(const Built& built, const Support& support, double half, double band = 0.01) {
+    REQUIRE(built.error.empty());
+    std::mt19937 random(7);
+    std::uniform_real_distribution<double> coordinate(-half, half);
+    int wrong = 0;
+    int inside = 0;
+    for (int i = 0; i < 800; ++i) {
+        const Vec3 p = {coordinate(random), coordinate(random), coordinate(random)};
+        const double depth = outside(support, p, random);
+        if (std::fabs(depth) < band) continue;
+        inside += depth < 0;
+        const bool held = test::holds(built.model, built.node, p);
+        if (held != (depth < 0)) {
+            if (wrong++ == 0) MESSAGE("(", p[0], ", ", p[1], ", ", p[2], ") ", depth, " held ", held);
+        }
+    }
+    CHECK(wrong == 0);
+    CHECK(inside > 5);
+}
+
+bool exact(const Built& built) { return built.model.warnings.empty(); }
+
+std::string at(double x, double y, double z, const std::string& solid) {
+    const auto number = [](double v) { return std::to_string(v); };
+    return "multmatrix([[1,0,0," + number(x) + "],[0,1,0," + number(y) + "],[0,0,1," + number(z) +
+           "],[0,0,0,1]]) {" + solid + "}";
+}
+
+std::string ball_at(double x, double y, double z, double r) {
+    return at(x, y, z, "sphere(r = " + std::to_string(r) + ");");
+}
+
+std::string rod_at(double x, double y, double z, double h, double r1, double r2) {
+    return at(x, y, z,
+              "cylinder(h = " + std::to_string(h) + ", r1 = " + std::to_string(r1) +
+                  ", r2 = " + std::to_string(r2) + ");");
+}
+
+}  // namespace
+
+TEST_CASE("hull of polytopes is one polytope with merged faces") {
+    const Built box = build("cube(1);" + at(1, 1, 1, "cube(1);"));
+    REQUIRE(box.error.empty());
+    const CsgNode& node = box.model.nodes[box.node];
+    REQUIRE(node.op == CsgNode::Op::kPrimitive);
+    CHECK(node.primitive.planes.size() == 12);
+    CHECK(node.name == "hull1");
+    CHECK(node.primitive.planes[0].name == "side1");
+    compare(box, hull_of({box_of({0, 0, 0}, {1, 1, 1}), box_of({1, 1, 1}, {2, 2, 2})}), 3);
+
+    const Built cube = build("cube(1);" + at(0.25, 0.25, 1, "cube(0.5);") + at(2, 0, 0, "cube(1);"));
+    compare(cube, hull_of({box_of({0, 0, 0}, {3, 1, 1}), box_of({0.25, 0.25, 1}, {0.75, 0.75, 1.5})}), 3.5);
+    // A hexagonal prism and a point above: a cylinder of six fragments and a tiny cube.
+    const Built prism = build("cylinder($fn = 6, h = 1, r1 = 2, r2 = 2);");
+    CHECK(prism.model.nodes[prism.node].primitive.planes.size() == 8);
+}
+
+TEST_CASE("hull of a rotated box has the faces of a box, in spite of six digits") {
+    const Built box = build(
+        "multmatrix([[0.866025,-0.5,0,1],[0.433013,0.75,-0.5,2],[0.25,0.433013,0.866025,3],[0,0,0,1]])"
+        "{cube([3, 2, 1]);}");
+    CHECK(box.model.nodes[box.node].primitive.planes.size() == 6);
+}
+
+TEST_CASE("hull of spheres of one radius is exact") {
+    const Support two = hull_of({ball({-1, 0, 0}, 0.5), ball({1, 1, 0.5}, 0.5)});
+    const Built capsule = build(ball_at(-1, 0, 0, 0.5) + ball_at(1, 1, 0.5, 0.5));
+    CHECK(exact(capsule));
+    compare(capsule, two, 2);
+
+    const Built triangle = build(ball_at(-1, 0, 0, 0.5) + ball_at(1, 0, 0, 0.5) + ball_at(0, 1.5, 1, 0.5));
+    CHECK(exact(triangle));
+    compare(triangle, hull_of({ball({-1, 0, 0}, 0.5), ball({1, 0, 0}, 0.5), ball({0, 1.5, 1}, 0.5)}), 2);
+
+    std::string corners;
+    for (int i = 0; i < 8; ++i) corners += ball_at((i & 1) * 2 - 1, (i >> 1 & 1) - 0.5, (i >> 2) - 0.5, 0.4);
+    const Built rounded = build(corners);
+    CHECK(exact(rounded));
+    compare(rounded, sum_of(box_of({-1, -0.5, -0.5}, {1, 0.5, 0.5}), ball({0, 0, 0}, 0.4)), 2);
+
+    const Built tetrahedron =
+        build(ball_at(0, 0, 0, 0.5) + ball_at(2, 0, 0, 0.5) + ball_at(0.5, 1.8, 0, 0.5) +
+              ball_at(0.8, 0.5, 1.7, 0.5) + ball_at(0.8, 0.5, 0.2, 0.5));
+    CHECK(exact(tetrahedron));
+    compare(tetrahedron,
+            hull_of({ball({0, 0, 0}, 0.5), ball({2, 0, 0}, 0.5), ball({0.5, 1.8, 0}, 0.5),
+                     ball({0.8, 0.5, 1.7}, 0.5)}),
+            3);
+    // Inside another: does not count. All in a line: the ends count.
+    const Built one = build(ball_at(0, 0, 0, 1) + ball_at(0.2, 0, 0, 0.5));
+    CHECK(exact(one));
+    compare(one, ball({0, 0, 0}, 1), 1.5);
+    const Built line = build(ball_at(0, 0, -1, 0.7) + ball_at(0, 0, 0.3, 0.7) + ball_at(0, 0, 1, 0.7));
+    CHECK(exact(line));
+    compare(line, hull_of({ball({0, 0, -1}, 0.7), ball({0, 0, 1}, 0.7)}), 2);
+    // A square of four spheres: its diagonals are no edges.
+    const Built square = build(ball_at(-1, -1, 0, 0.5) + ball_at(1, -1, 0, 0.5) + ball_at(1, 1, 0, 0.5) +
+                               ball_at(-1, 1, 0, 0.5) + ball_at(0, 0, 0, 0.5));
+    CHECK(exact(square));
+    compare(square, sum_of(box_of({-1, -1, 0}, {1, 1, 0}), ball({0, 0, 0}, 0.5)), 2);
+}
+
+TEST_CASE("hull of two spheres is a rounded cone") {
+    const Built cone = build(ball_at(-0.5, 0, 0.3, 1) + ball_at(1.2, 0.4, 0, 0.4));
+    CHECK(exact(cone));
+    compare(cone, hull_of({ball({-0.5, 0, 0.3}, 1), ball({1.2, 0.4, 0}, 0.4)}), 2);
+    const Built reversed = build(ball_at(1.2, 0.4, 0, 0.4) + ball_at(-0.5, 0, 0.3, 1));
+    compare(reversed, hull_of({ball({-0.5, 0, 0.3}, 1), ball({1.2, 0.4, 0}, 0.4)}), 2);
+}
+
+TEST_CASE("hull of cylinders of one height is exact") {
+    const Built slot = build(rod_at(-1, 0, 0, 1, 0.5, 0.5) + rod_at(1, 0.5, 0, 1, 0.5, 0.5));
+    CHECK(exact(slot));
+    compare(slot, hull_of({frustum(-1, 0, 0, 1, 0.5, 0.5), frustum(1, 0.5, 0, 1, 0.5, 0.5)}), 2);
+    const Built drop = build(rod_at(-1, 0, 0, 1, 1, 1) + rod_at(1, 0, 0, 1, 0.25, 0.25));
+    CHECK(exact(drop));
+    compare(drop, hull_of({frustum(-1, 0, 0, 1, 1, 1), frustum(1, 0, 0, 1, 0.25, 0.25)}), 2.1);
+    const Built plate = build(rod_at(-1, -1, -0.5, 1, 0.5, 0.5) + rod_at(1, -1, -0.5, 1, 0.3, 0.3) +
+                              rod_at(1, 1, -0.5, 1, 0.5, 0.5) + rod_at(-1, 1, -0.5, 1, 0.2, 0.2) +
+                              rod_at(0, 0, -0.5, 1, 0.2, 0.2));
+    CHECK(exact(plate));
+    compare(plate,
+            hull_of({frustum(-1, -1, -0.5, 0.5, 0.5, 0.5), frustum(1, -1, -0.5, 0.5, 0.3, 0.3),
+                     frustum(1, 1, -0.5, 0.5, 0.5, 0.5), frustum(-1, 1, -0.5, 0.5, 0.2, 0.2)}),
+            2);
+    // Two small discs beside a large one: the large one's arc is in two parts.
+    const Built flower =
+        build(rod_at(0, 0, 0, 1, 1, 1) + rod_at(1.4, 0, 0, 1, 0.2, 0.2) + rod_at(-1.4, 0, 0, 1, 0.2, 0.2));
+    CHECK(exact(flower));
+    compare(flower,
+            hull_of({frustum(0, 0, 0, 1, 1, 1), frustum(1.4, 0, 0, 1, 0.2, 0.2),
+                     frustum(-1.4, 0, 0, 1, 0.2, 0.2)}),
+            2);
+    // With a box of the same height.
+    const Built eye = build(at(-1, -0.5, 0, "cube([1, 1, 1]);") + rod_at(1, 0, 0, 1, 0.5, 0.5));
+    CHECK(exact(eye));
+    compare(eye, hull_of({box_of({-1, -0.5, 0}, {0, 0.5, 1}), frustum(1, 0, 0, 1, 0.5, 0.5)}), 2);
+    // Lying along y, and scaled.
+    const Built lying = build("multmatrix([[1,0,0,0],[0,0,-1,0],[0,1,0,0],[0,0,0,1]]) {" +
+                              rod_at(-1, 0, -1, 2, 0.5, 0.5) + rod_at(1, 0.5, -1, 2, 0.5, 0.5) + "}");
+    CHECK(exact(lying));
+    compare(lying, rotated_x(hull_of({frustum(-1, 0, -1, 1, 0.5, 0.5), frustum(1, 0.5, -1, 1, 0.5, 0.5)})),
+            2);
+    // A stack about one axis: the widest disc is not at both ends.
+    const Built stack = build(rod_at(0, 0, 0, 1, 0.5, 0.5) + rod_at(0, 0, 0, 0.5, 1, 1));
+    CHECK_FALSE(exact(stack));
+    compare(stack, hull_of({frustum(0, 0, 0, 1, 0.5, 0.5), frustum(0, 0, 0, 0.5, 1, 1)}), 1.5, 0.02);
+}
+
+TEST_CASE("hull of other curved solids is facetted, with a warning") {
+    const Built mixed = build(ball_at(0, 0, 1, 0.5) + "cube([1, 1, 0.5], center = true);");
+    REQUIRE(mixed.model.warnings.size() == 1);
+    CHECK(mixed.model.warnings[0].find("m.csg:3:4: 'hull' of these curved solids is approximated") == 0);
+    compare(mixed, hull_of({ball({0, 0, 1}, 0.5), box_of({-0.5, -0.5, -0.25}, {0.5, 0.5, 0.25})}), 1.6, 0.02);
+    const Built cones = build(rod_at(0, 0, 0, 1, 1, 0) + rod_at(1, 0, 0, 1, 0.2, 0.6));
+    compare(cones, hull_of({frustum(0, 0, 0, 1, 1, 0), frustum(1, 0, 0, 1, 0.2, 0.6)}), 2, 0.02);
+    const Built three = build(ball_at(-1, 0, 0, 0.5) + ball_at(1, 0, 0, 0.8) + ball_at(0, 1, 0, 0.3));
+    compare(three, hull_of({ball({-1, 0, 0}, 0.5), ball({1, 0, 0}, 0.8), ball({0, 1, 0}, 0.3)}), 2, 0.02);
+    // Half a sphere: an intersection.
+    const Built half = build("intersection() { sphere(r = 1); " + at(-2, -2, 0, "cube(4);") + "}");
+    compare(
+        half, [](const Vec3& u) { return u[2] > 0 ? std::sqrt(dot(u, u)) : std::hypot(u[0], u[1]); }, 1.3,
+        0.02);
+    // One cone alone is itself.
+    const Built cone = build(rod_at(0, 0, 0, 1, 1, 0));
+    CHECK(exact(cone));
+    compare(cone, frustum(0, 0, 0, 1, 1, 0), 1.2);
+}
+
+TEST_CASE("minkowski sums") {
+    const Built rounded = build("cube([2, 1, 1]);" + ball_at(0, 0, 0, 0.5), true);
+    CHECK(exact(rounded));
+    compare(rounded, sum_of(box_of({0, 0, 0}, {2, 1, 1}), ball({0, 0, 0}, 0.5)), 3);
+    const Built plate = build("cube([2, 1, 1]);" + rod_at(0, 0, 0, 1, 0.5, 0.5), true);
+    CHECK(exact(plate));
+    compare(plate, sum_of(box_of({0, 0, 0}, {2, 1, 1}), frustum(0, 0, 0, 1, 0.5, 0.5)), 3);
+    const Built reversed = build(rod_at(0, 0, 0, 1, 0.5, 0.5) + "cube([2, 1, 1]);", true);
+    CHECK(exact(reversed));
+    compare(reversed, sum_of(box_of({0, 0, 0}, {2, 1, 1}), frustum(0, 0, 0, 1, 0.5, 0.5)), 3);
+    const Built boxes = build("cube([2, 1, 1]);" + at(0.5, 0, 0, "cube([1, 2, 0.5], center = true);"), true);
+    CHECK(exact(boxes));
+    CHECK(boxes.model.nodes[boxes.node].primitive.planes.size() == 6);
+    compare(boxes, box_of({0, -1, -0.25}, {3, 2, 1.25}), 3.5);
+    const Built balls = build(ball_at(1, 0, 0, 0.5) + ball_at(0, 1, 0, 0.25), true);
+    CHECK(exact(balls));
+    compare(balls, ball({1, 1, 0}, 0.75), 2);
+    const Built rods = build(rod_at(1, 0, 0, 1, 0.5, 0.5) + rod_at(0, 0, -1, 1, 0.3, 0.3), true);
+    CHECK(exact(rods));
+    compare(rods, frustum(1, 0, -1, 1, 0.8, 0.8), 2);
+    const Built three = build("cube([2, 1, 1]);" + ball_at(0, 0, 0, 0.25) + ball_at(0, 0, 0, 0.25), true);
+    CHECK(exact(three));
+    compare(three, sum_of(box_of({0, 0, 0}, {2, 1, 1}), ball({0, 0, 0}, 0.5)), 3);
+    const Built mixed = build(ball_at(0, 0, 0, 0.5) + rod_at(0, 0, 0, 1, 0.5, 0.5), true);
+    CHECK_FALSE(exact(mixed));
+    compare(mixed, sum_of(ball({0, 0, 0}, 0.5), frustum(0, 0, 0, 1, 0.5, 0.5)), 2, 0.02);
+
+    // A union: an L of two boxes, rounded.
+    const Built ell =
+        build("union() { cube([2, 1, 1]); cube([1, 2, 1]); group(); }" + ball_at(0, 0, 0, 0.25), true);
+    REQUIRE(ell.error.empty());
+    CHECK(exact(ell));
+    const Support one = sum_of(box_of({0, 0, 0}, {2, 1, 1}), ball({0, 0, 0}, 0.25));
+    const Support two = sum_of(box_of({0, 0, 0}, {1, 2, 1}), ball({0, 0, 0}, 0.25));
+    std::mt19937 random(3);
+    std::uniform_real_distribution<double> coordinate(-0.5, 2.5);
+    int wrong = 0;
+    for (int i = 0; i < 500; ++i) {
+        const Vec3 p = {coordinate(random), coordinate(random), coordinate(random)};
+        const double depth = std::min(outside(one, p, random), outside(two, p, random));
+        if (std::fabs(depth) > 0.01) wrong += test::holds(ell.model, ell.node, p) != (depth < 0);
+    }
+    CHECK(wrong == 0);
+    // One child alone is itself, none is empty.
+    CHECK(test::holds(build("cube();", true).model, build("cube();", true).node, {0.5, 0.5, 0.5}));
+    const Built nothing = build("group();", true);
+    CHECK(nothing.error.empty());
+    CHECK_FALSE(test::holds(nothing.model, nothing.node, {0, 0, 0}));
+}
+
+TEST_CASE("hull and minkowski: what is refused") {
+    const auto hull = [](const std::string& text) { return build(text).error; };
+    const auto minkowski = [](const std::string& text) { return build(text, true).error; };
+    const std::string difference = "difference() { cube(2); cube(1); } cube(1);";
+    CHECK(hull(difference).find("m.csg:3:4: 'hull': a difference among its children is not supported") == 0);
+    CHECK(minkowski(difference).find("m.csg:3:4: 'minkowski': a difference among") == 0);
+    CHECK(hull("intersection() { cube(2); union() { cube(1); sphere(1); } } cube(1);")
+              .find("an intersection with a union") != std::string::npos);
+    // Nothing in common: empty, neutral.
+    const Built apart = build("intersection() { cube(1); " + at(5, 0, 0, "cube(1);") + "} cube(1);");
+    compare(apart, box_of({0, 0, 0}, {1, 1, 1}), 2);
+
+    Model model;
+    model.source = "m.csg";
+    const std::uint32_t side = model.add_primitive(half_space({0, 0, 0}, {0, 0, 1}));
+    const std::uint32_t torus_node = model.add_primitive(torus(2, 0.5));
+    const auto refusal = [&](std::uint32_t node, bool sum) -> std::string {
+        try {
+            sum ? model_reader::add_minkowski(model, {node, node}, "a", {1, 1})
+                : model_reader::add_hull(model, {node}, "a", {1, 1});
+        } catch (const Error& error) {
+            return error.what();
+        }
+        return {};
+    };
+    CHECK(refusal(side, false).find("m.csg:1:1: 'hull': a child is not bounded") == 0);
+    CHECK(refusal(torus_node, true).find("m.csg:1:1: 'minkowski': a torus is not supported") == 0);
+    CHECK(refusal(torus_node, false).empty());
+
+    // A polyhedron that is not convex: its hull is, its sum is refused.
+    TriangleSurface dented;
+    dented.points = {{0, 0, 0}, {2, 0, 0}, {0, 2, 0}, {0, 0, 2}, {0.3, 0.3, 0.3}};
+    dented.triangles = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 4}, {2, 3, 4}, {3, 1, 4}};
+    const std::uint32_t dent = model.add_primitive(polyhedron(dented));
+    CHECK(refusal(dent, true).find("'minkowski': a polyhedron is not supported") != std::string::npos);
+    CHECK(refusal(dent, false).empty());
+}
+
+TEST_CASE("vertices of half-spaces, far from the origin and of very different sizes") {
+    using model_reader::Boundedness;
+    for (const double scale : {1e-3, 1.0, 1e4}) {
+        for (const double shift : {0.0, 100.0}) {
+            const Vec3 low = {shift * scale, -shift * scale, 0};
+            const Vec3 high = {(shift + 2) * scale, (-shift + 1) * scale, 0.01 * scale};
+            std::vector<Vec3> vertices;
+            REQUIRE(model_reader::vertices_of(box(low, high).planes, vertices) == Boundedness::kBounded);
+            CHECK(vertices.size() == 8);
+            const auto hull = model_reader::convex_hull(vertices);
+            REQUIRE(hull);
+            CHECK(hull->faces.size() == 6);
+            CHECK(model_reader::volume_of(*hull) ==
+                  doctest::Approx(0.02 * scale * scale * scale).epsilon(1e-6));
+        }
+    }
+    std::vector<Vec3> vertices;
+    std::vector<Plane> planes = box({0, 0, 0}, {1, 1, 1}).planes;
+    planes.push_back({{1, 1, 1}, -0.1, {}});
+    CHECK(model_reader::vertices_of(planes, vertices) == Boundedness::kEmpty);
+    planes.pop_back();
+    planes.pop_back();
+    CHECK(model_reader::vertices_of(planes, vertices) == Boundedness::kUnbounded);
+    CHECK(model_reader::vertices_of({{{1, 0, 0}, 1, {}}}, vertices) == Boundedness::kUnbounded);
+    CHECK_FALSE(model_reader::convex_hull({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}, {0.5, 0.2, 1e-9}}));
+}
