@@ -61,6 +61,16 @@ void require_polyhedron(const Primitive& primitive) {
                    std::to_string(count));
         }
     }
+    const TriangleSurface& surface = *primitive.triangles;
+    if (!surface.group.empty() && surface.group.size() != surface.triangles.size()) {
+        refuse("polyhedron: " + std::to_string(surface.group.size()) + " group numbers for " +
+               std::to_string(surface.triangles.size()) + " triangles");
+    }
+    for (const std::uint32_t group : surface.group) {
+        if (group >= surface.group_names.size()) {
+            refuse("polyhedron: group " + std::to_string(group) + " has no name");
+        }
+    }
     if (!(primitive.sharp_angle >= 0 && primitive.sharp_angle <= 180)) {
         refuse("polyhedron: the sharp angle is " + number_text(primitive.sharp_angle) +
                " degrees; expected 0 to 180");

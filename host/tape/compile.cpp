@@ -291,7 +291,6 @@ class Compiler {
 
     /// Its surfaces; their formulas depend on the cell (kernels/shared/spatial.h).
     std::uint32_t polyhedron(const Primitive& p, const Frame& frame, const std::string& base) {
-        constexpr std::size_t kMostNamed = 24;  // more faces than that share the name
         const auto key = std::make_pair(p.triangles.get(), to_affine(frame.map));
         auto found = polyhedra_.find(key);
         if (found == polyhedra_.end()) {
@@ -300,9 +299,7 @@ class Compiler {
                 make_polyhedron(transformed(*p.triangles, affine), p.sharp_angle, out_.expression_ops);
             std::vector<std::uint32_t> place;
             for (std::size_t i = 0; i < parts.surfaces.size(); ++i) {
-                const bool named = parts.surfaces.size() <= kMostNamed;
-                place.push_back(
-                    add_surface(parts.surfaces[i], named ? base + "_face" + std::to_string(i + 1) : base));
+                place.push_back(add_surface(parts.surfaces[i], base + parts.suffixes[i]));
             }
             for (std::uint32_t& surface : parts.world.surface) surface = place[surface];
             found = polyhedra_.emplace(key, static_cast<std::uint32_t>(out_.polyhedra.size())).first;

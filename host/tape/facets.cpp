@@ -67,7 +67,7 @@ std::vector<std::array<std::uint32_t, 3>> neighbours(const TriangleSurface& surf
 }
 
 /// Numbers the planes' patches in the order of their first planes.
-void join_patches(Facets& facets, double sharp_angle) {
+void join_patches(const TriangleSurface& surface, double sharp_angle, Facets& facets) {
     constexpr double kDegree = 0.017453292519943295;
     // Equal angles count as sharp or smooth alike, whatever their rounding.
     const double least = std::cos((sharp_angle + 1e-6) * kDegree);
@@ -81,6 +81,7 @@ void join_patches(Facets& facets, double sharp_angle) {
         if (facets.of_triangle[t] == Facets::kNone) continue;
         for (const std::uint32_t next : facets.across[t]) {
             if (next == Facets::kNone || facets.of_triangle[next] == Facets::kNone) continue;
+            if (!surface.group.empty() && surface.group[t] != surface.group[next]) continue;
             const std::uint32_t a = find(facets.of_triangle[t]);
             const std::uint32_t b = find(facets.of_triangle[next]);
             if (a == b) continue;
@@ -140,6 +141,7 @@ Facets find_facets(const TriangleSurface& surface, double sharp_angle) {
             open.pop_back();
             for (const std::uint32_t next : facets.across[at]) {
                 if (next == Facets::kNone || facets.of_triangle[next] != Facets::kNone) continue;
+                if (!surface.group.empty() && surface.group[next] != surface.group[seed]) continue;
                 if (glm::dot(normal[next], n) < kSameWay * area[next]) continue;
                 bool flat = true;
                 for (const std::uint32_t corner : surface.triangles[next]) {
@@ -152,7 +154,7 @@ Facets find_facets(const TriangleSurface& surface, double sharp_angle) {
             }
         }
     }
-    join_patches(facets, sharp_angle);
+    join_patches(surface, sharp_angle, facets);
     return facets;
 }
 

@@ -144,8 +144,15 @@ PolyhedronParts make_polyhedron(TriangleSurface shape, double sharp_angle, std::
     }
     std::vector<std::uint32_t> planes(facets.patches, 0);
     for (const std::uint32_t patch : facets.patch_of_plane) ++planes[patch];
+    constexpr std::size_t kMostNumbered = 24;
     PatchWriter writer(shape, facets);
     for (std::uint32_t patch = 0; patch < facets.patches; ++patch) {
+        if (!shape.group.empty()) {
+            parts.suffixes.push_back("_" + shape.group_names[shape.group[triangles[patch][0]]]);
+        } else {
+            const bool numbered = facets.patches <= kMostNumbered;
+            parts.suffixes.push_back(numbered ? "_face" + std::to_string(patch + 1) : "");
+        }
         if (planes[patch] > 1) {
             parts.surfaces.push_back(writer.write(triangles[patch], patch, arena));
             continue;
@@ -180,6 +187,8 @@ TriangleSurface transformed(const TriangleSurface& shape, const Affine& map) {
                                map[1] * (map[4] * map[10] - map[6] * map[8]) +
                                map[2] * (map[4] * map[9] - map[5] * map[8]);
     result.triangles = shape.triangles;
+    result.group = shape.group;
+    result.group_names = shape.group_names;
     if (determinant < 0) {
         for (auto& triangle : result.triangles) std::swap(triangle[1], triangle[2]);
     }

@@ -1,6 +1,7 @@
 // A polyhedron taken apart: planes where it is flat, patches where it is smooth.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "host/tape/compile.hpp"
@@ -10,6 +11,8 @@ namespace mortise::tape {
 struct PolyhedronParts {
     WorldPolyhedron world;  ///< without triangles that have no area; `surface` indexes `surfaces`
     std::vector<Surface> surfaces;
+    std::vector<std::string>
+        suffixes;  ///< per surface: its group, or its number if there are few, or nothing
 };
 
 /// `shape` is in model units. Patches' data (kernels/shared/patch.h) is appended to the arena of expressions.

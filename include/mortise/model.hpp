@@ -41,6 +41,10 @@ struct Plane {
 struct TriangleSurface {
     std::vector<Vec3> points;
     std::vector<std::array<std::uint32_t, 3>> triangles;  ///< indices into `points`
+    /// Per triangle an index into `group_names`; empty: no groups. Surfaces end where a group ends, and are
+    /// called after the primitive and their group.
+    std::vector<std::uint32_t> group;
+    std::vector<std::string> group_names;
 };
 
 /// One primitive in its own local frame. The region inside is { x : f(x) <= 0 }.
