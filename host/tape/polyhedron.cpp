@@ -1,6 +1,7 @@
 #include "host/tape/polyhedron.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <limits>
 #include <numeric>
@@ -11,6 +12,21 @@ namespace mortise::tape {
 namespace {
 
 constexpr std::uint32_t kLeafSize = 4;
+
+Vec3 unit_normal(const TriangleSurface& shape, std::uint32_t triangle) {
+    const auto& corner = shape.triangles[triangle];
+    const Vec3& a = shape.points[corner[0]];
+    Vec3 u;
+    Vec3 v;
+    for (std::size_t j = 0; j < 3; ++j) {
+        u[j] = shape.points[corner[1]][j] - a[j];
+        v[j] = shape.points[corner[2]][j] - a[j];
+    }
+    Vec3 n = {u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]};
+    const double length = std::sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+    for (double& x : n) x /= length;  // not zero: find_facets left out what has no area
+    return n;
+}
 
 /// Writes one patch in the form of kernels/shared/patch.h.
 class PatchWriter {
@@ -37,6 +53,8 @@ class PatchWriter {
                 data.insert(data.end(), shape_.points[corner].begin(), shape_.points[corner].end());
             }
             data.push_back(rim_[t]);
+            const Vec3 normal = unit_normal(shape_, t);
+            data.insert(data.end(), normal.begin(), normal.end());
         }
         const std::size_t operations =
             (data.size() * sizeof(double) + sizeof(ExpressionOp) - 1) / sizeof(ExpressionOp);

@@ -14,8 +14,9 @@ constexpr double kToleranceInCells = 1e-3;
 constexpr std::size_t kMostCandidates = 12;  ///< planes that are tried for one division
 // Samples lie this far beside a polygon, in cells: close enough to see nothing else.
 constexpr double kStep = 1e-3;
-constexpr int kGrid = 3;              ///< samples along an edge of the cell
-constexpr double kGridWeight = 1e-3;  ///< area that a grid sample counts for, in cell faces
+constexpr std::size_t kMostPieces = 6;  ///< of one surface that are sampled
+constexpr int kGrid = 3;                ///< samples along an edge of the cell
+constexpr double kGridWeight = 1e-3;    ///< area that a grid sample counts for, in cell faces
 
 }  // namespace
 
@@ -48,12 +49,24 @@ std::vector<CellFormula::Sample> CellFormula::take_samples(const std::vector<Pol
         sample.weight = weight;
         samples.push_back(std::move(sample));
     };
-    for (const Polygon& polygon : polygons) {
-        const double area = polygon.area();
-        const double step = std::min(kStep * cell_size_, 0.2 * area / polygon.perimeter());
-        const glm::dvec3 middle = polygon.centre();
-        const glm::dvec3 normal = polygon.unit_normal();
-        for (const int side : {-1, 1}) add(middle + side * step * normal, area);
+    for (const std::uint32_t surface : surfaces_) {
+        // The largest pieces of a surface stand for all; where it is alone, one does.
+        std::vector<std::pair<double, const Polygon*>> pieces;
+        for (const Polygon& polygon : polygons) {
+            if (polygon.surface == surface) pieces.emplace_back(polygon.area(), &polygon);
+        }
+        const std::size_t most = surfaces_.size() == 1 ? 1 : kMostPieces;
+        if (pieces.size() > most) {
+            std::stable_sort(pieces.begin(), pieces.end(),
+                             [](const auto& p, const auto& q) { return p.first > q.first; });
+            pieces.resize(most);
+        }
+        for (const auto& [area, polygon] : pieces) {
+            const double step = std::min(kStep * cell_size_, 0.2 * area / polygon->perimeter());
+            const glm::dvec3 middle = polygon->centre();
+            const glm::dvec3 normal = polygon->unit_normal();
+            for (const int side : {-1, 1}) add(middle + side * step * normal, area);
+        }
     }
     // Where one surface passes, its own two sides tell all.
     if (surfaces_.size() == 1) return samples;

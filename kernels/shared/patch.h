@@ -24,7 +24,7 @@ typedef double patch_number __attribute__((may_alias));  // lies in the expressi
 #endif
 
 #define kPatchNode 8
-#define kPatchTriangle 10
+#define kPatchTriangle 13
 #define kPatchRimEdge 1    // << k: edge from corner k to corner k + 1 has no neighbour in the patch
 #define kPatchRimVertex 8  // << k: corner k is on the rim
 #define kPatchStack 64
@@ -33,8 +33,8 @@ typedef double patch_number __attribute__((may_alias));  // lies in the expressi
 typedef struct PatchHit {
     double squared;    // distance
     double to[3];      // from the closest point to x
-    double normal[3];  // of its triangle, not of unit length
-    double facing;     // squared cosine between `to` and the normal, times `squared`
+    double normal[3];  // of its triangle
+    double facing;     // squared distance to its plane: how little edge-on it is seen
     i32 rim;           // whether the closest point lies on the rim
 } PatchHit;
 
@@ -61,12 +61,15 @@ MORTISE_FUNCTION void patch_try_triangle(MORTISE_GLOBAL patch_number* t, const d
     double ax[3];
     double s = 0;  // closest point a + s ab + r ac
     double r = 0;
-    i32 on = 0;  // kPatchRim… bit of the edge or vertex it lies on
+    i32 on = 0;     // kPatchRim… bit of the edge or vertex it lies on
+    double height;  // over the triangle's plane
     for (int j = 0; j < 3; ++j) {
         ab[j] = t[3 + j] - t[j];
         ac[j] = t[6 + j] - t[j];
         ax[j] = x[j] - t[j];
     }
+    height = t[10] * ax[0] + t[11] * ax[1] + t[12] * ax[2];
+    if (height * height > best->squared * (1 + kPatchTie)) return;
     {
         const double bb = patch_dot(ab, ab);
         const double cc = patch_dot(ac, ac);
@@ -113,18 +116,14 @@ MORTISE_FUNCTION void patch_try_triangle(MORTISE_GLOBAL patch_number* t, const d
         squared = patch_dot(to, to);
         if (squared > best->squared * (1 + kPatchTie)) return;
         {
-            const double normal[3] = {ab[1] * ac[2] - ab[2] * ac[1], ab[2] * ac[0] - ab[0] * ac[2],
-                                      ab[0] * ac[1] - ab[1] * ac[0]};
-            const double size = patch_dot(normal, normal);
-            const double lean = patch_dot(normal, to);
-            const double facing = size > 0 ? lean * lean / size : 0;
+            const double facing = height * height;
             if (squared >= best->squared * (1 - kPatchTie) && facing <= best->facing) return;
             best->squared = squared;
             best->facing = facing;
             best->rim = ((i32)t[9] & on) != 0;
             for (int j = 0; j < 3; ++j) {
                 best->to[j] = to[j];
-                best->normal[j] = normal[j];
+                best->normal[j] = t[10 + j];
             }
         }
     }
@@ -161,14 +160,13 @@ MORTISE_NOINLINE double patch_sample(MORTISE_GLOBAL patch_number* nodes,
         }
     }
     {
-        const double size = mortise_sqrt(patch_dot(hit.normal, hit.normal));
         const double distance = mortise_sqrt(hit.squared);
-        const double height = size > 0 ? patch_dot(hit.normal, hit.to) / size : distance;
+        const double height = patch_dot(hit.normal, hit.to);
         // Near the surface and beyond the rim the triangle's plane; elsewhere the distance.
         const int flat = hit.rim || distance == 0 || mortise_fabs(height) >= distance * (1 - 1e-12);
         const double side = height < 0 ? -1 : 1;
         for (int j = 0; j < 3; ++j) {
-            gradient[j] = !flat ? side * hit.to[j] / distance : size > 0 ? hit.normal[j] / size : 0;
+            gradient[j] = flat ? hit.normal[j] : side * hit.to[j] / distance;
         }
         return flat ? height : side * distance;
     }
