@@ -47,6 +47,7 @@ MORTISE_KERNEL void layout(__global uint* out, uint items) {
     SIZE(Interval);
     OFFSET(Interval, low)
     OFFSET(Interval, high)
+    OFFSET(Interval, partial)
     SIZE(TreeNode);
     OFFSET(TreeNode, morton)
     OFFSET(TreeNode, tape_offset)

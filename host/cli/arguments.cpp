@@ -90,7 +90,7 @@ int parse_integer(const std::string& option, const std::string& text, int smalle
 
 /// The words as CLI11 leaves them.
 struct Words {
-    std::string level, size, elements, floor, threads, work_group, facets;
+    std::string level, size, elements, extrude, floor, threads, work_group, facets;
     std::vector<std::string> box;
     bool no_templates = false;
     bool no_snap = false;
@@ -109,7 +109,8 @@ void refuse_empty_values(CLI::App& app) {
 }
 
 void add_mesh_options(CLI::App& app, Arguments& arguments, Words& words) {
-    app.add_option("MODEL", arguments.file, "model file: .csg, .geo, .stl, .obj or .off");
+    app.add_option("MODEL", arguments.file,
+                   "model file: .csg, .geo, .stl, .obj, .off, .formula, .vm or .frep");
     app.add_option("-o,--output", arguments.outputs, "mesh file, .vtu or .msh; may be given several times")
         ->option_text("FILE")
         ->allow_extra_args(false);
@@ -124,6 +125,8 @@ void add_mesh_options(CLI::App& app, Arguments& arguments, Words& words) {
         ->type_size(6)
         ->expected(1)
         ->multi_option_policy(CLI::MultiOptionPolicy::Throw);
+    app.add_option("--extrude", words.extrude, "solid of height H above a function of x and y (.vm, .frep)")
+        ->option_text("H");
     app.add_option("--elements", words.elements, "hex: mostly hexahedra (default); tet: tetrahedra only")
         ->option_text("hex|tet");
     app.add_option("--facets", words.facets, "circles of .csg: smooth (default), or exact as OpenSCAD's")
@@ -160,8 +163,15 @@ CLI::App* add_command(CLI::App& app, const char* name, const char* usage, const 
     return command;
 }
 
+void read_extrude(const std::string& word, Arguments& arguments) {
+    if (word.empty()) return;
+    arguments.read.extrude = parse_number("--extrude", word);
+    if (!(arguments.read.extrude > 0)) refuse("--extrude '" + word + "': expected a positive length");
+}
+
 void read_mesh_words(const Words& words, Arguments& arguments) {
     MeshOptions& options = arguments.options;
+    read_extrude(words.extrude, arguments);
     if (!words.level.empty()) options.level = parse_integer("--level", words.level, 1, "; the default is 6");
     if (!words.size.empty()) {
         options.size = parse_number("--size", words.size);
@@ -228,9 +238,11 @@ Arguments parse_arguments(int count, const char* const* values) {
     CLI::App* devices = add_command(app, "devices", "mortise devices [--json]", "list OpenCL devices");
     CLI::App* doctor =
         add_command(app, "doctor", "mortise doctor", "check the OpenCL installation, and how to repair it");
-    CLI::App* info =
-        add_command(app, "info", "mortise info MODEL [--json]", "what a model holds, without meshing it");
+    CLI::App* info = add_command(app, "info", "mortise info MODEL [--extrude H] [--json]",
+                                 "what a model holds, without meshing it");
     info->add_option("MODEL", arguments.file);
+    info->add_option("--extrude", words.extrude, "height of the solid above a function of x and y")
+        ->option_text("H");
     for (CLI::App* command : {check, devices, info}) {
         refuse_empty_values(*command);
         command->add_flag("--json", arguments.json, "print JSON on stdout");
@@ -268,6 +280,7 @@ Arguments parse_arguments(int count, const char* const* values) {
     if (info->parsed()) arguments.command = Command::kInfo;
     if (arguments.command == Command::kMesh) read_mesh_words(words, arguments);
     if (check->parsed() && arguments.file.empty()) refuse("no mesh given; use: mortise check FILE");
+    if (info->parsed()) read_extrude(words.extrude, arguments);
     if (info->parsed() && arguments.file.empty()) refuse("no model given; use: mortise info MODEL");
     return arguments;
 }

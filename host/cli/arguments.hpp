@@ -22,8 +22,8 @@ struct Arguments {
     bool check = false;
     bool quality = false;       ///< print the quality report
     double quality_floor = -1;  ///< smallest scaled Jacobian that is good enough; negative: any
-    MeshOptions options;
     ReadOptions read;
+    MeshOptions options;
     std::string text;  ///< kPrint: what to print, for --help and --version
 };
 

@@ -10,8 +10,8 @@ namespace mortise::cli {
 namespace {
 
 /// By Primitive::Kind.
-constexpr std::array<const char*, 7> kPrimitiveNames = {"convex",      "sphere", "cylinder",  "cone",
-                                                        "double_cone", "torus",  "expression"};
+constexpr std::array<const char*, 8> kPrimitiveNames = {"convex",      "sphere", "cylinder",   "cone",
+                                                        "double_cone", "torus",  "expression", "polyhedron"};
 
 std::string corner_text(const Vec3& corner) {
     return "(" + short_number(corner[0]) + ", " + short_number(corner[1]) + ", " + short_number(corner[2]) +
@@ -21,7 +21,7 @@ std::string corner_text(const Vec3& corner) {
 }  // namespace
 
 ExitCode info_command(const Arguments& arguments) {
-    const Model model = read_model(arguments.file);
+    const Model model = read_model(arguments.file, arguments.read);
     std::array<std::uint64_t, kPrimitiveNames.size()> primitives{};
     for (const CsgNode& node : model.nodes) {
         if (node.op == CsgNode::Op::kPrimitive) ++primitives[static_cast<std::size_t>(node.primitive.kind)];

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "host/model/affine.hpp"
+#include "host/model/csg_implicit.hpp"
 #include "host/model/csg_imports.hpp"
 #include "host/model/csg_primitives.hpp"
 #include "host/model/csg_shapes.hpp"
@@ -53,7 +54,7 @@ constexpr CsgNodeType branch(std::string_view name, CsgFinish (*read)(CsgScene&,
 }
 
 /// The commonest first.
-constexpr std::array<CsgNodeType, 25> kTypes = {branch("multmatrix", read_multmatrix),
+constexpr std::array<CsgNodeType, 29> kTypes = {branch("multmatrix", read_multmatrix),
                                                 leaf("cube", read_solid<add_csg_cube>),
                                                 operation("group", Op::kUnion),
                                                 leaf("cylinder", read_solid<add_csg_cylinder>),
@@ -72,6 +73,10 @@ constexpr std::array<CsgNodeType, 25> kTypes = {branch("multmatrix", read_multma
                                                 branch("hull", read_hull),
                                                 branch("minkowski", read_minkowski),
                                                 branch("resize", read_resize),
+                                                leaf("implicit", read_solid<add_csg_implicit>),
+                                                leaf("gyroid", read_solid<add_csg_implicit>),
+                                                leaf("schwarz_p", read_solid<add_csg_implicit>),
+                                                leaf("schwarz_d", read_solid<add_csg_implicit>),
                                                 branch("fill", read_fill),
                                                 branch("projection", read_projection),
                                                 leaf("polyhedron", read_polyhedron),

@@ -26,8 +26,7 @@ constexpr std::array<std::string_view, 11> kStatements = {"solid",
 constexpr std::array<std::string_view, 4> kCopies = {"translate", "rotate", "multitranslate", "multirotate"};
 
 /// Netgen's other primitives, to tell a gap in this reader from a typing error.
-constexpr std::array<std::string_view, 5> kNotYet = {"polyhedron", "extrusion", "revolution", "tube",
-                                                     "gencyl"};
+constexpr std::array<std::string_view, 4> kNotYet = {"extrusion", "revolution", "tube", "gencyl"};
 
 template <std::size_t N>
 bool contains(const std::array<std::string_view, N>& words, std::string_view word) {

@@ -8,6 +8,7 @@
 #include <array>
 #include <cmath>
 #include <utility>
+#include <vector>
 
 #include "host/model/affine.hpp"
 
@@ -202,8 +203,52 @@ std::uint32_t read_brick(const Reading& r) {
     return r.add(box(low, high), kIdentity);
 }
 
+/// A point's number, from 1, as an index.
+std::uint32_t read_corner(const Reading& r, std::size_t points) {
+    const double number = r.number("the number of a point");
+    if (!(number >= 1 && number <= static_cast<double>(points)) || number != std::floor(number)) {
+        r.refuse("a face names the point " + number_text(number) + "; expected a number from 1 to " +
+                 std::to_string(points));
+    }
+    return static_cast<std::uint32_t>(number) - 1;
+}
+
+/// polyhedron (point; point; ...;; i, j, k; i, j, k, l; ...): faces of three or four points, numbered from 1
+std::uint32_t read_polyhedron(const Reading& r) {
+    TriangleSurface surface;
+    do {
+        surface.points.push_back(r.vector("a point, or ';' before the faces"));
+        r.semicolon("after a point (';;' after the last one)");
+    } while (!r.lexer.is_symbol(';'));
+    r.lexer.next();
+    const auto take = [&r](char symbol) {
+        if (!r.lexer.is_symbol(symbol)) return false;
+        r.lexer.next();
+        return true;
+    };
+    do {
+        if (r.lexer.is_symbol(')')) break;  // after a last ';'
+        std::vector<std::uint32_t> face;
+        do {
+            face.push_back(read_corner(r, surface.points.size()));
+        } while (take(','));
+        if (face.size() != 3 && face.size() != 4)
+            r.refuse("a face has " + std::to_string(face.size()) + " points; expected three or four");
+        surface.triangles.push_back({face[0], face[1], face[2]});
+        if (face.size() == 4) surface.triangles.push_back({face[0], face[2], face[3]});
+    } while (take(';'));
+    // Whichever way all faces are turned.
+    double volume = 0;
+    for (const auto& t : surface.triangles)
+        volume += dot(surface.points[t[0]], cross(surface.points[t[1]], surface.points[t[2]]));
+    if (volume < 0) {
+        for (auto& t : surface.triangles) std::swap(t[1], t[2]);
+    }
+    return r.add(polyhedron(std::move(surface)), kIdentity);
+}
+
 using Reader = std::uint32_t (*)(const Reading&);
-constexpr std::array<std::pair<std::string_view, Reader>, 9> kReaders = {
+constexpr std::array<std::pair<std::string_view, Reader>, 10> kReaders = {
     {{"plane", read_plane},
      {"sphere", read_sphere},
      {"cylinder", read_cylinder},
@@ -212,7 +257,8 @@ constexpr std::array<std::pair<std::string_view, Reader>, 9> kReaders = {
      {"ellipticcone", read_elliptic_cone},
      {"ellipsoid", read_ellipsoid},
      {"torus", read_torus},
-     {"orthobrick", read_brick}}};
+     {"orthobrick", read_brick},
+     {"polyhedron", read_polyhedron}}};
 
 Reader reader_of(std::string_view name) {
     for (const auto& [known, reader] : kReaders) {

@@ -14,4 +14,12 @@ Model read_csg(const std::string& text, const std::string& source, const std::st
 /// Netgen's .geo text (geo_reader.cpp).
 Model read_geo(const std::string& text, const std::string& source);
 
+/// A function that is negative inside (vm_reader.cpp, frep_reader.cpp, formula_reader.cpp).
+Model read_vm(const std::string& text, const std::string& source, const std::string& region,
+              const ReadOptions& options);
+Model read_frep(const std::string& bytes, const std::string& source, const std::string& region,
+                const ReadOptions& options);
+Model read_formula(const std::string& text, const std::string& source, const std::string& region,
+                   const ReadOptions& options);
+
 }  // namespace mortise::model_reader

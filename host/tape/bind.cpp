@@ -103,6 +103,16 @@ SurfaceBounds make_bounds(const Surface& s) {
     return b;
 }
 
+/// Whether a short tape is outside whatever its surfaces' signs: p ∧ ¬p, as formulas that use a minimum twice
+/// have it.
+bool is_empty(const std::vector<std::uint32_t>& tape) {
+    constexpr std::size_t kMostWords = 64;
+    for (const std::uint32_t word : tape) {
+        if (tape_operation(word) == kTapeSpatial) return false;
+    }
+    return tape.size() <= kMostWords && resolve_signs(tape.data(), tape.size(), nullptr, 0, nullptr) == 0;
+}
+
 }  // namespace
 
 BoundModel bind(const CompiledModel& compiled, const Vec3& origin, double side) {
@@ -200,7 +210,7 @@ Box3 find_bounds(const CompiledModel& compiled, const std::string& source) {
                     std::vector<std::uint32_t> pruned;
                     if (outside) continue;
                     const std::int32_t region = classify_cell(model, node.tape, child, &pruned);
-                    if (region == 0) continue;
+                    if (region == 0 || (region == kUnknown && is_empty(pruned))) continue;
                     next.push_back({child, region == kUnknown ? std::move(pruned) : node.tape});
                 }
             }

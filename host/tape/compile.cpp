@@ -284,7 +284,7 @@ class Compiler {
                 s.form[0] = p.major;
                 s.form[3] = -p.radius * p.radius;
                 break;
-            default: return formula(p.expression, s, base, frame.negate);
+            default: return formula(p, s, base, frame);
         }
         return literal(add_surface(s, base), frame.negate);
     }
@@ -315,46 +315,35 @@ class Compiler {
         return add(std::move(term));
     }
 
-    /// min, max and neg that are reached from the root through each other only become set operations.
-    std::uint32_t formula(const std::string& text, const Surface& frame, const std::string& base,
-                          bool negate) {
-        const Formula parsed = parse_formula(text);
-        struct Entry {
-            std::uint32_t node;
-            bool flipped;  ///< the sign of f is flipped, not the set: -max(a, b) = min(-a, -b)
-            std::size_t next;
-            std::vector<std::uint32_t> terms;
-        };
-        std::vector<Entry> stack = {{parsed.root, false, 0, {}}};
-        for (;;) {
-            Entry& entry = stack.back();
-            const Formula::Node& node = parsed.nodes[entry.node];
-            const bool combines = node.operation == kExprMin || node.operation == kExprMax;
-            const std::size_t arguments = combines ? 2 : node.operation == kExprNegate ? 1 : 0;
-            if (entry.next < arguments) {
-                const std::uint32_t child = entry.next == 0 ? node.a : node.b;
-                const bool flipped = entry.flipped != (node.operation == kExprNegate);
-                ++entry.next;
-                stack.push_back({child, flipped, 0, {}});
+    std::uint32_t formula(const Primitive& p, const Surface& frame, const std::string& base,
+                          const Frame& at) {
+        const Formula parsed = parse_formula(p.expression, model_.source, model_.nodes[at.node].where);
+        const FormulaSet set = formula_set(parsed);
+        std::vector<std::uint32_t> terms;
+        std::map<std::pair<std::uint32_t, bool>, std::uint32_t> surfaces;  // of a function, or its negative
+        for (const FormulaSet::Node& node : set.nodes) {
+            if (node.kind != FormulaSet::Kind::kSurface) {
+                const bool is_and = (node.kind == FormulaSet::Kind::kIntersection) != at.negate;
+                terms.push_back(add_operation(is_and ? Term::Type::kAnd : Term::Type::kOr,
+                                              {terms[node.a], terms[node.b]}));
                 continue;
             }
-            std::uint32_t term = 0;
-            if (combines) {
-                const bool is_and = (node.operation == kExprMax) != (entry.flipped != negate);
-                term = add_operation(is_and ? Term::Type::kAnd : Term::Type::kOr, std::move(entry.terms));
-            } else if (node.operation == kExprNegate) {
-                term = entry.terms[0];
-            } else {
+            const bool own = node.negated && node.partial;
+            const auto [entry, is_new] = surfaces.try_emplace({node.a, own}, 0);
+            if (is_new) {
                 Surface s = frame;
                 s.kind = kSurfaceExpression;
                 s.first_op = static_cast<std::uint32_t>(out_.expression_ops.size());
-                s.op_count = emit_formula(parsed, entry.node, out_.expression_ops);
-                term = literal(add_surface(s, base), entry.flipped != negate);
+                try {
+                    s.op_count = emit_formula(parsed, node.a, out_.expression_ops, own);
+                } catch (const Error& error) {
+                    throw Error(error.code(), model_.source + ": " + error.what());
+                }
+                entry->second = add_surface(s, base);
             }
-            stack.pop_back();
-            if (stack.empty()) return term;
-            stack.back().terms.push_back(term);
+            terms.push_back(literal(entry->second, (node.negated && !own) != at.negate));
         }
+        return terms.back();
     }
 
     std::uint32_t add_surface(const Surface& surface, const std::string& name) {

@@ -5,19 +5,59 @@
 #include <cstdlib>
 #include <map>
 
-#include "mortise/error.hpp"
-
 namespace mortise::tape {
 namespace {
 
 constexpr int kMaxDepth = 1000;
+constexpr std::uint32_t kNoNode = 0xffffffffu;
+
+struct Function {
+    std::int32_t operation;
+    int least;  ///< number of arguments
+    int most;   ///< -1: any
+};
+
+constexpr std::int32_t kMix = -1;
+constexpr std::int32_t kReciprocal = -2;
+constexpr std::int32_t kClamp = -3;
+constexpr std::int32_t kPow = -4;
+
+const std::map<std::string, Function>& functions() {
+    static const std::map<std::string, Function> kFunctions = {
+        {"neg", {kExprNegate, 1, 1}},    {"abs", {kExprAbs, 1, 1}},     {"sqrt", {kExprSqrt, 1, 1}},
+        {"square", {kExprSquare, 1, 1}}, {"min", {kExprMin, 1, -1}},    {"max", {kExprMax, 1, -1}},
+        {"sin", {kExprSin, 1, 1}},       {"cos", {kExprCos, 1, 1}},     {"exp", {kExprExp, 1, 1}},
+        {"log", {kExprLog, 1, 1}},       {"ln", {kExprLog, 1, 1}},      {"tan", {kExprTan, 1, 1}},
+        {"asin", {kExprAsin, 1, 1}},     {"acos", {kExprAcos, 1, 1}},   {"atan", {kExprAtan, 1, 1}},
+        {"floor", {kExprFloor, 1, 1}},   {"ceil", {kExprCeil, 1, 1}},   {"round", {kExprRound, 1, 1}},
+        {"sign", {kExprSign, 1, 1}},     {"not", {kExprNot, 1, 1}},     {"atan2", {kExprAtan2, 2, 2}},
+        {"mod", {kExprMod, 2, 2}},       {"hypot", {kExprHypot, 2, 2}}, {"compare", {kExprCompare, 2, 2}},
+        {"and", {kExprAnd, 2, 2}},       {"or", {kExprOr, 2, 2}},       {"mix", {kMix, 3, 3}},
+        {"recip", {kReciprocal, 1, 1}},  {"clamp", {kClamp, 3, 3}},     {"pow", {kPow, 2, 2}}};
+    return kFunctions;
+}
+
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+bool is_name_start(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
 
 class Parser {
   public:
-    explicit Parser(const std::string& text) : text_(text) {}
+    Parser(const std::string& text, const std::string& source, SourceLocation where)
+        : text_(text), source_(source), where_(where) {}
 
     Formula run() {
+        for (;;) {
+            skip_space();
+            const std::size_t start = position_;
+            const std::string name = take_name();
+            if (name.empty() || !accept('=')) {
+                position_ = start;
+                break;
+            }
+            define(name, start);
+        }
         formula_.root = sum(0);
+        accept(';');
         skip_space();
         if (position_ != text_.size()) fail("an operator or the end of the formula");
         return std::move(formula_);
@@ -25,16 +65,34 @@ class Parser {
 
   private:
     [[noreturn]] void fail(const std::string& expected) const {
-        const std::string found =
-            position_ < text_.size() ? std::string("'") + text_[position_] + "'" : std::string("the end");
-        throw Error(ExitCode::kInput, "formula \"" + text_.substr(0, 60) + "\", column " +
-                                          std::to_string(position_ + 1) + ": expected " + expected +
-                                          ", found " + found);
+        std::string found = "the end";
+        if (position_ < text_.size()) {
+            const auto c = static_cast<unsigned char>(text_[position_]);
+            found =
+                c >= ' ' && c < 127 ? std::string("'") + text_[position_] + "'" : "byte " + std::to_string(c);
+        }
+        std::string place;
+        if (where_.line == 0) {
+            place = "formula \"" + text_.substr(0, 60) + "\", column " + std::to_string(position_ + 1) + ": ";
+        } else {
+            SourceLocation at = where_;
+            for (std::size_t i = 0; i < position_; ++i) {
+                ++at.column;
+                if (text_[i] == '\n') at = {at.line + 1, 1};
+            }
+            place = source_ + ":" + std::to_string(at.line) + ":" + std::to_string(at.column) + ": formula: ";
+        }
+        throw Error(ExitCode::kInput, place + "expected " + expected + ", found " + found);
     }
 
     void skip_space() {
-        while (position_ < text_.size() && std::isspace(static_cast<unsigned char>(text_[position_])))
-            ++position_;
+        for (; position_ < text_.size(); ++position_) {
+            if (text_[position_] == '#') {
+                while (position_ < text_.size() && text_[position_] != '\n') ++position_;
+                if (position_ == text_.size()) return;
+            }
+            if (!std::isspace(static_cast<unsigned char>(text_[position_]))) return;
+        }
     }
 
     bool accept(char c) {
@@ -44,9 +102,24 @@ class Parser {
         return true;
     }
 
-    std::uint32_t add(std::int32_t operation, std::uint32_t a = 0, std::uint32_t b = 0, double constant = 0) {
-        formula_.nodes.push_back({operation, a, b, constant});
-        return static_cast<std::uint32_t>(formula_.nodes.size() - 1);
+    std::string take_name() {
+        const std::size_t start = position_;
+        if (position_ < text_.size() && is_name_start(text_[position_])) {
+            while (position_ < text_.size() &&
+                   (is_name_start(text_[position_]) || is_digit(text_[position_])))
+                ++position_;
+        }
+        return text_.substr(start, position_ - start);
+    }
+
+    void define(const std::string& name, std::size_t start) {
+        if (name == "x" || name == "y" || name == "z" || name == "pi" || functions().count(name) > 0) {
+            position_ = start;
+            fail("a new name before '='; " + name + " has a meaning already");
+        }
+        const std::uint32_t value = sum(0);
+        if (!accept(';')) fail("an operator or ';' after the definition of " + name);
+        names_[name] = value;
     }
 
     std::uint32_t sum(int depth) {
@@ -54,9 +127,9 @@ class Parser {
         std::uint32_t left = product(depth);
         for (;;) {
             if (accept('+'))
-                left = add(kExprAdd, left, product(depth));
+                left = formula_.add(kExprAdd, left, product(depth));
             else if (accept('-'))
-                left = add(kExprSubtract, left, product(depth));
+                left = formula_.add(kExprSubtract, left, product(depth));
             else
                 return left;
         }
@@ -66,15 +139,16 @@ class Parser {
         std::uint32_t left = unary(depth);
         for (;;) {
             if (accept('*'))
-                left = add(kExprMultiply, left, unary(depth));
+                left = formula_.add(kExprMultiply, left, unary(depth));
             else if (accept('/'))
-                left = add(kExprDivide, left, unary(depth));
+                left = formula_.add(kExprDivide, left, unary(depth));
             else
                 return left;
         }
     }
 
     std::uint32_t unary(int depth) {
+        if (depth > kMaxDepth) fail("at most 1000 nested powers");
         bool negative = false;
         for (;;) {
             if (accept('-'))
@@ -83,24 +157,13 @@ class Parser {
                 break;
         }
         const std::uint32_t value = power(depth);
-        return negative ? add(kExprNegate, value) : value;
+        return negative ? formula_.add(kExprNegate, value) : value;
     }
 
     std::uint32_t power(int depth) {
         const std::uint32_t base = atom(depth);
         if (!accept('^')) return base;
-        skip_space();
-        const std::size_t start = position_;
-        while (position_ < text_.size() && std::isdigit(static_cast<unsigned char>(text_[position_])))
-            ++position_;
-        const long exponent = start == position_ ? 0 : std::strtol(text_.c_str() + start, nullptr, 10);
-        if (exponent < 1 || exponent > 64) fail("an integer exponent from 1 to 64");
-        std::uint32_t result = base;
-        for (int bit = 30 - __builtin_clz(static_cast<unsigned>(exponent)); bit >= 0; --bit) {
-            result = add(kExprSquare, result);
-            if ((exponent >> bit) & 1) result = add(kExprMultiply, result, base);
-        }
-        return result;
+        return formula_.add_power(base, unary(depth + 1));  // from the right, with its own sign
     }
 
     std::uint32_t atom(int depth) {
@@ -110,102 +173,73 @@ class Parser {
             if (!accept(')')) fail("')'");
             return value;
         }
-        if (position_ < text_.size() &&
-            (std::isdigit(static_cast<unsigned char>(text_[position_])) || text_[position_] == '.')) {
+        if (position_ < text_.size() && (is_digit(text_[position_]) || text_[position_] == '.')) {
             char* end = nullptr;
             const double value = std::strtod(text_.c_str() + position_, &end);
             if (end == text_.c_str() + position_ || !std::isfinite(value)) fail("a finite number");
             position_ = static_cast<std::size_t>(end - text_.c_str());
-            return add(kExprConstant, 0, 0, value);
+            return formula_.add_constant(value);
         }
         const std::size_t start = position_;
-        while (position_ < text_.size() && std::isalpha(static_cast<unsigned char>(text_[position_])))
-            ++position_;
-        const std::string name = text_.substr(start, position_ - start);
-        if (name == "x") return add(kExprX);
-        if (name == "y") return add(kExprY);
-        if (name == "z") return add(kExprZ);
-        if (name == "pi") return add(kExprConstant, 0, 0, 3.14159265358979323846);
-        static const std::map<std::string, std::int32_t> kUnary = {
-            {"neg", kExprNegate}, {"abs", kExprAbs}, {"sqrt", kExprSqrt}, {"square", kExprSquare},
-            {"sin", kExprSin},    {"cos", kExprCos}, {"exp", kExprExp},   {"log", kExprLog}};
-        static const std::map<std::string, std::int32_t> kVariadic = {{"min", kExprMin}, {"max", kExprMax}};
-        const auto one = kUnary.find(name);
-        const auto many = kVariadic.find(name);
-        if (one == kUnary.end() && many == kVariadic.end()) {
+        const std::string name = take_name();
+        if (name == "x") return formula_.add(kExprX);
+        if (name == "y") return formula_.add(kExprY);
+        if (name == "z") return formula_.add(kExprZ);
+        if (name == "pi") return formula_.add_constant(3.14159265358979323846);
+        const auto defined = names_.find(name);
+        if (defined != names_.end()) return defined->second;
+        const auto function = functions().find(name);
+        if (function == functions().end()) {
             position_ = start;
-            fail(
-                "a number, x, y, z, pi, '(' or one of the functions abs cos exp log max min neg sin sqrt "
-                "square");
+            std::string known;
+            for (const auto& [known_name, unused] : functions()) known += " " + known_name;
+            fail("a number, x, y, z, pi, '(', a name defined before or one of the functions" + known);
         }
+        return call(name, function->second, depth);
+    }
+
+    std::uint32_t call(const std::string& name, const Function& function, int depth) {
         if (!accept('(')) fail("'(' after " + name);
-        std::uint32_t value = sum(depth + 1);
-        if (many != kVariadic.end()) {
-            while (accept(',')) value = add(many->second, value, sum(depth + 1));
-        } else {
-            value = add(one->second, value);
+        std::vector<std::uint32_t> arguments = {sum(depth + 1)};
+        const auto count = [&arguments] { return static_cast<int>(arguments.size()); };
+        while (function.most < 0 || count() < function.most) {
+            if (!accept(',')) break;
+            arguments.push_back(sum(depth + 1));
         }
+        if (count() < function.least)
+            fail("',' and " + std::to_string(function.least) + " arguments of " + name);
         if (!accept(')')) fail("')'");
+        const std::uint32_t a = arguments[0];
+        const std::uint32_t b = arguments.size() > 1 ? arguments[1] : kNoNode;
+        const std::uint32_t c = arguments.size() > 2 ? arguments[2] : kNoNode;
+        switch (function.operation) {
+            case kMix:
+                return formula_.add(kExprAdd, a,
+                                    formula_.add(kExprMultiply, c, formula_.add(kExprSubtract, b, a)));
+            case kReciprocal: return formula_.add(kExprDivide, formula_.add_constant(1), a);
+            case kClamp: return formula_.add(kExprMin, formula_.add(kExprMax, a, b), c);
+            case kPow: return formula_.add_power(a, b);
+            default: break;
+        }
+        if (function.most == 1) return formula_.add(function.operation, a);
+        std::uint32_t value = a;
+        for (std::size_t i = 1; i < arguments.size(); ++i)
+            value = formula_.add(function.operation, value, arguments[i]);
         return value;
     }
 
     const std::string& text_;
+    const std::string& source_;
+    SourceLocation where_;
     std::size_t position_ = 0;
+    std::map<std::string, std::uint32_t> names_;
     Formula formula_;
 };
 
-bool is_binary(std::int32_t operation) { return operation >= kExprAdd && operation <= kExprMax; }
-bool is_leaf(std::int32_t operation) { return operation <= kExprZ; }
-
 }  // namespace
 
-Formula parse_formula(const std::string& text) { return Parser(text).run(); }
-
-std::uint32_t emit_formula(const Formula& formula, std::uint32_t node, std::vector<ExpressionOp>& ops) {
-    const auto& nodes = formula.nodes;
-    // Uses of each node that `node` reaches; arguments come first, so one backward sweep counts them.
-    std::vector<std::uint32_t> uses(nodes.size(), 0);
-    uses[node] = 1;
-    for (std::uint32_t i = node + 1; i-- > 0;) {
-        if (uses[i] == 0 || is_leaf(nodes[i].operation)) continue;
-        ++uses[nodes[i].a];
-        if (is_binary(nodes[i].operation)) ++uses[nodes[i].b];
-    }
-    std::vector<std::uint32_t> place(nodes.size(), 0);
-    std::vector<bool> taken(kExpressionRegisters, false);
-    taken[0] = true;  // the result
-    std::uint32_t count = 0;
-    const auto release = [&](std::uint32_t argument) {
-        if (--uses[argument] == 0) taken[place[argument]] = false;
-    };
-    for (std::uint32_t i = 0; i <= node; ++i) {
-        if (uses[i] == 0) continue;
-        const Formula::Node& n = nodes[i];
-        ExpressionOp op{};
-        op.operation = n.operation;
-        op.literal = n.constant;
-        if (!is_leaf(n.operation)) {
-            op.a = op.b = place[n.a];
-            if (is_binary(n.operation)) op.b = place[n.b];
-            release(n.a);
-            if (is_binary(n.operation)) release(n.b);
-        }
-        if (i != node) {
-            std::uint32_t free = 1;
-            while (free < taken.size() && taken[free]) ++free;
-            if (free == taken.size()) {
-                throw Error(ExitCode::kInput, "formula needs more than " +
-                                                  std::to_string(kExpressionRegisters) +
-                                                  " intermediate values at once; split it with min and max");
-            }
-            taken[free] = true;
-            place[i] = free;
-        }
-        op.out = i == node ? 0 : place[i];
-        ops.push_back(op);
-        ++count;
-    }
-    return count;
+Formula parse_formula(const std::string& text, const std::string& source, SourceLocation where) {
+    return Parser(text, source, where).run();
 }
 
 }  // namespace mortise::tape

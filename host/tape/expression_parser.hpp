@@ -1,33 +1,15 @@
-// Formulas in x, y, z: parsing, and compilation into the register program of kernels/shared/expression.h.
+// Formulas in x, y, z as text (docs/formulas.md).
 #pragma once
 
-#include <array>
-#include <cstdint>
 #include <string>
-#include <vector>
 
-#include "kernels/shared/expression.h"
+#include "host/tape/formula.hpp"
+#include "mortise/error.hpp"
 
 namespace mortise::tape {
 
-/// A parsed formula: operations in one arena, arguments before their users.
-struct Formula {
-    struct Node {
-        std::int32_t operation = kExprConstant;  ///< kExpr… of expression.h
-        std::uint32_t a = 0;
-        std::uint32_t b = 0;
-        double constant = 0;
-    };
-    std::vector<Node> nodes;
-    std::uint32_t root = 0;
-};
-
-/// Parses `text`. Grammar: + - * / ^ (integer powers), parentheses, numbers, pi, x y z, and the functions
-/// neg abs sqrt square min max sin cos exp log. Throws Error(kInput) naming the column and what was expected.
-Formula parse_formula(const std::string& text);
-
-/// Appends the register program of the subexpression `node` to `ops`; returns its length.
-/// Throws Error(kInput) if it needs more than kExpressionRegisters registers.
-std::uint32_t emit_formula(const Formula& formula, std::uint32_t node, std::vector<ExpressionOp>& ops);
+/// Parses `text`, which starts at `where` of the file `source`. Throws Error(kInput) with the place (without
+/// one: the formula's beginning and the column) and what was expected.
+Formula parse_formula(const std::string& text, const std::string& source = {}, SourceLocation where = {});
 
 }  // namespace mortise::tape

@@ -103,7 +103,7 @@ int classify_surface(const BoundModel& model, std::uint32_t index, const Cell& c
         }
         const Interval f =
             expression_bounds(model.expression_ops.data() + s.first_op, s.op_count, x[0], x[1], x[2]);
-        return f.low > 0 ? 1 : f.high < 0 ? -1 : 0;
+        return interval_sign(f);
     }
     const Range a = square(r[0]);
     const Range b = square(r[1]);

@@ -64,7 +64,7 @@ struct Primitive {
     double radius = 0;          ///< sphere, cylinder, torus (minor); cone: radius at z = 0
     double slope = 0;           ///< cones: change of radius per unit of z
     double major = 0;           ///< torus: distance from the axis to the tube's centre line
-    std::string expression;     ///< kExpression: formula in x, y, z (grammar: docs/expressions.md)
+    std::string expression;     ///< kExpression: formula in x, y, z (grammar: docs/formulas.md)
     std::shared_ptr<const TriangleSurface> triangles;  ///< kPolyhedron only
     double sharp_angle = 0;  ///< kPolyhedron: edges where the normal turns by more degrees are creases
 };
@@ -135,9 +135,12 @@ enum class Facets : std::uint8_t {
 
 struct ReadOptions {
     Facets facets = Facets::kSmooth;  ///< .csg only
+    /// Height of the solid above a function of x and y alone (.vm, .frep, .formula); 0: refuse such a
+    /// function.
+    double extrude = 0;
 };
 
-/// Reads a model; the format follows from the extension (.csg, .geo, .stl, .obj, .off).
+/// Reads a model; the format follows from the extension (.csg, .geo, .stl, .obj, .off, .formula, .vm, .frep).
 ///
 /// Throws Error(kFiles) if the file cannot be read and Error(kInput), with file:line:column, what was
 /// expected and what to do, for anything that is not understood. Nothing is skipped silently.

@@ -139,7 +139,7 @@ lanes_int classify_surface(__global const SurfaceBounds* s, __global const Expre
                                                      make_interval(lows[0][lane], highs[0][lane]),
                                                      make_interval(lows[1][lane], highs[1][lane]),
                                                      make_interval(lows[2][lane], highs[2][lane]));
-                signs[lane] = f.low > 0 ? 1 : (f.high < 0 ? -1 : 0);
+                signs[lane] = interval_sign(f);
             }
             return LOAD_LANES(signs);
         }

@@ -1,12 +1,11 @@
 // General expressions: a register program over doubles, with first derivatives by dual numbers.
 //
-// Registers are allocated by the compiler; a program leaves its result in register 0. sin, cos, exp and log
-// are our own sequences of correctly rounded operations, because the ones of OpenCL differ between devices
-// and no sign may depend on the device (opencl.md, decision 7). Their error is below 1e-14 relative to 1 for
-// |x| < 1e6.
+// Registers are allocated by the compiler; a program leaves its result in register 0. Elementary functions
+// are those of elementary.h, the same bits on every device.
 #ifndef MORTISE_SHARED_EXPRESSION_H
 #define MORTISE_SHARED_EXPRESSION_H
 
+#include "elementary.h"
 #include "platform.h"
 
 // Operations. Append-only.
@@ -28,8 +27,26 @@
 #define kExprCos 15
 #define kExprExp 16
 #define kExprLog 17
+#define kExprTan 18  // jumps at its poles
+#define kExprAsin 19
+#define kExprAcos 20
+#define kExprAtan 21
+#define kExprFloor 22  // jumps at integers, as do ceil and round (halves away from zero)
+#define kExprCeil 23
+#define kExprRound 24
+#define kExprSign 25     // -1, 0, 1
+#define kExprNot 26      // a == 0 ? 1 : 0
+#define kExprAtan2 27    // angle of (x = b, y = a) in (-π, π]: jumps where y = 0 and x < 0
+#define kExprMod 28      // in [0, |b|): jumps at multiples of b
+#define kExprCompare 29  // sign of a - b
+#define kExprAnd 30      // a == 0 ? 0 : b, whatever b is where a == 0
+#define kExprOr 31       // a == 0 ? b : a
+#define kExprHypot 32    // sqrt(a² + b²)
+#define kExprPower 33
+#define kExprOperations 34
 
 #define kExpressionRegisters 64
+#define kExpressionLiteral kExpressionRegisters  // as argument: the operation's own literal
 
 typedef struct ExpressionOp {
     i32 operation;
@@ -39,110 +56,18 @@ typedef struct ExpressionOp {
     double literal;
 } ExpressionOp;
 
-#if defined(__OPENCL_VERSION__) || defined(__OPENCL_C_VERSION__)
-#define mortise_bits(x) as_long(x)
-#define mortise_from_bits(x) as_double(x)
-#define kMortiseInfinity INFINITY
-#define kMortiseNan NAN
-#else
-#include <cstring>
-#include <limits>
-inline i64 mortise_bits(double x) {
-    i64 bits;
-    std::memcpy(&bits, &x, sizeof bits);
-    return bits;
-}
-inline double mortise_from_bits(i64 bits) {
-    double x;
-    std::memcpy(&x, &bits, sizeof x);
-    return x;
-}
-inline constexpr double kMortiseInfinity = std::numeric_limits<double>::infinity();
-inline constexpr double kMortiseNan = std::numeric_limits<double>::quiet_NaN();
-#endif
-
-// sin(r) and cos(r) for |r| <= π/4 by their Taylor series.
-MORTISE_FUNCTION double sin_reduced(double r) {
-    const double s = r * r;
-    double p = -1.0 / 121645100408832000.0;
-    p = p * s + 1.0 / 355687428096000.0;
-    p = p * s - 1.0 / 1307674368000.0;
-    p = p * s + 1.0 / 6227020800.0;
-    p = p * s - 1.0 / 39916800.0;
-    p = p * s + 1.0 / 362880.0;
-    p = p * s - 1.0 / 5040.0;
-    p = p * s + 1.0 / 120.0;
-    p = p * s - 1.0 / 6.0;
-    return r + r * s * p;
-}
-MORTISE_FUNCTION double cos_reduced(double r) {
-    const double s = r * r;
-    double p = 1.0 / 2432902008176640000.0;
-    p = p * s - 1.0 / 6402373705728000.0;
-    p = p * s + 1.0 / 20922789888000.0;
-    p = p * s - 1.0 / 87178291200.0;
-    p = p * s + 1.0 / 479001600.0;
-    p = p * s - 1.0 / 3628800.0;
-    p = p * s + 1.0 / 40320.0;
-    p = p * s - 1.0 / 720.0;
-    p = p * s + 1.0 / 24.0;
-    return 1.0 - 0.5 * s + s * s * p;
+MORTISE_FUNCTION int expression_is_leaf(i32 operation) { return operation <= kExprZ; }
+MORTISE_FUNCTION int expression_is_binary(i32 operation) {
+    return (operation >= kExprAdd && operation <= kExprMax) || operation >= kExprAtan2;
 }
 
-// sin(x + quarter·π/2), with π/2 in three parts (Cody and Waite).
-MORTISE_FUNCTION double expression_sin(double x, i32 quarter) {
-    const double k = mortise_rint(x * 0.63661977236758134308);
-    double r;
-    i32 q;
-    if (!(mortise_fabs(x) < 1e9)) return kMortiseNan;
-    r = x - k * 1.5707963267341256142;
-    r = r - k * 6.0771005063039659765e-11;
-    r = r - k * 2.0222662487959505e-21;
-    q = ((i32)(i64)k + quarter) & 3;
-    if (q == 0) return sin_reduced(r);
-    if (q == 1) return cos_reduced(r);
-    if (q == 2) return -sin_reduced(r);
-    return -cos_reduced(r);
+MORTISE_FUNCTION double expression_compare(double a, double b) {
+    if (a != a || b != b) return kMortiseNan;
+    return a < b ? -1 : (a > b ? 1 : 0);
 }
 
-MORTISE_FUNCTION double expression_exp(double x) {
-    double k;
-    double r;
-    double p = 1;
-    if (x != x) return x;
-    if (x > 709.0) return kMortiseInfinity;
-    if (x < -708.0) return 0;
-    k = mortise_rint(x * 1.4426950408889634074);
-    r = x - k * 0.693147180369123816490;
-    r = r - k * 1.90821492927058770002e-10;
-    for (i32 n = 14; n > 0; --n) p = 1.0 + r * p / (double)n;
-    return p * mortise_from_bits(((i64)k + 1023) << 52);
-}
-
-MORTISE_FUNCTION double expression_log(double x) {
-    i64 bits;
-    i64 exponent;
-    double m;
-    double s;
-    double square;
-    double p = 0;
-    if (!(x > 0)) return x == 0 ? -kMortiseInfinity : kMortiseNan;
-    if (x > 1.7e308) return kMortiseInfinity;
-    if (x < 2.3e-308) return -kMortiseInfinity;
-    bits = mortise_bits(x);
-    exponent = ((bits >> 52) & 0x7ff) - 1023;
-    m = mortise_from_bits((bits & 0xfffffffffffffL) | 0x3ff0000000000000L);
-    if (m > 1.4142135623730951) {
-        m *= 0.5;
-        exponent += 1;
-    }
-    s = (m - 1) / (m + 1);
-    square = s * s;
-    for (i32 n = 23; n > 0; n -= 2) p = p * square + 1.0 / (double)n;
-    return (double)exponent * 0.69314718055994530942 + 2 * s * p;
-}
-
-// Result of one operation; NaN arguments give NaN through every operation, min and max too.
+// Result of one operation. NaN arguments give NaN through every operation, min and max too; only the argument
+// that `and` and `or` do not take may be NaN.
 MORTISE_FUNCTION double expression_apply(i32 operation, double a, double b) {
     switch (operation) {
         case kExprNegate: return -a;
@@ -158,12 +83,28 @@ MORTISE_FUNCTION double expression_apply(i32 operation, double a, double b) {
         case kExprSin: return expression_sin(a, 0);
         case kExprCos: return expression_sin(a, 1);
         case kExprExp: return expression_exp(a);
-        default: return expression_log(a);
+        case kExprLog: return expression_log(a);
+        case kExprTan: return expression_tan(a);
+        case kExprAsin: return expression_asin(a);
+        case kExprAcos: return expression_acos(a);
+        case kExprAtan: return expression_atan(a);
+        case kExprFloor: return mortise_floor(a);
+        case kExprCeil: return -mortise_floor(-a);
+        case kExprRound: return expression_round(a);
+        case kExprSign: return expression_compare(a, 0);
+        case kExprNot: return a != a ? a : (a == 0 ? 1 : 0);
+        case kExprAtan2: return expression_atan2(a, b);
+        case kExprMod: return expression_mod(a, b);
+        case kExprCompare: return expression_compare(a, b);
+        case kExprAnd: return a == 0 || a != a ? a : b;
+        case kExprOr: return a == 0 ? b : a;
+        case kExprHypot: return expression_hypot(a, b);
+        default: return expression_power(a, b);
     }
 }
 
-MORTISE_FUNCTION double expression_value(MORTISE_GLOBAL ExpressionOp* ops, u32 count, const double* u) {
-    double r[kExpressionRegisters];
+MORTISE_NOINLINE double expression_value(MORTISE_GLOBAL ExpressionOp* ops, u32 count, const double* u) {
+    double r[kExpressionRegisters + 1];
     r[0] = 0;
     for (u32 i = 0; i < count; ++i) {
         const i32 operation = ops[i].operation;
@@ -172,19 +113,89 @@ MORTISE_FUNCTION double expression_value(MORTISE_GLOBAL ExpressionOp* ops, u32 c
         } else if (operation <= kExprZ) {
             r[ops[i].out] = u[operation - kExprX];
         } else {
+            r[kExpressionLiteral] = ops[i].literal;
             r[ops[i].out] = expression_apply(operation, r[ops[i].a], r[ops[i].b]);
         }
     }
     return r[0];
 }
 
+// Derivatives of one operation by its arguments, `value` being its result. 0 where a function only jumps.
+MORTISE_FUNCTION void expression_slopes(i32 operation, double a, double b, double value, double* by_a,
+                                        double* by_b) {
+    *by_a = 0;
+    *by_b = 0;
+    switch (operation) {
+        case kExprNegate: *by_a = -1; break;
+        case kExprAbs: *by_a = a < 0 ? -1 : 1; break;
+        case kExprSqrt: *by_a = value > 0 ? 0.5 / value : 0; break;
+        case kExprSquare: *by_a = 2 * a; break;
+        case kExprAdd:
+            *by_a = 1;
+            *by_b = 1;
+            break;
+        case kExprSubtract:
+            *by_a = 1;
+            *by_b = -1;
+            break;
+        case kExprMultiply:
+            *by_a = b;
+            *by_b = a;
+            break;
+        case kExprDivide:
+            *by_a = 1 / b;
+            *by_b = -value / b;
+            break;
+        case kExprMin:
+            *by_a = a < b ? 1 : 0;
+            *by_b = 1 - *by_a;
+            break;
+        case kExprMax:
+            *by_a = a > b ? 1 : 0;
+            *by_b = 1 - *by_a;
+            break;
+        case kExprSin: *by_a = expression_sin(a, 1); break;
+        case kExprCos: *by_a = -expression_sin(a, 0); break;
+        case kExprExp: *by_a = value; break;
+        case kExprLog: *by_a = 1 / a; break;
+        case kExprTan: *by_a = 1 + value * value; break;
+        case kExprAsin: *by_a = 1 / mortise_sqrt((1 - a) * (1 + a)); break;
+        case kExprAcos: *by_a = -1 / mortise_sqrt((1 - a) * (1 + a)); break;
+        case kExprAtan: *by_a = 1 / (1 + a * a); break;
+        case kExprAtan2: {
+            const double square = a * a + b * b;
+            *by_a = square > 0 ? b / square : 0;
+            *by_b = square > 0 ? -a / square : 0;
+            break;
+        }
+        case kExprMod:
+            *by_a = 1;
+            *by_b = b < 0 ? mortise_floor(a / -b) : -mortise_floor(a / b);
+            break;
+        case kExprAnd: *by_b = a == 0 ? 0 : 1; break;
+        case kExprOr:
+            *by_a = a == 0 ? 0 : 1;
+            *by_b = 1 - *by_a;
+            break;
+        case kExprHypot:
+            *by_a = value > 0 ? a / value : 0;
+            *by_b = value > 0 ? b / value : 0;
+            break;
+        case kExprPower:
+            *by_a = a != 0 ? b * (value / a) : (b == 1 ? 1 : 0);
+            *by_b = a > 0 ? value * expression_log(a) : 0;
+            break;
+        default: break;
+    }
+}
+
 // Value, and gradient with respect to u, by forward differentiation.
-MORTISE_FUNCTION double expression_sample(MORTISE_GLOBAL ExpressionOp* ops, u32 count, const double* u,
+MORTISE_NOINLINE double expression_sample(MORTISE_GLOBAL ExpressionOp* ops, u32 count, const double* u,
                                           double* gradient) {
-    double r[kExpressionRegisters];
-    double d[kExpressionRegisters][3];
+    double r[kExpressionRegisters + 1];
+    double d[kExpressionRegisters + 1][3];
     r[0] = 0;
-    for (int j = 0; j < 3; ++j) d[0][j] = 0;
+    for (int j = 0; j < 3; ++j) d[0][j] = d[kExpressionLiteral][j] = 0;
     for (u32 i = 0; i < count; ++i) {
         const i32 operation = ops[i].operation;
         const u32 out = ops[i].out;
@@ -193,50 +204,19 @@ MORTISE_FUNCTION double expression_sample(MORTISE_GLOBAL ExpressionOp* ops, u32 
             for (int j = 0; j < 3; ++j) d[out][j] = (operation == kExprX + j) ? 1 : 0;
             continue;
         }
+        r[kExpressionLiteral] = ops[i].literal;
         {
             const double a = r[ops[i].a];
             const double b = r[ops[i].b];
             const double value = expression_apply(operation, a, b);
-            double by_a = 0;
-            double by_b = 0;
-            switch (operation) {
-                case kExprNegate: by_a = -1; break;
-                case kExprAbs: by_a = a < 0 ? -1 : 1; break;
-                case kExprSqrt: by_a = value > 0 ? 0.5 / value : 0; break;
-                case kExprSquare: by_a = 2 * a; break;
-                case kExprAdd:
-                    by_a = 1;
-                    by_b = 1;
-                    break;
-                case kExprSubtract:
-                    by_a = 1;
-                    by_b = -1;
-                    break;
-                case kExprMultiply:
-                    by_a = b;
-                    by_b = a;
-                    break;
-                case kExprDivide:
-                    by_a = 1 / b;
-                    by_b = -value / b;
-                    break;
-                case kExprMin:
-                    by_a = a < b ? 1 : 0;
-                    by_b = 1 - by_a;
-                    break;
-                case kExprMax:
-                    by_a = a > b ? 1 : 0;
-                    by_b = 1 - by_a;
-                    break;
-                case kExprSin: by_a = expression_sin(a, 1); break;
-                case kExprCos: by_a = -expression_sin(a, 0); break;
-                case kExprExp: by_a = value; break;
-                default: by_a = 1 / a; break;
-            }
+            double by_a;
+            double by_b;
+            expression_slopes(operation, a, b, value, &by_a, &by_b);
             for (int j = 0; j < 3; ++j) {
                 const double da = d[ops[i].a][j];
                 const double db = d[ops[i].b][j];
-                d[out][j] = by_a * da + by_b * db;
+                // What is not taken may have an infinite slope.
+                d[out][j] = (by_a != 0 ? by_a * da : 0) + (by_b != 0 ? by_b * db : 0);
             }
             r[out] = value;
         }

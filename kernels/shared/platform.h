@@ -16,6 +16,7 @@
 #define MORTISE_GLOBAL __global const
 #define MORTISE_FUNCTION
 #define MORTISE_NOINLINE __attribute__((noinline))  // large and called from many places: compile time
+#define MORTISE_DEFAULT(value)
 
 typedef char i8;
 typedef uchar u8;
@@ -40,6 +41,7 @@ typedef ulong u64;
 #define MORTISE_GLOBAL const
 #define MORTISE_FUNCTION inline
 #define MORTISE_NOINLINE inline
+#define MORTISE_DEFAULT(value) = value  // of a struct's field
 
 using i8 = std::int8_t;
 using u8 = std::uint8_t;

@@ -221,6 +221,31 @@ TEST_CASE("surfaces take the first boundary condition, else the name of their so
           Names{"a"});
 }
 
+TEST_CASE("a polyhedron is what its faces enclose, whichever way they are turned") {
+    const std::string points = "polyhedron(0,0,0; 2,0,0; 2,2,0; 0,2,0; 0,0,1; 2,0,1; 2,2,1; 0,2,1;; ";
+    const std::string outward = "4,3,2,1; 5,6,7,8; 1,2,6,5; 2,3,7,6; 3,4,8,7; 4,1,5,8";
+    const std::string inward = "1,2,3,4; 8,7,6,5; 5,6,2,1; 6,7,3,2; 7,8,4,3; 8,5,1; 8,1,4;";
+    for (const std::string& faces : {outward, inward}) {
+        CHECK(inside(points + faces + ")", {1.9, 0.1, 0.9}));
+        CHECK_FALSE(inside(points + faces + ")", {1.9, 0.1, 1.1}));
+        CHECK_FALSE(inside(points + faces + ")", {2.1, 0.1, 0.5}));
+    }
+    const std::pair<std::string, const char*> cases[] = {
+        {points + "1,2,9)", "names the point 9; expected a number from 1 to 8"},
+        {points + "1,2,0.5)", "names the point 0.5"},
+        {points + "1,2)", "a face has 2 points"},
+        {points + "1,2,3,4,5)", "a face has 5 points"},
+        {points + "1,2,3)", "at least four"},
+        {"polyhedron(0,0,0 1,2,3)", "expected ';'"},
+    };
+    for (const auto& [text, expected] : cases) {
+        const std::string message = test::refusal("algebraic3d solid s = " + text + "; tlo s;", "geo");
+        CAPTURE(message);
+        CHECK(message.find(expected) != std::string::npos);
+        CHECK(message.find("m.geo:1:") != std::string::npos);
+    }
+}
+
 TEST_CASE("boundarycondition and boundaryconditionname override where a surface bounds one region only") {
     const std::string start = "solid p = plane(0,0,0;0,0,1) -bc=1; solid a = p and sphere(0,0,0;1) -bc=2;";
     const Model named = read(start + "tlo a; boundaryconditionname p a inlet;");

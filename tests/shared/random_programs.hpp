@@ -12,20 +12,32 @@
 
 namespace mortise::test {
 
-/// A program of `length` operations whose result is in register 0. `smooth`: without abs, min and max.
+/// A program of `length` operations whose result is in register 0. `smooth`: without kinks and jumps.
 inline std::vector<ExpressionOp> random_program(RandomSource& random, int length, bool smooth) {
     std::vector<ExpressionOp> ops = {{kExprX, 1, 0, 0, 0}, {kExprY, 2, 0, 0, 0}, {kExprZ, 3, 0, 0, 0}};
     u32 top = 4;
-    const auto place = [&] { return static_cast<u32>(random.integer(1, static_cast<int>(top) - 1)); };
+    const auto place = [&] {
+        return random.chance(0.1) ? kExpressionLiteral
+                                  : static_cast<u32>(random.integer(1, static_cast<int>(top) - 1));
+    };
     while (static_cast<int>(ops.size()) < length || top == 4) {
-        int operation = random.integer(kExprConstant, kExprLog);
+        int operation = random.integer(kExprConstant, kExprOperations - 1);
         if (operation >= kExprX && operation <= kExprZ) operation = kExprConstant;
-        if (smooth && (operation == kExprAbs || operation == kExprMin || operation == kExprMax)) continue;
+        const bool kinks = operation == kExprAbs || operation == kExprMin || operation == kExprMax ||
+                           (operation >= kExprFloor && operation <= kExprOr);
+        if (smooth && kinks) continue;
         ops.push_back({operation, top, place(), place(), random.uniform(-3, 3)});
         if (top + 1 < kExpressionRegisters) ++top;
     }
     ops.back().out = 0;
     return ops;
+}
+
+/// Steps: differences of values say nothing of slopes.
+inline bool has_steps(const std::vector<ExpressionOp>& ops) {
+    return std::any_of(ops.begin(), ops.end(), [](const ExpressionOp& op) {
+        return op.operation >= kExprFloor && op.operation <= kExprOr;
+    });
 }
 
 /// Compares expression_sample with expression_value and its differences of two step widths; where these

@@ -8,6 +8,7 @@
 
 #include "tests/shared/random_surfaces.hpp"
 
+using mortise::test::has_steps;
 using mortise::test::kSurfaceKinds;
 using mortise::test::random_surface;
 using mortise::test::RandomSource;
@@ -67,6 +68,7 @@ TEST_CASE("gradients agree with central differences") {
             const Surface s = random_surface(random, kind, ops);
             const double x[3] = {random.uniform(0, 1), random.uniform(0, 1), random.uniform(0, 1)};
             const SurfaceSample sample = surface_sample(&s, ops.data(), x[0], x[1], x[2]);
+            if (has_steps(ops)) continue;
             for (int j = 0; j < 3; ++j) {
                 double slope[2];
                 for (int k = 0; k < 2; ++k) {

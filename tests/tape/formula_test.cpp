@@ -62,6 +62,31 @@ TEST_CASE("formulas have the usual meaning") {
          [](double x, double y, double) {
              return std::log(x * x + 1) / std::sqrt(y * y + 3.14159265358979);
          }},
+        {"x^-3", [](double x, double, double) { return 1 / (x * x * x); }},
+        {"x^2^3 + 2^-1^2", [](double x, double, double) { return std::pow(x, 8) + 0.5; }},
+        {"abs(x)^2.5 + pow(abs(y), z)",
+         [](double x, double y, double z) {
+             return std::pow(std::fabs(x), 2.5) + std::pow(std::fabs(y), z);
+         }},
+        {"tan(x/2) + asin(x/2) - acos(y/2)*atan(z) + ln(x*x+1)",
+         [](double x, double y, double z) {
+             return std::tan(x / 2) + std::asin(x / 2) - std::acos(y / 2) * std::atan(z) +
+                    std::log(x * x + 1);
+         }},
+        {"atan2(y, x) + hypot(y, z) + sign(x)*recip(2+y^2) + 0*x^0",
+         [](double x, double y, double z) {
+             return std::atan2(y, x) + std::hypot(y, z) + (x > 0 ? 1 : -1) / (2 + y * y);
+         }},
+        {"mod(x, 0.5) + floor(y) + ceil(z) + round(3*x) + compare(x, y) + not(y)",
+         [](double x, double y, double z) {
+             return x - 0.5 * std::floor(x / 0.5) + std::floor(y) + std::ceil(z) + std::round(3 * x) +
+                    (x < y ? -1 : 1);
+         }},
+        {"or(and(compare(x, y) + 1, x), y)", [](double x, double y, double) { return std::max(x, y); }},
+        {"mix(x, y, z) + clamp(x, -0.5, 1)",
+         [](double x, double y, double z) { return x + z * (y - x) + std::min(std::max(x, -0.5), 1.0); }},
+        {"r2 = x^2 + y^2; # of the axis\n q = r2*z;\n q - r2;",
+         [](double x, double y, double z) { return (x * x + y * y) * (z - 1); }},
         {" 1\t-\n.5 ", [](double, double, double) { return 0.5; }},
     };
     RandomSource random(61);
@@ -75,23 +100,18 @@ TEST_CASE("formulas have the usual meaning") {
 }
 
 TEST_CASE("what is not a formula is refused with its column") {
-    const std::pair<const char*, const char*> cases[] = {{"", "column 1:"},
-                                                         {"x +", "column 4:"},
-                                                         {"x y", "column 3:"},
-                                                         {"2*(x+1", "column 7:"},
-                                                         {"sin x", "column 5:"},
-                                                         {"tan(x)", "column 1:"},
-                                                         {"x^y", "column 3:"},
-                                                         {"x^0", "column 4:"},
-                                                         {"x^-1", "column 3:"},
-                                                         {"x^2^3", "column 4:"},
-                                                         {"x^99999999999999999999", "column "},
-                                                         {"1e999", "column 1:"},
-                                                         {"sin(x,y)", "column 6:"},
-                                                         {"min()", "column 5:"},
-                                                         {"x)", "column 2:"},
-                                                         {"x*/y", "column 3:"},
-                                                         {"\xc3\xa9", "column 1:"}};
+    const std::pair<const char*, const char*> cases[] = {
+        {"", "column 1:"},           {"x +", "column 4:"},
+        {"x y", "column 3:"},        {"2*(x+1", "column 7:"},
+        {"sin x", "column 5:"},      {"sinh(x)", "column 1:"},
+        {"x^", "column 3:"},         {"atan2(x)", "column 8:"},
+        {"mix(x,y)", "column 8:"},   {"x = 1; y", "column 1:"},
+        {"sin = x; y", "column 1:"}, {"a = x y; a", "column 7:"},
+        {"a = x", "column 6:"},      {"a + (a = 1; a)", "column 1:"},
+        {"a < b", "column 1:"},      {"x < y", "column 3:"},
+        {"1e999", "column 1:"},      {"sin(x,y)", "column 6:"},
+        {"min()", "column 5:"},      {"x)", "column 2:"},
+        {"x*/y", "column 3:"},       {"\xc3\xa9", "column 1:"}};
     for (const auto& [text, column] : cases) {
         const std::string message = refusal_of(text);
         CAPTURE(text);
@@ -104,16 +124,84 @@ TEST_CASE("what is not a formula is refused with its column") {
 }
 
 TEST_CASE("formulas that need too many registers are refused, long ones that do not are fine") {
-    std::string nested;
-    std::string closing;
-    for (int i = 0; i < 80; ++i) {
-        nested += "sin(x+" + std::to_string(i) + ")+(";
-        closing += ")";
+    // Every product of pairs needs all of its factors, and these all of each other: no order helps.
+    std::string mixed;
+    std::string total = "0";
+    for (int i = 0; i < 80; ++i) mixed += "a" + std::to_string(i) + " = sin(x + " + std::to_string(i) + ");";
+    for (int round = 0; round < 2; ++round) {
+        for (int i = 0; i < 80; ++i) {
+            const std::string name = round == 0 ? "a" : "b";
+            const int step = round == 0 ? 37 : 29;
+            mixed += (round == 0 ? "b" : "c") + std::to_string(i) + " = " + name + std::to_string(i) + "*" +
+                     name + std::to_string((i * step + 11) % 80) + ";";
+        }
     }
-    CHECK(refusal_of(nested + "y" + closing).find("intermediate values") != std::string::npos);
+    for (int i = 0; i < 80; ++i)
+        total += "+ c" + std::to_string(i) + "*c" + std::to_string((i * 53 + 7) % 80);
+    CHECK(refusal_of(mixed + total).find("intermediate values") != std::string::npos);
     std::string sum = "x";
     for (int i = 0; i < 3000; ++i) sum += "+sin(x+" + std::to_string(i) + ")";
     CHECK(refusal_of(sum).empty());
+    // From either side, however deep.
+    std::string nested;
+    std::string closing;
+    for (int i = 0; i < 400; ++i) {
+        nested += "sin(x+" + std::to_string(i) + ")+(";
+        closing += ")";
+    }
+    CHECK(refusal_of(nested + "y" + closing).empty());
+}
+
+TEST_CASE("equal operations are one node, and those of constants are none") {
+    std::vector<ExpressionOp> ops;
+    const tape::Formula formula = tape::parse_formula("2*x + 1 - y/3");
+    CHECK(tape::emit_formula(formula, formula.root, ops) == 6);  // constants take no operation
+    const tape::Formula same = tape::parse_formula("sin(x)*sin(x) + 2*(3-1)");
+    CHECK(tape::emit_formula(same, same.root, ops) == 4);  // x, sin, *, +
+}
+
+TEST_CASE("shared min and max are expanded only while that stays short") {
+    // Each level uses the one before twice: 2^40 leaves if it were expanded.
+    std::string chain = "a0 = min(x, y);";
+    for (int i = 1; i <= 40; ++i) {
+        const std::string before = "a" + std::to_string(i - 1);
+        chain += "a" + std::to_string(i) + " = max(min(" + before + ", z + " + std::to_string(0.01 * i) +
+                 "), neg(" + before + ") - z);";
+    }
+    chain += "a40";
+    const tape::Formula formula = tape::parse_formula(chain);
+    const tape::FormulaSet set = tape::formula_set(formula);
+    CHECK(set.nodes.size() < 4 * formula.nodes().size());
+    const tape::BoundModel model = bind_model(formula_model(chain, 1), 4);
+    CHECK(model.tape.size() < 2000);
+    RandomSource random(63);
+    for (int i = 0; i < 500; ++i) {
+        const Vec3 local = {random.uniform(0, 1), random.uniform(0, 1), random.uniform(0, 1)};
+        const Vec3 at = to_model(model, local);
+        bool inside = value_of(chain, at[0], at[1], at[2]) <= 0;
+        for (const double x : at) inside = inside && std::fabs(x) <= 1;
+        CHECK(tape::region_at(model, local[0], local[1], local[2]) == (inside ? 1 : 0));
+    }
+}
+
+TEST_CASE("what is not a number is outside of a set and of its mirror image") {
+    // sqrt(x) - 0.5 and its negative: neither holds points with x < 0.
+    for (const char* text : {"sqrt(x) - 0.5", "0.5 - sqrt(x)", "-(sqrt(x) - 0.5)", "-max(sqrt(x) - 0.5, -9)",
+                             "-min(9, -max(-9, sqrt(x) - 0.5))"}) {
+        const tape::BoundModel model = bind_model(formula_model(text, 1), 4);
+        CAPTURE(text);
+        int inside = 0;
+        for (int i = 0; i < 100; ++i) {
+            const Vec3 at = to_model(model, {(i + 0.5) / 100, 0.5, 0.5});
+            const bool holds = tape::region_at(model, (i + 0.5) / 100, 0.5, 0.5) == 1;
+            if (at[0] < 0) CHECK_FALSE(holds);
+            inside += holds;
+        }
+        CHECK(inside > 5);
+        tape::Cell cell{{0, 0.5, 0.5}, 0.05};
+        cell.centre[0] = (-0.5 - model.origin[0]) / model.side;
+        CHECK(tape::classify_cell(model, model.tape, cell, nullptr) == 0);
+    }
 }
 
 TEST_CASE("min, max and neg above the other operations become set operations") {

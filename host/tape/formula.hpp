@@ -1,0 +1,68 @@
+// A formula as a graph of operations, and its register program for kernels/shared/expression.h.
+#pragma once
+
+#include <cstdint>
+#include <unordered_map>
+#include <vector>
+
+#include "kernels/shared/expression.h"
+
+namespace mortise::tape {
+
+/// Operations in one arena, arguments before their users. Equal operations are one node, and those of
+/// constants are constants: the same bits as if they were evaluated with the rest.
+class Formula {
+  public:
+    struct Node {
+        std::int32_t operation = kExprConstant;  ///< kExpr… of expression.h
+        std::uint32_t a = 0;
+        std::uint32_t b = 0;  ///< operations of one argument: 0
+        double constant = 0;
+    };
+
+    std::uint32_t add(std::int32_t operation, std::uint32_t a = 0, std::uint32_t b = 0);
+    std::uint32_t add_constant(double value);
+    /// a^b: products for small whole exponents.
+    std::uint32_t add_power(std::uint32_t a, std::uint32_t b);
+
+    const std::vector<Node>& nodes() const { return nodes_; }
+    std::uint32_t root = 0;
+
+  private:
+    struct Hash {
+        std::size_t operator()(const Node& node) const;
+    };
+    struct Equal {
+        bool operator()(const Node& p, const Node& q) const;
+    };
+    std::uint32_t find_or_add(const Node& node);
+
+    std::vector<Node> nodes_;
+    std::unordered_map<Node, std::uint32_t, Hash, Equal> places_;
+};
+
+/// What a formula is as a set { f <= 0 }: min and max that are reached from the root through each other and
+/// through changes of sign are unions and intersections of surfaces.
+struct FormulaSet {
+    enum class Kind : std::uint8_t { kSurface, kUnion, kIntersection };
+    struct Node {
+        Kind kind = Kind::kSurface;
+        std::uint32_t a = 0;   ///< kSurface: node of the formula; else index of a node here
+        std::uint32_t b = 0;   ///< unions and intersections only
+        bool negated = false;  ///< kSurface: the set is { -f <= 0 }
+        bool partial =
+            false;  ///< kSurface: f may not be a number, which is outside of { f <= 0 } and { -f <= 0 }
+    };
+    std::vector<Node> nodes;  ///< children first, the last one is the whole set; shared ones occur once
+};
+
+/// Shared min and max are expanded while the tree they make stays within a few times the formula's length;
+/// beyond that they stay inside the function of one surface, which then has kinks.
+FormulaSet formula_set(const Formula& formula);
+
+/// Appends the register program of the subexpression `node`, or of its negative, to `ops`; returns its
+/// length. Throws Error(kInput) if it needs more than kExpressionRegisters registers.
+std::uint32_t emit_formula(const Formula& formula, std::uint32_t node, std::vector<ExpressionOp>& ops,
+                           bool negative = false);
+
+}  // namespace mortise::tape

@@ -1,0 +1,126 @@
+// Solids that are functions, meshed: volumes against closed forms and sums over the function itself.
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <iostream>
+
+#include "tests/mesher/meshed.hpp"
+
+namespace mortise::test {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+
+double asset_volume(const char* name, int level, int euler_characteristic) {
+    const Model model = read_model(std::string(MORTISE_SOURCE_DIR "/assets/models/") + name);
+    const Meshed meshed = mesh_and_check(model, level);
+    INFO(name);
+    CHECK(meshed.defects == "");
+    if (euler_characteristic != 0) CHECK(meshed.check.euler_characteristic == euler_characteristic);
+    return enclosed_volume(meshed.mesh, 1);
+}
+
+double formula_volume(const std::string& text, int level) {
+    const Meshed meshed = mesh_and_check(parse_model(text, "formula", "m.formula"), level);
+    CAPTURE(text);
+    CHECK(meshed.defects == "");
+    return enclosed_volume(meshed.mesh, 1);
+}
+
+}  // namespace
+
+TEST_CASE("assets: a formula and a periodic sheet") {
+    // Sum over a grid of 200³ points.
+    double tangle = 0;
+    const int count = 200;
+    const double step = 2.6 / count;
+    for (int i = 0; i < count; ++i) {
+        for (int j = 0; j < count; ++j) {
+            for (int k = 0; k < count; ++k) {
+                double f = 10;
+                for (const int n : {i, j, k}) {
+                    const double square = std::pow((n + 0.5) * step, 2);
+                    f += square * (square - 5);
+                }
+                if (f <= 0) tangle += 8 * step * step * step;
+            }
+        }
+    }
+    // Twelve edges that join eight corners: genus 5.
+    CHECK(asset_volume("tangle.formula", 6, 2 - 2 * 5) == doctest::Approx(tangle).epsilon(0.005));
+    const double box = kPi * (100 - 9) * 12;
+    const double sheet = asset_volume("gyroid.csg", 6, 0);
+    CHECK(sheet > 0.4 * box);  // 3.09 of area per cube of the period, times the thickness
+    CHECK(sheet < 0.6 * box);
+}
+
+TEST_CASE("operations in formulas: volumes known on paper") {
+    CHECK(formula_volume("hypot(hypot(x, y), z) - 1", 5) == doctest::Approx(4 * kPi / 3).epsilon(0.01));
+    CHECK(formula_volume("max(hypot(x, y) - 1, abs(z) - 1)", 5) == doctest::Approx(2 * kPi).epsilon(0.01));
+    // A quarter of a cylinder between two angles, away from the cut of atan2.
+    CHECK(formula_volume("max(max(hypot(x, y) - 1, abs(z) - 1), abs(atan2(y, x)) - pi/4)", 5) ==
+          doctest::Approx(kPi / 2).epsilon(0.02));
+    // Not a number for x < 0: a paraboloid of revolution about x, cut at x = 1.
+    CHECK(formula_volume("max(hypot(y, z) - sqrt(x), x - 1)", 5) == doctest::Approx(kPi / 2).epsilon(0.02));
+    CHECK(formula_volume("mod(x, 1)^2 - mod(x, 1) + (y^2 + z^2)*4 \nbounds 0 -1 -1 2 1 1", 6) ==
+          doctest::Approx(2 * kPi / 4 / 6).epsilon(0.03));
+    CHECK(formula_volume("abs(x)^2.5 + abs(y)^2.5 + abs(z)^2.5 - 1", 5) ==
+          doctest::Approx(8 * std::pow(std::tgamma(1.4), 3) / std::tgamma(2.2)).epsilon(0.01));
+}
+
+TEST_CASE("bounds of functions are found; unbounded ones are refused with a way out") {
+    const auto refusal_of = [](const std::string& text) {
+        try {
+            mesh_and_check(parse_model(text, "formula", "m.formula"), 3);
+        } catch (const Error& error) {
+            CHECK(error.code() == ExitCode::kInput);
+            return std::string(error.what());
+        }
+        return std::string();
+    };
+    CHECK(refusal_of("x^2 + y^2 + 0*z - 1").find("--box") != std::string::npos);
+    CHECK(refusal_of("z").find("--box") != std::string::npos);
+    CHECK(refusal_of("x^2 + y^2 + z^2 + 1").find("empty") != std::string::npos);
+    CHECK(refusal_of("x +\n * z").find("m.formula:2:2: formula: expected") != std::string::npos);
+    // Far from the origin, small, or of exponentials that overflow on the way.
+    CHECK(formula_volume("(x - 3000)^2 + (y + 500)^2 + z^2 - 400", 4) ==
+          doctest::Approx(4 * kPi / 3 * 8000).epsilon(0.05));
+    CHECK(formula_volume("-log(exp(-40*(hypot(x, y) - 1)) + exp(-40*(hypot(y, z) - 1)))/40 + 100*square("
+                         "max(0, hypot(x, hypot(y, z)) - 2))",
+                         4) > 5);
+    // A shared minimum, used with both signs: empty far away, which only its cases show.
+    CHECK(formula_volume("m = min(x, y); max(max(m, neg(m) - 1), max(hypot(x, y) - 3, abs(z) - 1))", 5) > 10);
+}
+
+TEST_CASE("models of the corpora: functions of Fidget and libfive") {
+    const char* const named = std::getenv("MORTISE_CORPORA");
+    const std::string corpora =
+        named != nullptr ? named : std::string(MORTISE_SOURCE_DIR "/../shared/corpora");
+    struct File {
+        const char* name;
+        double volume;  ///< 0: any
+    };
+    const File files[] = {{"fidget/tanglecube.vm", 46.4},
+                          {"fidget/colonnade.vm", 0.6224},
+                          {"fidget/bear.vm", 0},
+                          {"mpr/hello_world.frep", 0},
+                          {"mpr/involute_gear_3d.vm", 0}};
+    int skipped = 0;
+    for (const File& file : files) {
+        const std::string path = corpora + "/" + file.name;
+        if (!std::filesystem::exists(path)) {
+            ++skipped;
+            continue;
+        }
+        const Meshed meshed = mesh_and_check(read_model(path), 5);
+        INFO(file.name);
+        CHECK(meshed.defects == "");
+        if (file.volume > 0)
+            CHECK(enclosed_volume(meshed.mesh, 1) == doctest::Approx(file.volume).epsilon(0.02));
+    }
+    if (skipped > 0) std::cout << "functions of the corpora: " << skipped << " files are not there\n";
+}
+
+}  // namespace mortise::test
