@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
-#include <numeric>
+#include <map>
 
 #include "host/tape/facets.hpp"
 
@@ -13,19 +13,26 @@ namespace {
 
 constexpr std::uint32_t kLeafSize = 4;
 
+double norm(const Vec3& v) { return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
+
+Vec3 difference(const Vec3& a, const Vec3& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
+
 Vec3 unit_normal(const TriangleSurface& shape, std::uint32_t triangle) {
     const auto& corner = shape.triangles[triangle];
-    const Vec3& a = shape.points[corner[0]];
-    Vec3 u;
-    Vec3 v;
-    for (std::size_t j = 0; j < 3; ++j) {
-        u[j] = shape.points[corner[1]][j] - a[j];
-        v[j] = shape.points[corner[2]][j] - a[j];
-    }
+    const Vec3 u = difference(shape.points[corner[1]], shape.points[corner[0]]);
+    const Vec3 v = difference(shape.points[corner[2]], shape.points[corner[0]]);
     Vec3 n = {u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]};
-    const double length = std::sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+    const double length = norm(n);
     for (double& x : n) x /= length;  // not zero: find_facets left out what has no area
     return n;
+}
+
+double angle_at(const TriangleSurface& shape, std::uint32_t triangle, std::size_t k) {
+    const auto& corner = shape.triangles[triangle];
+    const Vec3 u = difference(shape.points[corner[(k + 1) % 3]], shape.points[corner[k]]);
+    const Vec3 v = difference(shape.points[corner[(k + 2) % 3]], shape.points[corner[k]]);
+    const double cosine = (u[0] * v[0] + u[1] * v[1] + u[2] * v[2]) / (norm(u) * norm(v));
+    return std::acos(std::clamp(cosine, -1.0, 1.0));
 }
 
 /// Writes one patch in the form of kernels/shared/patch.h.
@@ -48,6 +55,7 @@ class PatchWriter {
         surface.form[1] = static_cast<double>(arena.size());  // no other patch starts there
         surface.first_op = static_cast<std::uint32_t>(arena.size());
         std::vector<double> data = std::move(nodes_);
+        const auto corner_normals = normals_at_corners();
         for (const std::uint32_t t : order_) {
             for (const std::uint32_t corner : shape_.triangles[t]) {
                 data.insert(data.end(), shape_.points[corner].begin(), shape_.points[corner].end());
@@ -55,6 +63,10 @@ class PatchWriter {
             data.push_back(rim_[t]);
             const Vec3 normal = unit_normal(shape_, t);
             data.insert(data.end(), normal.begin(), normal.end());
+            for (const std::uint32_t corner : shape_.triangles[t]) {
+                const Vec3& at_corner = corner_normals.at(shape_.points[corner]);
+                data.insert(data.end(), at_corner.begin(), at_corner.end());
+            }
         }
         const std::size_t operations =
             (data.size() * sizeof(double) + sizeof(ExpressionOp) - 1) / sizeof(ExpressionOp);
@@ -117,6 +129,25 @@ class PatchWriter {
             open.push_back({range.first + half, range.count - half, static_cast<std::uint32_t>(index)});
             open.push_back({range.first, half, kNone});
         }
+    }
+
+    /// Normals at the corners of the patch's triangles by place, weighted by the angles there.
+    std::map<Vec3, Vec3> normals_at_corners() const {
+        std::map<Vec3, Vec3> result;
+        for (const std::uint32_t t : order_) {
+            const Vec3 normal = unit_normal(shape_, t);
+            for (std::size_t k = 0; k < 3; ++k) {
+                const Vec3& at = shape_.points[shape_.triangles[t][k]];
+                const double angle = angle_at(shape_, t, k);
+                Vec3& sum = result.try_emplace(at, Vec3{0, 0, 0}).first->second;
+                for (std::size_t j = 0; j < 3; ++j) sum[j] += angle * normal[j];
+            }
+        }
+        for (auto& [place, normal] : result) {
+            const double length = norm(normal);
+            for (double& x : normal) x = length > 0 ? x / length : 0;
+        }
+        return result;
     }
 
     /// Bits for the edges beyond which the patch ends, and for all corners at the end of such an edge.

@@ -1,10 +1,10 @@
 // Patches: smooth surfaces given by triangles, as signed distances.
 //
-// f(x) is the distance to the closest triangle, negative behind it. Beyond the rim of a patch f continues as
-// the plane of the rim's triangle, so that two patches that meet at a crease cut each other there as other
-// surfaces do. Where triangles are equally close (an edge or vertex in common), the one that x sees least
-// edge-on tells the side (Bærentzen & Aanæs 2005 prove it for angle-weighted normals; this rule agrees with
-// them at edges and needs no normals).
+// f(x) is the distance to the closest triangle, negative behind it. Where triangles are equally close (an
+// edge or vertex in common), the one that x sees least edge-on tells the side (Bærentzen & Aanæs 2005 prove
+// it for angle-weighted normals; this rule agrees with them at edges and needs no normals). Beyond the rim f
+// goes on along normals interpolated between the rim's corners, so that it is continuous where it is zero,
+// and two patches that meet at a crease cut each other there as other surfaces do.
 //
 // Data, an arena of doubles: nodes of a bounding volume hierarchy, eight numbers each (low corner, high
 // corner, a, b), the root first; b < 0: a is the second child, the first one follows its parent; else b
@@ -24,7 +24,7 @@ typedef double patch_number __attribute__((may_alias));  // lies in the expressi
 #endif
 
 #define kPatchNode 8
-#define kPatchTriangle 13
+#define kPatchTriangle 22
 #define kPatchRimEdge 1    // << k: edge from corner k to corner k + 1 has no neighbour in the patch
 #define kPatchRimVertex 8  // << k: corner k is on the rim
 #define kPatchStack 64
@@ -33,7 +33,7 @@ typedef double patch_number __attribute__((may_alias));  // lies in the expressi
 typedef struct PatchHit {
     double squared;    // distance
     double to[3];      // from the closest point to x
-    double normal[3];  // of its triangle
+    double normal[3];  // of its triangle; on the rim interpolated, not of unit length
     double facing;     // squared distance to its plane: how little edge-on it is seen
     i32 rim;           // whether the closest point lies on the rim
 } PatchHit;
@@ -123,7 +123,8 @@ MORTISE_FUNCTION void patch_try_triangle(MORTISE_GLOBAL patch_number* t, const d
             best->rim = ((i32)t[9] & on) != 0;
             for (int j = 0; j < 3; ++j) {
                 best->to[j] = to[j];
-                best->normal[j] = t[10 + j];
+                best->normal[j] =
+                    best->rim ? (1 - s - r) * t[13 + j] + s * t[16 + j] + r * t[19 + j] : t[10 + j];
             }
         }
     }
@@ -161,12 +162,13 @@ MORTISE_NOINLINE double patch_sample(MORTISE_GLOBAL patch_number* nodes,
     }
     {
         const double distance = mortise_sqrt(hit.squared);
-        const double height = patch_dot(hit.normal, hit.to);
-        // Near the surface and beyond the rim the triangle's plane; elsewhere the distance.
+        const double length = mortise_sqrt(patch_dot(hit.normal, hit.normal));
+        const double height = length > 0 ? patch_dot(hit.normal, hit.to) / length : distance;
+        // On the surface and beyond the rim along the normal; elsewhere the distance.
         const int flat = hit.rim || distance == 0 || mortise_fabs(height) >= distance * (1 - 1e-12);
         const double side = height < 0 ? -1 : 1;
         for (int j = 0; j < 3; ++j) {
-            gradient[j] = flat ? hit.normal[j] : side * hit.to[j] / distance;
+            gradient[j] = !flat ? side * hit.to[j] / distance : length > 0 ? hit.normal[j] / length : 0;
         }
         return flat ? height : side * distance;
     }
