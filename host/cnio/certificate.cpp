@@ -89,8 +89,8 @@ bool Certificate::is_uniform(std::int32_t* region) const {
 
 /// Adds a simplex and lists it with its nodes. Lists only grow: a simplex that has lost a node is skipped
 /// when met.
-void Certificate::add_simplex(const std::array<LocalNode, 4>& node, bool resolved) {
-    simplices_.push_back({node, resolved});
+void Certificate::add_simplex(const std::array<LocalNode, 4>& node) {
+    simplices_.push_back({node, false});
     incident_.resize(cell_.nodes().size());
     for (const LocalNode n : node) incident_[n].push_back(static_cast<std::uint32_t>(simplices_.size() - 1));
 }
@@ -104,12 +104,12 @@ void Certificate::cone(const LatticePoint& at) {
             if (outward) std::reverse(facet.node, facet.node + facet.count);
             const LocalNode* v = facet.node;
             if (facet.count == 3) {
-                add_simplex({v[0], v[1], v[2], apex}, false);
+                add_simplex({v[0], v[1], v[2], apex});
                 continue;
             }
             const LocalNode cap = add_cap(facet, at);
             pyramids_.push_back({{v[0], v[1], v[2], v[3], cap}});
-            for (int i = 0; i < 4; ++i) add_simplex({v[i], v[(i + 1) % 4], cap, apex}, false);
+            for (int i = 0; i < 4; ++i) add_simplex({v[i], v[(i + 1) % 4], cap, apex});
         }
     }
 }
@@ -246,11 +246,13 @@ bool Certificate::bisect(std::size_t p, int round) {
         any = true;
         incident_.resize(cell_.nodes().size());
         for (const std::uint32_t i : around_) {
-            Simplex second = simplices_[i];
+            // Where a surface is curved, m may lie on another side of it than a and b: nothing is resolved.
+            simplices_[i].resolved = false;
+            std::array<LocalNode, 4> second = simplices_[i].node;
             std::replace(simplices_[i].node.begin(), simplices_[i].node.end(), b, m);
-            std::replace(second.node.begin(), second.node.end(), a, m);
+            std::replace(second.begin(), second.end(), a, m);
             incident_[m].push_back(i);
-            add_simplex(second.node, second.resolved);
+            add_simplex(second);
         }
     }
     return any;

@@ -100,7 +100,7 @@ class Certificate {
     bool is_uniform(std::int32_t* region) const;
     bool is_full() const;
     void cone(const LatticePoint& at);
-    void add_simplex(const std::array<LocalNode, 4>& node, bool resolved);
+    void add_simplex(const std::array<LocalNode, 4>& node);
     LocalNode add_cap(const Facet& quad, const LatticePoint& apex);
     bool bisect(std::size_t p, int round);
     bool is_resolved(const Simplex& simplex);
