@@ -12,6 +12,8 @@ namespace mortise::tape {
 namespace {
 
 constexpr std::uint32_t kLeafSize = 4;
+constexpr double kNoLength =
+    1e-10;  ///< of a patch's size: above the rounding of distances, below all features
 
 double norm(const Vec3& v) { return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
 
@@ -53,6 +55,8 @@ class PatchWriter {
         surface.map[0] = surface.map[5] = surface.map[10] = 1;
         surface.form[0] = static_cast<double>(nodes_.size());
         surface.form[1] = static_cast<double>(arena.size());  // no other patch starts there
+        surface.form[2] =
+            kNoLength * norm({nodes_[3] - nodes_[0], nodes_[4] - nodes_[1], nodes_[5] - nodes_[2]});
         surface.first_op = static_cast<std::uint32_t>(arena.size());
         std::vector<double> data = std::move(nodes_);
         const auto corner_normals = normals_at_corners();

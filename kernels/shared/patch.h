@@ -130,9 +130,10 @@ MORTISE_FUNCTION void patch_try_triangle(MORTISE_GLOBAL patch_number* t, const d
     }
 }
 
-// Value and gradient at x of the patch whose nodes start at `nodes` and triangles at `triangles`.
+// Value and gradient at x of the patch whose nodes start at `nodes` and triangles at `triangles`. Closer than
+// `near` the direction to the closest point is rounding.
 MORTISE_NOINLINE double patch_sample(MORTISE_GLOBAL patch_number* nodes,
-                                     MORTISE_GLOBAL patch_number* triangles, const double* x,
+                                     MORTISE_GLOBAL patch_number* triangles, double near, const double* x,
                                      double* gradient) {
     PatchHit hit;
     u32 open[kPatchStack];
@@ -165,7 +166,7 @@ MORTISE_NOINLINE double patch_sample(MORTISE_GLOBAL patch_number* nodes,
         const double length = mortise_sqrt(patch_dot(hit.normal, hit.normal));
         const double height = length > 0 ? patch_dot(hit.normal, hit.to) / length : distance;
         // On the surface and beyond the rim along the normal; elsewhere the distance.
-        const int flat = hit.rim || distance == 0 || mortise_fabs(height) >= distance * (1 - 1e-12);
+        const int flat = hit.rim || distance <= near || mortise_fabs(height) >= distance * (1 - 1e-12);
         const double side = height < 0 ? -1 : 1;
         for (int j = 0; j < 3; ++j) {
             gradient[j] = !flat ? side * hit.to[j] / distance : length > 0 ? hit.normal[j] / length : 0;

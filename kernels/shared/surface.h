@@ -20,7 +20,8 @@
 #define kSurfaceExpression 4  // expression operations first_op … first_op + op_count - 1, in x, y, z = u
 #define kSurfacePatch \
     5  // signed distance to triangles (patch.h) at ops + first_op, with u as point;
-       // form0: where its triangles start, form1: what tells it from other patches
+       // form0: where its triangles start, form1: what tells it from other patches,
+       // form2: length that counts as none
 
 typedef struct Surface {
     double map[12];  // row-major 3×4, box-local x to the surface's own frame u
@@ -51,7 +52,7 @@ MORTISE_FUNCTION void surface_frame(MORTISE_GLOBAL Surface* s, double x, double 
 MORTISE_FUNCTION double surface_patch(MORTISE_GLOBAL Surface* s, MORTISE_GLOBAL ExpressionOp* ops,
                                       const double* u, double* gradient) {
     MORTISE_GLOBAL patch_number* data = (MORTISE_GLOBAL patch_number*)(ops + s->first_op);
-    return patch_sample(data, data + (u32)s->form[0], u, gradient);
+    return patch_sample(data, data + (u32)s->form[0], s->form[2], u, gradient);
 }
 
 // f(x) alone: what sign tests and root finding need.
