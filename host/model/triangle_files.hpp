@@ -25,7 +25,7 @@ TriangleSurface read_triangles(const std::string& content, const std::string& fo
                                const std::string& source, std::vector<std::string>& warnings);
 
 /// Edges of files without any other sign of what is smooth are creases from this angle on, in degrees.
-inline constexpr double kSharpAngle = 30;
+inline constexpr double kSharpAngle = 40;
 
 /// A model with the surface as its one solid.
 Model read_triangle_model(const std::string& content, const std::string& format, const std::string& source,
