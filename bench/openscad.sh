@@ -1,0 +1,64 @@
+#!/bin/bash
+# Volumes of .csg models beside OpenSCAD's own (Debian: openscad), an independent reader and kernel:
+#
+#     bash bench/openscad.sh [--level N] [--count N] [--facets exact|smooth] [FOLDER...]
+#
+# Takes COUNT models (default 40) spread evenly over the sorted .csg files of the folders (default: the corpora,
+# MORTISE_CORPORA), and prints per file: OpenSCAD's volume, Mortise's, their difference in percent. Models that
+# one of the two cannot do are listed with the reason. Ends with the number of models within 1 %.
+# MORTISE names the program (default: build/release/mortise).
+set -uo pipefail
+root="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
+level=6 count=40 facets=exact
+while [ $# -gt 0 ]; do
+    case "$1" in
+    --level) level="$2" && shift 2 ;;
+    --count) count="$2" && shift 2 ;;
+    --facets) facets="$2" && shift 2 ;;
+    *) break ;;
+    esac
+done
+corpora="${MORTISE_CORPORA:-$root/../shared/corpora}"
+[ $# -gt 0 ] || set -- "$corpora/prusa-i3" "$corpora/openscad-examples" "$corpora/openscad-new-format" "$corpora/mcad"
+program="${MORTISE:-$root/build/release/mortise}"
+command -v openscad >/dev/null || { echo "openscad.sh: install Debian's package openscad" >&2; exit 1; }
+[ -x "$program" ] || { echo "openscad.sh: $program does not exist; build it, or set MORTISE" >&2; exit 1; }
+scratch="$(mktemp -d)" || exit 1
+trap 'rm -rf "$scratch"' EXIT
+
+# Signed volume of a text STL, by the divergence theorem.
+stl_volume() {
+    awk '$1 == "vertex" { for (j = 0; j < 3; j++) v[3 * n + j] = $(j + 2)
+            if (++n == 3) { n = 0
+                s += v[0] * (v[4] * v[8] - v[5] * v[7]) + v[1] * (v[5] * v[6] - v[3] * v[8]) + v[2] * (v[3] * v[7] - v[4] * v[6]) } }
+         END { printf "%.9g", s / 6 }' "$1"
+}
+
+mapfile -t files < <(find "$@" -name '*.csg' | LC_ALL=C sort)
+total=${#files[@]}
+[ "$total" -gt 0 ] || { echo "openscad.sh: no .csg files in: $*" >&2; exit 1; }
+[ "$count" -le "$total" ] || count=$total
+printf 'openscad\tmortise\tdifference_percent\tmodel\n'
+compared=0 within=0
+for ((k = 0; k < count; k++)); do
+    file="${files[k * total / count]}"
+    name="${file#"$corpora"/}"
+    rm -f "$scratch"/*
+    if ! timeout 120 openscad -o "$scratch/o.stl" "$file" >"$scratch/log" 2>&1 || [ ! -s "$scratch/o.stl" ]; then
+        printf -- '-\t-\t-\t%s: openscad: %s\n' "$name" "$(tail -1 "$scratch/log")"
+        continue
+    fi
+    timeout 120 "$program" "$file" -o "$scratch/m.vtu" --level "$level" --facets "$facets" >"$scratch/log" 2>&1
+    code=$?
+    if [ $code -ne 0 ]; then
+        printf -- '-\t-\t-\t%s: mortise: exit %d: %s\n' "$name" "$code" "$(grep -v '^warning' "$scratch/log" | tail -1)"
+        continue
+    fi
+    theirs="$(stl_volume "$scratch/o.stl")"
+    ours="$("$program" check "$scratch/m.vtu" --json | tr ',' '\n' | sed -n 's/.*"volume": *\([-+.0-9e]*\).*/\1/p' | head -1)"
+    difference="$(awk -v a="$theirs" -v b="$ours" 'BEGIN { printf "%.3f", 100 * (b - a) / (a != 0 ? a : 1) }')"
+    printf '%s\t%s\t%s\t%s\n' "$theirs" "$ours" "$difference" "$name"
+    compared=$((compared + 1))
+    within=$((within + $(awk -v d="$difference" 'BEGIN { print (d < 1 && d > -1) ? 1 : 0 }')))
+done
+echo "$within of $compared models within 1 % of OpenSCAD's volume, level $level, facets $facets"
