@@ -113,6 +113,16 @@ void add_planes(const Leaf& leaf, const Wanted& wanted, std::vector<Plane>& plan
             }
             return;
         }
+        case Primitive::Kind::kPolyhedron: {
+            const TriangleSurface& surface = *primitive.triangles;
+            const std::optional<Polytope> hull = convex_hull(surface.points);
+            if (!hull || !same(std::fabs(six_volumes(surface)) / 6, volume_of(*hull))) {
+                refuse(wanted, "a solid that is not convex is not supported; expected convex solids");
+            }
+            facetted = facetted || primitive.sharp_angle >= 5;
+            for (const Polytope::Face& face : hull->faces) add(face.plane.normal, face.plane.offset);
+            return;
+        }
         default:
             refuse(wanted, std::string(kind_name(primitive.kind)) +
                                " in an intersection is not supported; expected solids that are convex");

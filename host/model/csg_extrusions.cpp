@@ -84,6 +84,7 @@ CsgFinish read_linear_extrude(CsgScene&, const CsgNodeText& node) {
     sweep.scale = extrusion_scale(node);
     if (optional_boolean(node, "center", -1)) sweep.base = -sweep.height / 2;
 
+    sweep.smooth = node.facets == Facets::kSmooth;
     const SourceLocation where = node.where;
     return [sweep, slanted, slant, where, name = node.surface](CsgScene& scene,
                                                                std::vector<CsgOperand> children) {

@@ -6,6 +6,7 @@
 
 #include "host/model/affine.hpp"
 #include "host/model/polygons.hpp"
+#include "host/model/prism.hpp"
 #include "host/model/sweep.hpp"
 #include "host/model/text.hpp"
 
@@ -16,6 +17,8 @@ constexpr double kRadiansPerDegree = 3.14159265358979323846 / 180;
 /// Relative size below which a component of a normal, or a distance from the axis, is rounding.
 constexpr double kRounding = 1e-12;
 constexpr double kOnAxis = 1e-9;
+/// By how much of its extent a prism exceeds its height at either end: a cell of level 4.
+constexpr double kBeyond = 1.0 / 16;
 /// Part of the outer radius that a ring's hole has at least.
 constexpr double kClearOfAxis = 0.02;
 
@@ -42,6 +45,39 @@ class LinearBuilder final : public Sweep {
     }
 
   protected:
+    /// Beyond top and bottom, which cut it: no two surfaces end at the same edge.
+    std::optional<Piece> outline(const Contours& loops) override {
+        if (sweep_.twist != 0 || !uniform_ || loops.empty() || !wants_prism(loops, sweep_.smooth)) {
+            return std::nullopt;
+        }
+        Box2 box = {loops[0][0], loops[0][0]};
+        for (const auto& loop : loops) {
+            for (const Vec2& p : loop) {
+                for (std::size_t k = 0; k < 2; ++k) {
+                    box.min[k] = std::min(box.min[k], p[k]);
+                    box.max[k] = std::max(box.max[k], p[k]);
+                }
+            }
+        }
+        const double growth = growth_[0];
+        const double scale = sweep_.scale[0];
+        const double beyond =
+            kBeyond * std::max({sweep_.height, box.max[0] - box.min[0], box.max[1] - box.min[1]});
+        // The scales stay positive.
+        const double below = growth > 0 ? std::min(beyond, 0.5 / growth) : beyond;
+        const double above = growth < 0 ? std::min(beyond, -0.5 * scale / growth) : beyond;
+        PrismSpan span;
+        span.low = sweep_.base - below;
+        span.high = sweep_.base + sweep_.height + above;
+        span.low_scale = 1 - growth * below;
+        span.high_scale = scale + growth * above;
+        return Piece{Piece::State::kNode,
+                     {},
+                     model_.add_primitive(prism(loops, span, outline_sharp_angle(loops, sweep_.smooth),
+                                                [this] { return next_side(); }),
+                                          name_, where_)};
+    }
+
     Piece half_plane(const Vec2& normal, double offset, const std::string& side) override {
         if (sweep_.twist == 0) {
             const bool along_y = std::fabs(normal[0]) <= kRounding;

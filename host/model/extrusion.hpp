@@ -15,6 +15,7 @@ struct LinearSweep {
     double twist = 0;
     Vec2 scale = {1, 1};  ///< not negative; 0: an apex or a ridge at the top
     double base = 0;      ///< z of the bottom
+    bool smooth = true;   ///< edges that turn by little stand for a curve (prism.hpp)
 };
 
 /// The shape's x becomes the distance from the z axis, its y becomes z.
@@ -26,7 +27,7 @@ struct RotarySweep {
 
 /// Both append nodes to the model and return the top one, with bounds and the name `name`; none if the
 /// solid is empty. Surfaces are called top, bottom, start, end and side1, side2, ...: one name for each
-/// circle and each edge of a loop of at most 24 edges, one for all edges of a longer loop.
+/// circle, each smooth curve and each other edge of a loop with at most 24 of these, one for a loop of more.
 std::optional<std::uint32_t> linear_extrusion(Model& model, const FlatTree& tree, std::uint32_t root,
                                               const LinearSweep& sweep, const std::string& name,
                                               SourceLocation where);

@@ -117,10 +117,11 @@ class EarClipping {
     }
 
     bool is_ear(std::uint32_t i) {
-        if (reflex_[i] != 0) return false;
         const Vec2& a = plane_[previous_[i]];
         const Vec2& b = plane_[i];
         const Vec2& c = plane_[next_[i]];
+        if (a == b || b == c || c == a) return true;  // a spike, or a corner twice: goes without a trace
+        if (reflex_[i] != 0) return false;
         std::size_t kept = 0;
         bool empty = true;
         for (const std::uint32_t other : reflex_list_) {
@@ -128,7 +129,16 @@ class EarClipping {
             reflex_list_[kept++] = other;
             if (!empty || other == previous_[i] || other == next_[i]) continue;
             const Vec2& p = plane_[other];
-            if (p == a || p == b || p == c) continue;  // the two sides of a bridge to a hole
+            // The other side of a bridge to a hole: is its outline beside the ear, or does it enter it?
+            if (p == a || p == b || p == c) {
+                const Vec2& left = p == a ? c : p == b ? a : b;
+                const Vec2& right = p == a ? b : p == b ? c : a;
+                const auto enters = [&](const Vec2& q) {
+                    return twice_area(p, right, q) > 0 && twice_area(p, q, left) > 0;
+                };
+                empty = !enters(plane_[next_[other]]) && !enters(plane_[previous_[other]]);
+                continue;
+            }
             empty = !(twice_area(a, b, p) >= 0 && twice_area(b, c, p) >= 0 && twice_area(c, a, p) >= 0);
         }
         reflex_list_.resize(kept);

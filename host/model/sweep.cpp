@@ -139,6 +139,7 @@ Piece Sweep::contours(Contours loops) {
     loops.erase(
         std::remove_if(loops.begin(), loops.end(), [](const auto& points) { return points.size() < 3; }),
         loops.end());
+    if (std::optional<Piece> piece = outline(loops)) return std::move(*piece);
     std::vector<Piece> outer;
     for (std::size_t i = 0; i < loops.size();) {
         std::vector<Piece> parts = {loop(loops[i], true)};

@@ -1,6 +1,7 @@
 // What half-planes, circles and whole trees of a profile become when it is swept.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -40,12 +41,15 @@ class Sweep {
     virtual Piece circle(const FlatMap& map, double radius, const std::string& side) = 0;
     /// Puts loops in order before they are swept.
     virtual void adjust(Contours&) const {}
+    /// A whole outline in one piece, if that is better than a formula of its edges.
+    virtual std::optional<Piece> outline(const Contours&) { return std::nullopt; }
 
     Piece planes(std::vector<Plane> list, const std::string& side) const;
     Piece primitive(Primitive primitive, const std::string& side);
     Piece expression(const std::string& formula, const std::string& side);
     Piece moved(const Affine& map, Piece piece);
     Piece complement(Piece piece);
+    std::string next_side() { return "side" + std::to_string(++sides_); }
 
     Model& model_;
     std::string name_;
@@ -55,7 +59,6 @@ class Sweep {
   private:
     Piece loop(const std::vector<Vec2>& points, bool is_outer);
     Piece contours(Contours loops);
-    std::string next_side() { return "side" + std::to_string(++sides_); }
 
     int sides_ = 0;
 };

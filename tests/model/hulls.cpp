@@ -246,6 +246,19 @@ TEST_CASE("hull of cylinders of one height is exact") {
     compare(stack, hull_of({frustum(0, 0, 0, 1, 0.5, 0.5), frustum(0, 0, 0, 0.5, 1, 1)}), 1.5, 0.02);
 }
 
+TEST_CASE("minkowski of an extruded rounded outline, which is a polyhedron between two planes") {
+    const std::string plate =
+        "linear_extrude(height = 1) { offset(r = 0.5) { square(size = 2, center = true); } }";
+    const Built sum = build(plate + "cube(size = 0.5, center = true);", true);
+    const Support rounded = hull_of({frustum(-1, -1, 0, 1, 0.5, 0.5), frustum(1, -1, 0, 1, 0.5, 0.5),
+                                     frustum(1, 1, 0, 1, 0.5, 0.5), frustum(-1, 1, 0, 1, 0.5, 0.5)});
+    compare(sum, sum_of(rounded, box_of({-0.25, -0.25, -0.25}, {0.25, 0.25, 0.25})), 2.2);
+    const Built refused = build(
+        "linear_extrude(height = 1) { difference() { offset(r = 0.5) { square(); } square(); } } cube();",
+        true);
+    CHECK(refused.error.find("m.csg:3:4: 'minkowski': ") == 0);
+}
+
 TEST_CASE("hull of other curved solids is facetted, with a warning") {
     const Built mixed = build(ball_at(0, 0, 1, 0.5) + "cube([1, 1, 0.5], center = true);");
     REQUIRE(mixed.model.warnings.size() == 1);
