@@ -27,7 +27,7 @@ struct ConvexPiece {
 };
 
 /// Number of straight pieces of a full circle where a curved solid has to be facetted.
-inline constexpr int kFacets = 64;
+inline constexpr int kFacets = 96;
 
 /// The operation that needs the pieces, for errors.
 struct Wanted {

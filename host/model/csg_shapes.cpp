@@ -14,7 +14,7 @@ namespace {
 using Kind = CsgOperand::Kind;
 
 /// Sides of the polygon that stands for a smooth circle where an outline is needed.
-constexpr int kFewestSides = 48;
+constexpr int kFewestSides = 96;
 /// Pairs of points that a Minkowski sum may look at.
 constexpr double kMostSums = 4e6;
 

@@ -10,6 +10,7 @@
 #include "host/model/affine.hpp"
 #include "host/model/convex_hull.hpp"
 #include "host/model/convex_pieces.hpp"
+#include "host/model/prism.hpp"
 #include "host/model/rounded_solids.hpp"
 #include "host/model/surface_repair.hpp"
 #include "host/model/text.hpp"
@@ -26,7 +27,7 @@ bool same(double a, double b) { return std::fabs(a - b) <= kSame * std::max(std:
 
 std::uint32_t empty(Model& model) { return model.add_operation(CsgNode::Op::kUnion, {}); }
 
-// --- Exact cases. Each gives nothing if the pieces are not of its kind.
+// --- Special cases. Each gives nothing if the pieces are not of its kind.
 
 std::optional<std::uint32_t> hull_of_spheres(Model& model, const std::vector<ConvexPiece>& pieces,
                                              const std::string& name) {
@@ -138,8 +139,7 @@ std::optional<std::uint32_t> hull_of_prism(Model& model, const std::vector<Conve
 std::uint32_t add_polytope(Model& model, const Polytope& polytope, bool facetted, const std::string& name) {
     constexpr std::size_t kMostPlanes = 200;
     if (facetted || polytope.faces.size() > kMostPlanes) {
-        // Edges between facets of a curved surface turn by less than 6 degrees.
-        return model.add_primitive(polyhedron(triangles_of(polytope), facetted ? 20 : 1), name);
+        return model.add_primitive(polyhedron(triangles_of(polytope), facetted ? kSmoothTurn : 1), name);
     }
     Primitive primitive;
     std::size_t number = 0;

@@ -1,8 +1,10 @@
 // hull() and minkowski() of solids.
 //
-// Exact: polytopes and points; spheres of one radius; two spheres; what is a prism over a hull of discs, such
-// as cylinders of one height, also with boxes of that height. minkowski() of a polytope with a sphere, or of
-// a prism with a cylinder, is such a hull. All else is the hull of its curved solids' points, 64 to a circle.
+// Polytopes are exact, and so is what stays a sphere, a cylinder or a cone. Spheres of one radius, two
+// spheres, and prisms over a hull of discs, such as cylinders of one height, also with boxes of that height,
+// are smooth facetted surfaces with exact flat faces (rounded_solids.hpp). minkowski() of a polytope with a
+// sphere, or of a prism with a cylinder, is such a hull. All else is the hull of its curved solids' points,
+// 96 to a circle.
 #pragma once
 
 #include <cstdint>

@@ -1,9 +1,4 @@
-// Exact hulls of discs and spheres: see rounded_solids.hpp.
-//
-// Why this is the hull: let p be a corner of the hull of the centres (an edge, seen along itself, is a corner
-// in the plane), with the neighbouring faces' normals n1 and n2. What lies beyond the plane through the two
-// points p + r n1 and p + r n2, and inside the faces' planes, lies in the normal cone of p, so that p is its
-// nearest centre: the solid is the ball of radius r there. Elsewhere only the faces' planes bound it.
+// See rounded_solids.hpp.
 #include "host/model/rounded_solids.hpp"
 
 #include <algorithm>
@@ -13,6 +8,9 @@
 
 #include "host/model/affine.hpp"
 #include "host/model/convex_hull.hpp"
+#include "host/model/convex_pieces.hpp"
+#include "host/model/polygons.hpp"
+#include "host/model/prism.hpp"
 
 namespace mortise::model_reader {
 namespace {
@@ -42,23 +40,6 @@ std::uint32_t add_ball(Model& model, const Vec3& center, double radius, const st
     return center == Vec3{} ? ball : model.add_transform(translation(center), ball);
 }
 
-/// The infinite cylinder about the line through a and b.
-std::uint32_t add_tube(Model& model, const Vec3& a, const Vec3& b, double radius, const std::string& name) {
-    const std::uint32_t tube = model.add_primitive(infinite_cylinder(radius), name);
-    return model.add_transform(frame_along(difference(b, a), a), tube);
-}
-
-std::uint32_t unite(Model& model, std::vector<std::uint32_t> children) {
-    return children.size() == 1 ? children[0] : model.add_operation(CsgNode::Op::kUnion, std::move(children));
-}
-
-std::uint32_t intersect(Model& model, std::vector<std::uint32_t> children, const std::string& name,
-                        const Box3& bounds) {
-    const std::uint32_t node = model.add_operation(CsgNode::Op::kIntersection, std::move(children), name);
-    model.nodes[node].bounds = bounds;
-    return node;
-}
-
 /// The box of points, wider by `margin` and by what rounding may need.
 Box3 box_of(const std::vector<Vec3>& points, double margin) {
     Box3 box{points[0], points[0]};
@@ -76,16 +57,14 @@ Box3 box_of(const std::vector<Vec3>& points, double margin) {
     return box;
 }
 
-/// What the hull of centres is made of: its faces' outward normals with a point each, its edges with the
-/// normals of the two faces beside, and each vertex's neighbours. A polygon has two faces, a segment none.
+/// What the hull of centres is made of: its edges with the normals of the two faces beside, and its vertices.
+/// A polygon has two faces, a segment none.
 struct Skeleton {
     struct Edge {
         std::array<std::size_t, 2> ends;
-        Vec3 outward;  ///< unit, between the normals of the faces beside
-        double depth;  ///< cosine of half the angle between these normals
+        std::array<Vec3, 2> normals;  ///< of the faces beside; zero: none
     };
     std::vector<Vec3> vertices;
-    std::vector<std::pair<Vec3, Vec3>> faces;  ///< normal, point
     std::vector<Edge> edges;
 };
 
@@ -94,7 +73,6 @@ std::optional<Skeleton> skeleton_of(const Polytope& polytope) {
     skeleton.vertices = polytope.vertices;
     std::map<std::pair<std::size_t, std::size_t>, Vec3> sides;
     for (const Polytope::Face& face : polytope.faces) {
-        skeleton.faces.emplace_back(face.plane.normal, polytope.vertices[face.corners[0]]);
         for (std::size_t i = 0; i < face.corners.size(); ++i) {
             const std::size_t from = face.corners[i];
             const std::size_t to = face.corners[(i + 1) % face.corners.size()];
@@ -105,8 +83,7 @@ std::optional<Skeleton> skeleton_of(const Polytope& polytope) {
         const auto other = sides.find({side.second, side.first});
         if (other == sides.end()) return std::nullopt;
         if (side.first > side.second) continue;
-        const Vec3 middle = sum(normal, other->second);
-        skeleton.edges.push_back({{side.first, side.second}, unit(middle), length(middle) / 2});
+        skeleton.edges.push_back({{side.first, side.second}, {normal, other->second}});
     }
     return skeleton;
 }
@@ -130,7 +107,7 @@ Skeleton flat_skeleton(const std::vector<Vec3>& centers) {
     const Vec3 normal = cross(along, difference(c, a));
     if (!(length(normal) > kSame * dot(along, along))) {
         skeleton.vertices = {a, b};
-        skeleton.edges.push_back({{0, 1}, {}, 0});
+        skeleton.edges.push_back({{0, 1}, {}});
         return skeleton;
     }
     const Affine frame = frame_along(normal, a);
@@ -145,13 +122,90 @@ Skeleton flat_skeleton(const std::vector<Vec3>& centers) {
     for (const Disc& disc : hull_of_discs(discs)) {
         skeleton.vertices.push_back(sum(a, sum(scaled(x, disc.center[0]), scaled(y, disc.center[1]))));
     }
-    skeleton.faces = {{z, a}, {scaled(z, -1), a}};
     const std::size_t n = skeleton.vertices.size();
     for (std::size_t i = 0; i < n; ++i) {
-        const Vec3 edge = difference(skeleton.vertices[(i + 1) % n], skeleton.vertices[i]);
-        skeleton.edges.push_back({{i, (i + 1) % n}, unit(cross(edge, z)), 0});
+        skeleton.edges.push_back({{i, (i + 1) % n}, {z, scaled(z, -1)}});
     }
     return skeleton;
+}
+
+/// A vertex off the line through an edge.
+std::size_t other_vertex(const Skeleton& skeleton, const Skeleton::Edge& edge) {
+    const Vec3& a = skeleton.vertices[edge.ends[0]];
+    const Vec3 along = unit(difference(skeleton.vertices[edge.ends[1]], a));
+    const auto distance = [&](const Vec3& p) { return length(cross(along, difference(p, a))); };
+    const auto farthest =
+        std::max_element(skeleton.vertices.begin(), skeleton.vertices.end(),
+                         [&](const Vec3& p, const Vec3& q) { return distance(p) < distance(q); });
+    return static_cast<std::size_t>(farthest - skeleton.vertices.begin());
+}
+
+constexpr double kFacetAngle = kTurn / kFacets;
+
+/// Directions from u to v; `across` is a unit vector perpendicular to u, on the arc's side.
+void add_arc(const Vec3& u, const Vec3& v, const Vec3& across, std::vector<Vec3>& directions) {
+    const double angle = std::atan2(dot(v, across), dot(v, u));
+    const int steps = std::max(1, static_cast<int>(std::ceil(angle / kFacetAngle - 1e-6)));
+    for (int i = 1; i < steps; ++i) {
+        const double turn = angle * i / steps;
+        directions.push_back(sum(scaled(u, std::cos(turn)), scaled(across, std::sin(turn))));
+    }
+    directions.push_back(u);
+    directions.push_back(v);
+}
+
+/// Points of a sphere by latitude and longitude about the z axis of a frame.
+std::vector<Vec3> sphere_directions(const Affine& frame) {
+    std::vector<Vec3> result;
+    for (int ring = 0; ring <= kFacets / 2; ++ring) {
+        const bool pole = ring == 0 || ring == kFacets / 2;
+        const double polar = kFacetAngle * ring;
+        for (int i = 0; i < (pole ? 1 : kFacets); ++i) {
+            const double turn = kFacetAngle * i;
+            const double x = std::sin(polar) * std::cos(turn);
+            const double y = std::sin(polar) * std::sin(turn);
+            const double z = std::cos(polar);
+            result.push_back({frame[0] * x + frame[1] * y + frame[2] * z,
+                              frame[4] * x + frame[5] * y + frame[6] * z,
+                              frame[8] * x + frame[9] * y + frame[10] * z});
+        }
+    }
+    return result;
+}
+
+std::optional<std::uint32_t> add_smooth(Model& model, const std::vector<Vec3>& points,
+                                        const std::string& name) {
+    const std::optional<Polytope> hull = convex_hull(points);
+    if (!hull) return std::nullopt;
+    return model.add_primitive(polyhedron(triangles_of(*hull), kSmoothTurn), name);
+}
+
+/// The hull's outline, with arcs in pieces of one facet's angle at most; tangents meet them exactly.
+std::vector<Vec2> outline_of(const std::vector<Disc>& hull, const std::vector<Vec2>& normals) {
+    const std::size_t n = hull.size();
+    std::vector<Vec2> outline;
+    for (std::size_t i = 0; i < n; ++i) {
+        const Disc& disc = hull[i];
+        const Vec2& before = normals[(i + n - 1) % n];
+        const Vec2& after = normals[i];
+        double arc = std::atan2(after[1], after[0]) - std::atan2(before[1], before[0]);
+        arc -= kTurn * std::floor(arc / kTurn);
+        if (!(disc.radius > 0)) {
+            outline.push_back(disc.center);
+            continue;
+        }
+        if (arc > kTurn - 1e-7) arc = 0;
+        const int steps = std::max(1, static_cast<int>(std::ceil(arc / kFacetAngle - 1e-6)));
+        const double start = std::atan2(before[1], before[0]);
+        for (int k = 0; k <= steps; ++k) {
+            if (k == steps && arc < 1e-7) break;
+            const double turn = start + arc * k / steps;
+            const Vec2 normal = k == 0 ? before : k == steps ? after : Vec2{std::cos(turn), std::sin(turn)};
+            outline.push_back(
+                {disc.center[0] + disc.radius * normal[0], disc.center[1] + disc.radius * normal[1]});
+        }
+    }
+    return outline;
 }
 
 }  // namespace
@@ -244,37 +298,40 @@ std::optional<std::uint32_t> add_prism(Model& model, const std::vector<Disc>& di
             {plane_normal, normal[0] * from.center[0] + normal[1] * from.center[1] + from.radius, {}});
     }
     number_planes(planes);
-    planes.push_back({{0, 0, -1}, -low, "zmin"});
-    planes.push_back({{0, 0, 1}, high, "zmax"});
-    std::vector<std::uint32_t> parts = {add_half_spaces(model, std::move(planes), {})};
     std::vector<Vec3> corners;
-    for (std::size_t i = 0; i < n; ++i) {
-        const Disc& disc = hull[i];
-        const Vec3 center = {disc.center[0], disc.center[1], 0};
+    double reach = high - low;
+    for (const Disc& disc : hull) {
         for (const double sign : {-1.0, 1.0}) {
             const double r = sign * disc.radius;
-            corners.push_back({center[0] + r, center[1] + r, low});
-            corners.push_back({center[0] + r, center[1] + r, high});
+            corners.push_back({disc.center[0] + r, disc.center[1] + r, low});
+            corners.push_back({disc.center[0] + r, disc.center[1] + r, high});
         }
-        if (!(disc.radius > 0)) continue;
-        std::uint32_t tube = model.add_primitive(infinite_cylinder(disc.radius), name + "_round");
-        if (center != Vec3{}) tube = model.add_transform(translation(center), tube);
-        if (n == 1) {
-            parts.push_back(tube);
-            continue;
-        }
-        const Vec2& before = normals[(i + n - 1) % n];
-        const Vec2& after = normals[i];
-        // The middle of the arc, which may be longer than half a circle.
-        double from = std::atan2(before[1], before[0]);
-        double arc = std::atan2(after[1], after[0]) - from;
-        arc -= kTurn * std::floor(arc / kTurn);
-        if (arc < 1e-7) continue;
-        const Vec3 outward = {std::cos(from + arc / 2), std::sin(from + arc / 2), 0};
-        const double offset = dot(outward, center) + disc.radius * std::cos(arc / 2);
-        parts.push_back(unite(model, {add_half_spaces(model, {{outward, offset, {}}}, {}), tube}));
     }
-    std::uint32_t node = intersect(model, std::move(parts), name, box_of(corners, 0));
+    const Box3 bounds = box_of(corners, 0);
+    for (std::size_t k = 0; k < 2; ++k) reach = std::max(reach, bounds.max[k] - bounds.min[k]);
+    const bool round =
+        std::any_of(hull.begin(), hull.end(), [](const Disc& disc) { return disc.radius > 0; });
+    std::vector<std::uint32_t> parts;
+    if (n == 1) {
+        const Vec3 center = {hull[0].center[0], hull[0].center[1], 0};
+        std::uint32_t tube = model.add_primitive(infinite_cylinder(hull[0].radius), name + "_round");
+        if (center != Vec3{}) tube = model.add_transform(translation(center), tube);
+        parts.push_back(tube);
+    } else if (round) {
+        // Tangent-continuous sides are one smooth surface, cut by the planes at its ends.
+        const Contours loops = normalised({outline_of(hull, normals)});
+        if (loops.empty()) return std::nullopt;
+        const PrismSpan span = {low - reach / 16, high + reach / 16, 1, 1};
+        int sides = 0;
+        parts.push_back(model.add_primitive(
+            prism(loops, span, kSmoothTurn, [&sides] { return "side" + std::to_string(++sides); }), name));
+        planes.clear();
+    }
+    planes.push_back({{0, 0, -1}, -low, "zmin"});
+    planes.push_back({{0, 0, 1}, high, "zmax"});
+    parts.push_back(add_half_spaces(model, std::move(planes), {}));
+    const std::uint32_t node = model.add_operation(CsgNode::Op::kIntersection, std::move(parts), name);
+    model.nodes[node].bounds = bounds;
     return frame == kIdentity ? node : model.add_transform(frame, node);
 }
 
@@ -288,59 +345,74 @@ std::optional<std::uint32_t> add_hull_of_equal_spheres(Model& model, const std::
         skeleton = flat_skeleton(centers);
     }
     const std::vector<Vec3>& vertices = skeleton->vertices;
-    const std::string round = name + "_round";
     if (vertices.size() == 1) return add_ball(model, vertices[0], radius, name);
 
-    std::vector<Plane> planes;
-    for (const auto& [normal, point] : skeleton->faces) {
-        planes.push_back({normal, dot(normal, point) + radius, {}});
-    }
-    number_planes(planes);
-    std::vector<std::uint32_t> parts;
-    if (!planes.empty()) parts.push_back(add_half_spaces(model, std::move(planes), {}));
-    // Beyond the plane across each edge's end, on the vertex's side, the ball bounds the solid.
-    std::vector<std::vector<std::uint32_t>> at_vertex(vertices.size());
+    const bool segment = vertices.size() == 2;
+    const Affine frame = segment ? frame_along(difference(vertices[1], vertices[0]), {}) : kIdentity;
+    const std::vector<Vec3> round = sphere_directions(frame);
+    // Per vertex: exact directions, around its edges from face to face; and the ways to its neighbours.
+    std::vector<std::vector<Vec3>> exact(vertices.size());
+    std::vector<std::vector<Vec3>> ways(vertices.size());
     for (const Skeleton::Edge& edge : skeleton->edges) {
-        const Vec3& a = vertices[edge.ends[0]];
-        const Vec3& b = vertices[edge.ends[1]];
-        std::vector<std::uint32_t> across = {add_tube(model, a, b, radius, round)};
-        if (edge.outward != Vec3{}) {
-            const double offset = dot(edge.outward, a) + radius * edge.depth;
-            across.push_back(add_half_spaces(model, {{edge.outward, offset, {}}}, {}));
-        }
-        parts.push_back(unite(model, std::move(across)));
-        const Vec3 along = unit(difference(b, a));
-        at_vertex[edge.ends[0]].push_back(
-            add_half_spaces(model, {{scaled(along, -1), -dot(along, a), {}}}, {}));
-        at_vertex[edge.ends[1]].push_back(add_half_spaces(model, {{along, dot(along, b), {}}}, {}));
+        const Vec3 along = unit(difference(vertices[edge.ends[1]], vertices[edge.ends[0]]));
+        ways[edge.ends[0]].push_back(along);
+        ways[edge.ends[1]].push_back(scaled(along, -1));
+        if (segment) continue;
+        Vec3 across = cross(along, edge.normals[0]);
+        // The other normal, or the middle of the flat edges' half circle, is on the arc's side.
+        const Vec3 inwards = difference(vertices[other_vertex(*skeleton, edge)], vertices[edge.ends[0]]);
+        if (dot(across, inwards) > 0) across = scaled(across, -1);
+        for (const std::size_t end : edge.ends) add_arc(edge.normals[0], edge.normals[1], across, exact[end]);
     }
+    // A direction counts at the vertex that is farthest along it, and a little beyond: so do its neighbours.
+    const double slack = std::sin(1.5 * kFacetAngle);
+    const double apart = std::cos(0.3 * kFacetAngle);
+    std::vector<Vec3> points;
     for (std::size_t v = 0; v < vertices.size(); ++v) {
-        at_vertex[v].push_back(add_ball(model, vertices[v], radius, round));
-        parts.push_back(unite(model, std::move(at_vertex[v])));
+        const auto add = [&](const Vec3& u) { points.push_back(sum(vertices[v], scaled(u, radius))); };
+        for (const Vec3& u : exact[v]) add(u);
+        for (const Vec3& u : round) {
+            const bool counts = std::all_of(ways[v].begin(), ways[v].end(), [&](const Vec3& way) {
+                return dot(u, way) <= (segment ? 1e-9 : slack);
+            });
+            const bool doubled = counts && std::any_of(exact[v].begin(), exact[v].end(),
+                                                       [&](const Vec3& w) { return dot(u, w) > apart; });
+            if (counts && !doubled) add(u);
+        }
     }
-    return intersect(model, std::move(parts), name, box_of(vertices, radius));
+    return add_smooth(model, points, name);
 }
 
-std::uint32_t add_hull_of_two_spheres(Model& model, const Vec3& a, double ra, const Vec3& b, double rb,
-                                      const std::string& name) {
+std::optional<std::uint32_t> add_hull_of_two_spheres(Model& model, const Vec3& a, double ra, const Vec3& b,
+                                                     double rb, const std::string& name) {
     if (ra < rb) return add_hull_of_two_spheres(model, b, rb, a, ra, name);
     const Vec3 axis = difference(b, a);
+    const Affine frame = frame_along(axis, a);
     const double apart = length(axis);
-    // In the frame with a at the origin and b on z. A tangent's normal makes this sine with the axis.
-    const double sine = (ra - rb) / apart;
-    const double cosine = std::sqrt((1 - sine) * (1 + sine));
-    const std::string round = name + "_round";
-    const std::uint32_t side = ra == rb
-                                   ? model.add_primitive(infinite_cylinder(ra), name + "_side")
-                                   : model.add_primitive(cone(ra / cosine, -sine / cosine), name + "_side");
-    const std::uint32_t below = unite(
-        model, {add_half_spaces(model, {{{0, 0, -1}, -ra * sine, {}}}, {}), add_ball(model, {}, ra, round)});
-    const std::uint32_t above =
-        unite(model, {add_half_spaces(model, {{{0, 0, 1}, apart + rb * sine, {}}}, {}),
-                      add_ball(model, {0, 0, apart}, rb, round)});
-    const Box3 bounds = box_of({{-ra, -ra, -ra}, {ra, ra, apart + rb}}, 0);
-    const std::uint32_t node = intersect(model, {side, below, above}, name, bounds);
-    return model.add_transform(frame_along(axis, a), node);
+    // Rings around the axis: both spheres up to the cone that touches them, whose normal makes this angle
+    // with the axis.
+    const double tangent = std::acos(std::clamp((ra - rb) / apart, -1.0, 1.0));
+    std::vector<Vec3> points;
+    const auto add_rings = [&](double from, double to, double radius, double level) {
+        const int steps = std::max(1, static_cast<int>(std::ceil((to - from) / kFacetAngle)));
+        for (int ring = 0; ring <= steps; ++ring) {
+            const double polar = from + (to - from) * ring / steps;
+            const bool pole = (ring == 0 && from == 0) || (ring == steps && to == kTurn / 2);
+            const double r = pole ? 0 : radius * std::sin(polar);
+            for (int i = 0; i < (pole ? 1 : kFacets); ++i) {
+                const Vec3 p = {r * std::cos(kFacetAngle * i), r * std::sin(kFacetAngle * i),
+                                level + radius * std::cos(polar)};
+                Vec3 x = a;
+                for (std::size_t k = 0; k < 3; ++k) {
+                    x[k] += frame[4 * k] * p[0] + frame[4 * k + 1] * p[1] + frame[4 * k + 2] * p[2];
+                }
+                points.push_back(x);
+            }
+        }
+    };
+    add_rings(tangent, kTurn / 2, ra, 0);
+    add_rings(0, tangent, rb, apart);
+    return add_smooth(model, points, name);
 }
 
 }  // namespace mortise::model_reader
