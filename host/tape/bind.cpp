@@ -6,6 +6,7 @@
 #include <map>
 
 #include "host/tape/compile.hpp"
+#include "host/tape/polyhedron.hpp"
 #include "host/tape/reference.hpp"
 
 namespace mortise::tape {
@@ -162,6 +163,7 @@ BoundModel bind(const CompiledModel& compiled, const Vec3& origin, double side) 
             for (std::size_t j = 0; j < 3; ++j) point[j] = (point[j] - origin[j]) / side;
         }
         for (const std::uint32_t surface : world.surface) local.surface.push_back(target[surface]);
+        local.bounds = bounds_of(local.shape);
         bound.polyhedra.push_back(std::move(local));
     }
     return bound;

@@ -182,7 +182,12 @@ class Compiler {
                 continue;
             }
             const std::uint32_t term = finish(frame, node);
-            if (node.bounds && !frame.negate) terms_[term].hint = map_box(*node.bounds, frame.map);
+            if (node.bounds && !frame.negate) {
+                std::optional<Box3>& hint = terms_[term].hint;
+                const Box3 box = map_box(*node.bounds, frame.map);
+                if (hint) shrink(*hint, box);
+                if (!hint) hint = box;
+            }
             stack.pop_back();
             if (stack.empty()) return term;
             stack.back().terms.push_back(term);

@@ -43,7 +43,8 @@ struct CompiledModel {
 /// A polyhedron in box-local coordinates, on surfaces that may be shared with other solids.
 struct BoundPolyhedron {
     TriangleSurface shape;
-    std::vector<std::uint32_t> surface;  ///< per triangle: index into BoundModel::surfaces, a plane
+    std::vector<std::uint32_t> surface;  ///< per triangle: index into BoundModel::surfaces, plane or patch
+    Box3 bounds;                         ///< of the triangles: outside it the polyhedron is not
 };
 
 /// A compiled model in box-local coordinates of a cube: what the octree and all later stages work on.

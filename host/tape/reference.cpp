@@ -40,6 +40,15 @@ std::uint32_t child_slot(const Cell& cell) {
     return slot;
 }
 
+bool is_apart(const Box3& box, const Cell& cell) {
+    bool apart = false;
+    for (std::size_t j = 0; j < 3; ++j) {
+        const double reach = cell.half + kSlack;
+        apart = apart || box.min[j] > cell.centre[j] + reach || box.max[j] < cell.centre[j] - reach;
+    }
+    return apart;
+}
+
 /// Appends what stands for a spatial word in a child (kernels/shared/spatial.h).
 void expand_spatial(const BoundModel& model, std::uint32_t word, std::uint32_t slot,
                     std::vector<std::uint32_t>& words, std::vector<std::int32_t>& states) {
@@ -174,7 +183,9 @@ std::int32_t classify_cell(const BoundModel& model, const std::vector<std::uint3
             expand_spatial(model, word, child_slot(cell), words, states);
         } else {
             words.push_back(word);
-            states.push_back(kUnknown);
+            const bool outside = tape_operation(word) == kTapeSpatial && model.spatial.empty() &&
+                                 is_apart(model.polyhedra[tape_surface(word)].bounds, cell);
+            states.push_back(outside ? static_cast<std::int32_t>(tape_negated(word)) : kUnknown);
         }
     }
     for (std::size_t i = 0; i < words.size(); ++i) {

@@ -117,6 +117,21 @@ TEST_CASE("the division does not depend on threads, and pays no heed to what is 
     CHECK(triangles::divide(cube, 6, 1).nodes == 1);
 }
 
+TEST_CASE("bounds beside polyhedra are found where surfaces do not tell") {
+    Model model = solid_of(l_block(), 0);
+    CsgNode turned;  // a cylinder whose caps lie along no axis
+    turned.op = CsgNode::Op::kTransform;
+    turned.map = rotation({1, 2, 3}, 0.7);
+    turned.children = {add_cylinder(model, 0.5, -4, 4)};
+    const auto cylinder = model.add(turned);
+    model.regions[0].root = unite(model, {model.regions[0].root, cylinder});
+    const Box3 box = tape::find_bounds(tape::compile(model), "test");
+    for (std::size_t j = 0; j < 3; ++j) {
+        CHECK(box.max[j] - box.min[j] > 3);
+        CHECK(box.max[j] - box.min[j] < 9);
+    }
+}
+
 TEST_CASE("winding numbers of a closed surface are whole") {
     const TriangleSurface star = random_star(9, 3, 0.8, 1.2);
     const triangles::WindingNumber winding(star);
