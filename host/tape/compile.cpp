@@ -10,6 +10,7 @@
 
 #include "host/tape/expression_parser.hpp"
 #include "host/tape/polyhedron.hpp"
+#include "host/tape/surface_bounds.hpp"
 
 namespace mortise::tape {
 namespace {
@@ -57,32 +58,6 @@ Affine to_affine(const Map& map) {
 
 Map compose(const Map& outer, const Map& inner) {
     return {outer.matrix * inner.matrix, outer.matrix * inner.offset + outer.offset};
-}
-
-/// Axis-aligned box around the image of a box.
-Box3 map_box(const Box3& box, const Map& map) {
-    Box3 result;
-    for (int i = 0; i < 3; ++i) {
-        double low = map.offset[i];
-        double high = map.offset[i];
-        for (std::size_t j = 0; j < 3; ++j) {
-            const double factor = map.matrix[static_cast<int>(j)][i];
-            if (factor == 0) continue;  // keeps 0 · ∞ out
-            low += std::min(factor * box.min[j], factor * box.max[j]);
-            high += std::max(factor * box.min[j], factor * box.max[j]);
-        }
-        result.min[static_cast<std::size_t>(i)] = low;
-        result.max[static_cast<std::size_t>(i)] = high;
-    }
-    return result;
-}
-
-/// Intersection; empty boxes have a minimum above their maximum.
-void shrink(Box3& box, const Box3& by) {
-    for (std::size_t j = 0; j < 3; ++j) {
-        box.min[j] = std::max(box.min[j], by.min[j]);
-        box.max[j] = std::min(box.max[j], by.max[j]);
-    }
 }
 
 class Compiler {
@@ -184,7 +159,7 @@ class Compiler {
             const std::uint32_t term = finish(frame, node);
             if (node.bounds && !frame.negate) {
                 std::optional<Box3>& hint = terms_[term].hint;
-                const Box3 box = map_box(*node.bounds, frame.map);
+                const Box3 box = map_box(*node.bounds, to_affine(frame.map));
                 if (hint) shrink(*hint, box);
                 if (!hint) hint = box;
             }
@@ -426,62 +401,22 @@ class Compiler {
         }
     }
 
-    Box3 literal_bounds(const Term& term) const {
-        Box3 box{{-kInfinity, -kInfinity, -kInfinity}, {kInfinity, kInfinity, kInfinity}};
-        if (term.type == Term::Type::kSpatial) return box;
-        const Surface& s = out_.surfaces[term.surface].surface;
-        if (s.kind == kSurfacePlane) {
-            for (std::size_t j = 0; j < 3; ++j) {
-                if (std::fabs(s.map[j]) != 1) continue;  // unit normal along an axis
-                const double at = -s.map[3] / s.map[j];
-                if ((s.map[j] > 0) != term.negated)
-                    box.max[j] = at;
-                else
-                    box.min[j] = at;
-            }
-            return box;
-        }
-        if (term.negated || s.kind == kSurfaceExpression || s.kind == kSurfaceCone) return box;
-        glm::dmat3 map;
-        glm::dvec3 offset;
-        for (int i = 0; i < 3; ++i) {
-            for (int j = 0; j < 3; ++j) map[j][i] = s.map[4 * i + j];
-            offset[i] = s.map[4 * i + 3];
-        }
-        const glm::dmat3 inverse = glm::inverse(map);
-        const glm::dvec3 centre = -(inverse * offset);
-        for (int j = 0; j < 3; ++j) {
-            const double a = inverse[0][j];
-            const double b = inverse[1][j];
-            const double c = inverse[2][j];
-            double extent = kInfinity;
-            if (s.kind == kSurfaceTorus) {
-                extent =
-                    s.form[0] * std::hypot(a, b) + std::sqrt(-s.form[3]) * std::sqrt(a * a + b * b + c * c);
-            } else if (s.form[2] == 1) {
-                extent = std::sqrt(a * a + b * b + c * c);
-            } else if (s.form[2] == 0 && std::fabs(c) <= 1e-12 * std::hypot(a, b)) {
-                extent = std::hypot(a, b);
-            }
-            box.min[static_cast<std::size_t>(j)] = centre[j] - extent;
-            box.max[static_cast<std::size_t>(j)] = centre[j] + extent;
-        }
-        return box;
-    }
-
     void compute_bounds(const std::vector<std::uint32_t>& roots) {
         const Box3 nothing{{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
+        const Box3 everything = {nothing.max, nothing.min};
         std::vector<Box3> boxes(terms_.size(), nothing);
         for (std::size_t i = 0; i < terms_.size(); ++i) {
             const Term& term = terms_[i];
             if (term.type == Term::Type::kFalse) continue;
             if (term.type == Term::Type::kLiteral || term.type == Term::Type::kSpatial) {
-                boxes[i] = literal_bounds(term);
+                boxes[i] = term.type == Term::Type::kLiteral
+                               ? half_bounds(out_.surfaces[term.surface].surface, term.negated)
+                               : everything;
                 if (term.hint) shrink(boxes[i], *term.hint);
                 continue;
             }
             const bool is_or = term.type == Term::Type::kOr;
-            if (!is_or) boxes[i] = {{-kInfinity, -kInfinity, -kInfinity}, {kInfinity, kInfinity, kInfinity}};
+            if (!is_or) boxes[i] = everything;
             for (const std::uint32_t child : term.children) {
                 for (std::size_t j = 0; j < 3; ++j) {
                     auto& low = boxes[i].min[j];
@@ -512,19 +447,6 @@ class Compiler {
             throw Error(ExitCode::kInput,
                         model_.source + ": the model is larger than 1e100 in its units; choose other units");
         }
-    }
-
-    /// A distance from the origin within which the surface shows its shape.
-    static double reach(const Surface& s) {
-        if (s.kind == kSurfacePlane) return std::fabs(s.map[3]);
-        double result = 0;
-        for (int i = 0; i < 3; ++i) {
-            const double row = std::sqrt(s.map[4 * i] * s.map[4 * i] + s.map[4 * i + 1] * s.map[4 * i + 1] +
-                                         s.map[4 * i + 2] * s.map[4 * i + 2]);
-            const double extent = s.kind == kSurfaceTorus ? s.form[0] + std::sqrt(-s.form[3]) : 1;
-            if (row > 0) result = std::max(result, (std::fabs(s.map[4 * i + 3]) + extent) / row);
-        }
-        return result;
     }
 
     const Model& model_;

@@ -129,7 +129,7 @@ TEST_CASE("the same tetrahedron in every format") {
         CHECK(model.regions.size() == 1);
         CHECK(model.regions[0].name == "part");
         CHECK(model.warnings.empty());
-        CHECK(model.nodes[0].primitive.sharp_angle == 30);
+        CHECK(model.nodes[0].primitive.sharp_angle == 40);
         const TriangleSurface& surface = surface_of(model);
         CHECK(surface.points.size() == 4);
         CHECK(surface.triangles.size() == 4);

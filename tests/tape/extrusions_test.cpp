@@ -141,7 +141,8 @@ TEST_CASE("polygons of 5,000 edges keep tapes shallow") {
     }
     for (const std::string& points : {star, comb}) {
         const CompiledModel model = compile(parse_model(
-            "linear_extrude(height = 1) { polygon(points = [" + points + "]); }", "csg", "part.csg"));
+            "linear_extrude(height = 1, scale = [1, 0.5]) { polygon(points = [" + points + "]); }", "csg",
+            "part.csg"));
         CHECK(model.surfaces.size() >= 5000);
         CHECK(model.surfaces.size() <= 5006);
         CHECK(depth_of(model.tape) <= kTapeStack);
