@@ -37,6 +37,7 @@ struct Entry {
     enum class Kind : std::uint8_t { kConstant, kFormula, kNode };
     Kind kind = Kind::kConstant;
     bool solid = false;
+    bool empty = false;                ///< of triangles
     std::vector<std::uint32_t> words;  ///< kFormula: tape; kNode: triangles
     bool crowded = false;
 };
@@ -63,8 +64,9 @@ class Divider {
                 CellFormula formula(model_, winding_);
                 std::vector<Polygon> pieces;
                 for (std::size_t i = begin; i < end; ++i) {
+                    Entry* children = entries.data() + 8 * i;
                     for (std::uint32_t c = 0; c < 8; ++c) {
-                        make_entry(nodes[i], c, level, formula, pieces, entries[8 * i + c]);
+                        make_entry(nodes[i], c, level, formula, pieces, children);
                     }
                 }
             });
@@ -116,8 +118,10 @@ class Divider {
         return {2 * node.at[0] + (c & 1), 2 * node.at[1] + ((c >> 1) & 1), 2 * node.at[2] + (c >> 2)};
     }
 
+    /// Makes entry c of a node; those before it are there.
     void make_entry(const Node& node, std::uint32_t c, int level, CellFormula& formula,
-                    std::vector<Polygon>& pieces, Entry& entry) const {
+                    std::vector<Polygon>& pieces, Entry* entries) const {
+        Entry& entry = entries[c];
         const auto at = child_of(node, c);
         const double size = std::ldexp(1.0, -level);
         glm::dvec3 centre;
@@ -126,6 +130,13 @@ class Divider {
         std::vector<std::uint32_t> inside;
         cut_triangles(node.triangles, centre, half, pieces, inside);
         if (pieces.empty()) {
+            // Two empty cells with a common face lie on the same side.
+            entry.empty = true;
+            for (std::uint32_t axis = 1; axis < 8; axis <<= 1) {
+                if ((c & axis) == 0 || !entries[c ^ axis].empty) continue;
+                entry.solid = entries[c ^ axis].solid;
+                return;
+            }
             entry.solid = winding_.is_inside(centre);
             return;
         }
