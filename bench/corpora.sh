@@ -3,14 +3,14 @@
 #
 #   bash bench/corpora.sh [--level N] [--timeout SECONDS] [SET ...]
 #
-# MORTISE=program (default build/mortise), MORTISE_CORPORA=folder (default ../shared/corpora beside the
+# MORTISE=program (default build/release/mortise), MORTISE_CORPORA=folder (default ../shared/corpora beside the
 # checkout). Prints tab-separated lines: set, file, result, seconds, elements, worst scaled Jacobian, slowest
 # stage and its seconds, message. Results: valid; refused (model not understood, with the reason); failed
 # (no valid mesh, or a crash); timeout. At the end one line a set.
 set -uo pipefail
 root="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
 corpora="${MORTISE_CORPORA:-$root/../shared/corpora}"
-program="${MORTISE:-$root/build/mortise}"
+program="${MORTISE:-$root/build/release/mortise}"
 level=6
 limit=60
 sets=()
