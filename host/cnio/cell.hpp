@@ -113,8 +113,8 @@ class Cell {
     void cut_face(const std::vector<LocalNode>& loop, int f);
     void fan_face(const std::vector<LocalNode>& loop, int f);
     bool split_face(int f, std::size_t p, int round);
-    bool is_resolved(const std::array<std::uint16_t, 3>& triangle, const std::uint8_t* active,
-                     const TreeNode& other);
+    void load_other_tape(const TreeNode& other);
+    bool is_resolved(const std::array<std::uint16_t, 3>& triangle, const std::uint8_t* active);
     void add_polygon(const std::vector<LocalNode>& polygon, int f);
     bool flat(LocalNode a, LocalNode b, LocalNode c) const;
 
@@ -137,6 +137,10 @@ class Cell {
     std::vector<std::array<std::uint16_t, 3>> fan_;
     std::vector<std::pair<std::uint16_t, std::uint16_t>> mixed_;
     std::vector<std::int8_t> triangle_signs_;
+    tape::LocalTape other_tape_;                 ///< of the cell beyond
+    std::vector<std::uint32_t> other_surfaces_;  ///< its active set, ascending
+    std::vector<std::size_t> other_to_own_;      ///< places in surfaces_, or the number of them: not there
+    std::vector<std::int8_t> other_signs_;
 };
 
 }  // namespace mortise::cnio

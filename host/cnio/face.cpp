@@ -160,6 +160,16 @@ void Cell::fan_face(const std::vector<LocalNode>& loop, int f) {
     int d[3] = {0, 0, 0};
     d[axis] = (f & 1) != 0 ? 1 : -1;
     const std::size_t neighbour = static_cast<std::size_t>((d[0] + 1) + 3 * (d[1] + 1) + 9 * (d[2] + 1));
+    // A neighbour that shares an active surface is an NIO leaf.
+    const bool shared =
+        std::any_of(neighbour_active_.begin() + static_cast<std::ptrdiff_t>(neighbour * n),
+                    neighbour_active_.begin() + static_cast<std::ptrdiff_t>((neighbour + 1) * n),
+                    [](std::uint8_t active) { return active != 0; });
+    if (shared) {
+        load_other_tape(tree_.nio[tree_.nio_index(morton_encode(xyz_[0] + static_cast<u32>(d[0]),
+                                                                xyz_[1] + static_cast<u32>(d[1]),
+                                                                xyz_[2] + static_cast<u32>(d[2])))]);
+    }
     bool again = true;
     for (int round = 0; round < kBisectionRounds && again; ++round) {
         again = false;
@@ -183,8 +193,7 @@ bool Cell::flat(LocalNode a, LocalNode b, LocalNode c) const {
 
 /// Whether the certain signs of a triangle for the face's active surfaces tell its region, by the tape of
 /// either cell: both cells ask both tapes, so they agree.
-bool Cell::is_resolved(const std::array<std::uint16_t, 3>& triangle, const std::uint8_t* active,
-                       const TreeNode& other) {
+bool Cell::is_resolved(const std::array<std::uint16_t, 3>& triangle, const std::uint8_t* active) {
     const std::size_t n = surfaces_.size();
     triangle_signs_.assign(n, 0);
     for (std::size_t s = 0; s < n; ++s) {
@@ -198,13 +207,29 @@ bool Cell::is_resolved(const std::array<std::uint16_t, 3>& triangle, const std::
         triangle_signs_[s] =
             static_cast<std::int8_t>(static_cast<int>(positive) - static_cast<int>(negative));
     }
-    for (const TreeNode* node : {static_cast<const TreeNode*>(&leaf_), &other}) {
-        if (tape::resolve_signs(tree_.tapes.data() + node->tape_offset, node->tape_length, surfaces_.data(),
-                                n, triangle_signs_.data()) != kUnknown) {
-            return true;
-        }
+    if (local_tape_.resolve(triangle_signs_.data()) != kUnknown) return true;
+    other_signs_.resize(other_surfaces_.size());
+    for (std::size_t i = 0; i < other_surfaces_.size(); ++i) {
+        other_signs_[i] = other_to_own_[i] < n ? triangle_signs_[other_to_own_[i]] : std::int8_t{0};
     }
-    return false;
+    return other_tape_.resolve(other_signs_.data()) != kUnknown;
+}
+
+void Cell::load_other_tape(const TreeNode& other) {
+    const std::uint32_t* words = tree_.tapes.data() + other.tape_offset;
+    other_surfaces_.clear();
+    for (std::uint32_t i = 0; i < other.tape_length; ++i) {
+        if (tape_operation(words[i]) == kTapeLiteral) other_surfaces_.push_back(tape_surface(words[i]));
+    }
+    std::sort(other_surfaces_.begin(), other_surfaces_.end());
+    other_surfaces_.erase(std::unique(other_surfaces_.begin(), other_surfaces_.end()), other_surfaces_.end());
+    other_tape_.load(words, other.tape_length, other_surfaces_);
+    other_to_own_.clear();
+    for (const std::uint32_t surface : other_surfaces_) {
+        const auto found = std::lower_bound(surfaces_.begin(), surfaces_.end(), surface);
+        const bool own = found != surfaces_.end() && *found == surface;
+        other_to_own_.push_back(own ? static_cast<std::size_t>(found - surfaces_.begin()) : surfaces_.size());
+    }
 }
 
 /// Splits the face's mixed inner edges for surface p; tells whether there were any. Later rounds split only
@@ -217,14 +242,11 @@ bool Cell::split_face(int f, std::size_t p, int round) {
     const std::size_t n = surfaces_.size();
     const std::uint8_t* active =
         neighbour_active_.data() + static_cast<std::size_t>((d[0] + 1) + 3 * (d[1] + 1) + 9 * (d[2] + 1)) * n;
-    const TreeNode& other = tree_.nio[tree_.nio_index(morton_encode(xyz_[0] + static_cast<u32>(d[0]),
-                                                                    xyz_[1] + static_cast<u32>(d[1]),
-                                                                    xyz_[2] + static_cast<u32>(d[2])))];
     // Of the face, not of the cell: both sides must stop at the same triangle.
     const auto on_face = static_cast<std::size_t>(std::count(active, active + n, std::uint8_t{1}));
     mixed_.clear();
     for (const auto& t : fan_) {
-        if (round > 0 && is_resolved(t, active, other)) continue;
+        if (round > 0 && is_resolved(t, active)) continue;
         for (int i = 0; i < 3; ++i) {
             const std::uint16_t a =
                 std::min(t[static_cast<std::size_t>(i)], t[static_cast<std::size_t>((i + 1) % 3)]);

@@ -245,6 +245,8 @@ std::int32_t evaluate_signs(const std::uint32_t* tape, std::size_t length, const
             const bool listed = found != surfaces + surface_count && *found == tape_surface(word);
             const std::int8_t sign = listed ? signs[found - surfaces] : std::int8_t{0};
             stack[++top] = sign == 0 ? kUnknown : ((sign < 0) != (tape_negated(word) != 0) ? 1 : 0);
+        } else if (operation == kTapeSpatial) {
+            stack[++top] = kUnknown;
         } else if (operation == kTapeSelectConst) {
             stack[top] = combine_select(tape_otherwise(word), stack[top], tape_region(word));
         } else {
