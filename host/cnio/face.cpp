@@ -246,15 +246,14 @@ bool Cell::split_face(int f, std::size_t p, int round) {
     const auto on_face = static_cast<std::size_t>(std::count(active, active + n, std::uint8_t{1}));
     mixed_.clear();
     for (const auto& t : fan_) {
-        if (round > 0 && is_resolved(t, active)) continue;
-        for (int i = 0; i < 3; ++i) {
-            const std::uint16_t a =
-                std::min(t[static_cast<std::size_t>(i)], t[static_cast<std::size_t>((i + 1) % 3)]);
-            const std::uint16_t b =
-                std::max(t[static_cast<std::size_t>(i)], t[static_cast<std::size_t>((i + 1) % 3)]);
+        const std::size_t before = mixed_.size();
+        for (std::size_t i = 0; i < 3; ++i) {
+            const std::uint16_t a = std::min(t[i], t[(i + 1) % 3]);
+            const std::uint16_t b = std::max(t[i], t[(i + 1) % 3]);
             const bool interior = (nodes_[fan_nodes_[a]].faces & nodes_[fan_nodes_[b]].faces) == own;
             if (interior && sign(fan_nodes_[a], p) * sign(fan_nodes_[b], p) < 0) mixed_.push_back({a, b});
         }
+        if (round > 0 && mixed_.size() > before && is_resolved(t, active)) mixed_.resize(before);
     }
     std::sort(mixed_.begin(), mixed_.end());
     mixed_.erase(std::unique(mixed_.begin(), mixed_.end()), mixed_.end());
