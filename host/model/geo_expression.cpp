@@ -25,8 +25,8 @@ constexpr std::array<std::string_view, 11> kStatements = {"solid",
 
 constexpr std::array<std::string_view, 4> kCopies = {"translate", "rotate", "multitranslate", "multirotate"};
 
-/// Netgen's other primitives, to tell a gap in this reader from a typing error.
-constexpr std::array<std::string_view, 4> kNotYet = {"extrusion", "revolution", "tube", "gencyl"};
+/// Words that Netgen's lexer knows but its parser rejects.
+constexpr std::array<std::string_view, 2> kNotYet = {"tube", "gencyl"};
 
 template <std::size_t N>
 bool contains(const std::array<std::string_view, N>& words, std::string_view word) {
@@ -98,7 +98,7 @@ std::uint32_t GeoExpression::read_operand() {
         if (lexer_.take_word("not")) {
             frames_.back().negated = !frames_.back().negated;
         } else if (is_geo_primitive(token.text)) {
-            return add_geo_primitive(model_, lexer_);
+            return add_geo_primitive(model_, lexer_, curves_);
         } else if (contains(kCopies, token.text)) {
             open_copy(token.text);
         } else if (contains(kNotYet, token.text)) {

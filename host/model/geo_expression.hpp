@@ -30,8 +30,13 @@ class GeoExpression {
   public:
     /// Nodes from `first` on belong to this statement.
     GeoExpression(Model& model, GeoLexer& lexer, GeoSurfaces& surfaces, const GeoSolids& solids,
-                  std::uint32_t first)
-        : model_(model), lexer_(lexer), surfaces_(surfaces), solids_(solids), first_(first) {}
+                  const GeoCurves& curves, std::uint32_t first)
+        : model_(model),
+          lexer_(lexer),
+          surfaces_(surfaces),
+          solids_(solids),
+          curves_(curves),
+          first_(first) {}
 
     std::uint32_t read();
 
@@ -62,6 +67,7 @@ class GeoExpression {
     GeoLexer& lexer_;
     GeoSurfaces& surfaces_;
     const GeoSolids& solids_;
+    const GeoCurves& curves_;
     std::uint32_t first_;
     std::vector<Frame> frames_;
     std::vector<std::uint32_t> terms_;

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "host/model/affine.hpp"
+#include "host/model/geo_sweeps.hpp"
 
 namespace mortise::model_reader {
 namespace {
@@ -19,6 +20,7 @@ namespace {
 struct Reading {
     Model& model;
     GeoLexer& lexer;
+    const GeoCurves& curves;
     std::string_view name;
     SourceLocation where;
 
@@ -247,8 +249,41 @@ std::uint32_t read_polyhedron(const Reading& r) {
     return r.add(polyhedron(std::move(surface)), kIdentity);
 }
 
+const GeoCurve& read_curve(const Reading& r, bool in_plane) {
+    const SourceLocation where = r.lexer.token().where;
+    const std::string kind = in_plane ? "curve2d" : "curve3d";
+    const std::string name(r.lexer.take_name("the name of a " + kind));
+    const auto found = r.curves.find(name);
+    if (found == r.curves.end() || found->second.in_plane != in_plane) {
+        fail(r.lexer.source(), where,
+             "'" + name + "' is not a " + kind + "; expected '" + kind + " " + name +
+                 " = (...);' above this line");
+    }
+    return found->second;
+}
+
+/// extrusion (path; profile; z direction)
+std::uint32_t read_extrusion(const Reading& r) {
+    const GeoCurve& path = read_curve(r, false);
+    r.semicolon("before the profile");
+    const GeoCurve& profile = read_curve(r, true);
+    r.semicolon("before the z direction");
+    const Vec3 up = r.direction(r.vector("the z direction"), "the z direction");
+    return r.add(sweep_along(profile, path, up), kIdentity);
+}
+
+/// revolution (point of the axis; another one; profile)
+std::uint32_t read_revolution(const Reading& r) {
+    const Vec3 a = r.vector("the first point of the axis");
+    r.semicolon("before the second point");
+    const Vec3 b = r.vector("the second point of the axis");
+    r.semicolon("before the profile");
+    const Vec3 axis = r.direction(difference(b, a), "the axis");
+    return add_revolution(r.model, read_curve(r, true), a, axis, r.where);
+}
+
 using Reader = std::uint32_t (*)(const Reading&);
-constexpr std::array<std::pair<std::string_view, Reader>, 10> kReaders = {
+constexpr std::array<std::pair<std::string_view, Reader>, 12> kReaders = {
     {{"plane", read_plane},
      {"sphere", read_sphere},
      {"cylinder", read_cylinder},
@@ -258,7 +293,9 @@ constexpr std::array<std::pair<std::string_view, Reader>, 10> kReaders = {
      {"ellipsoid", read_ellipsoid},
      {"torus", read_torus},
      {"orthobrick", read_brick},
-     {"polyhedron", read_polyhedron}}};
+     {"polyhedron", read_polyhedron},
+     {"extrusion", read_extrusion},
+     {"revolution", read_revolution}}};
 
 Reader reader_of(std::string_view name) {
     for (const auto& [known, reader] : kReaders) {
@@ -287,8 +324,8 @@ std::string geo_primitive_list() {
     return list;
 }
 
-std::uint32_t add_geo_primitive(Model& model, GeoLexer& lexer) {
-    const Reading reading = {model, lexer, lexer.token().text, lexer.token().where};
+std::uint32_t add_geo_primitive(Model& model, GeoLexer& lexer, const GeoCurves& curves) {
+    const Reading reading = {model, lexer, curves, lexer.token().text, lexer.token().where};
     const Reader reader = reader_of(reading.name);
     lexer.next();
     lexer.take_symbol('(', "after '" + std::string(reading.name) + "'");

@@ -3,6 +3,7 @@
 
 #include <string_view>
 
+#include "host/model/geo_curves.hpp"
 #include "host/model/geo_lexer.hpp"
 #include "mortise/model.hpp"
 
@@ -15,7 +16,7 @@ bool is_geo_primitive(std::string_view name);
 std::string geo_primitive_list();
 
 /// Reads "name ( ... )" at the lexer's token and returns its top node.
-std::uint32_t add_geo_primitive(Model& model, GeoLexer& lexer);
+std::uint32_t add_geo_primitive(Model& model, GeoLexer& lexer, const GeoCurves& curves);
 
 /// Netgen's rotation about `center`: Rz(angles[2])·Rx(angles[1])·Rz(angles[0]), angles in radians and each
 /// factor turning clockwise: x' = x cos + y sin, y' = y cos - x sin.

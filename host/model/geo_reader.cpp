@@ -67,15 +67,8 @@ class GeoReader {
         if (lexer_.take_word("singular")) return read_singular(where);
         if (lexer_.take_word("point")) return read_point(where);
         if (lexer_.take_word("define")) return read_define(where);
-        for (const char* curve : {"curve2d", "curve3d"}) {
-            if (lexer_.is_word(curve)) {
-                fail_here(
-                    "'" + std::string(curve) +
-                    "' is not supported yet, nor are the extrusions and revolutions that use it; replace "
-                    "them by " +
-                    geo_primitive_list());
-            }
-        }
+        if (lexer_.take_word("curve2d")) return read_curve(true);
+        if (lexer_.take_word("curve3d")) return read_curve(false);
         read_stray_word(where);
     }
 
@@ -89,12 +82,24 @@ class GeoReader {
         model_.warnings.push_back(place_text(source_, where) + "the stray word " + word + " is ignored");
     }
 
+    /// curve2d NAME = (n; points; m; pieces) ;  curve3d likewise
+    void read_curve(bool in_plane) {
+        const SourceLocation where = lexer_.token().where;
+        const std::string name(lexer_.take_name("the name of a curve"));
+        if (curves_.count(name) != 0) {
+            fail(source_, where, "the curve '" + name + "' is defined twice; choose another name");
+        }
+        lexer_.take_symbol('=', "after the name of the curve");
+        curves_.emplace(name, read_geo_curve(lexer_, in_plane));
+        lexer_.take_symbol(';', "after the curve '" + name + "'");
+    }
+
     /// solid NAME = expression [flags] ;
     void read_solid(SourceLocation where) {
         const std::string name = take_new_name();
         const auto first = static_cast<std::uint32_t>(model_.nodes.size());
         lexer_.take_symbol('=', "after 'solid " + name + "'");
-        std::uint32_t root = GeoExpression(model_, lexer_, surfaces_, solids_, first).read();
+        std::uint32_t root = GeoExpression(model_, lexer_, surfaces_, solids_, curves_, first).read();
 
         std::string condition;
         double max_size = 0;
@@ -317,6 +322,7 @@ class GeoReader {
     GeoLexer lexer_;
     GeoSurfaces surfaces_;
     GeoSolids solids_;
+    GeoCurves curves_;
     std::unordered_map<std::string, std::uint32_t> lines_;      ///< where each solid was defined
     std::unordered_map<std::string, std::uint32_t> region_of_;  ///< top-level objects: name -> node
     std::unordered_set<std::string> region_names_;

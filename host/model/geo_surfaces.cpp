@@ -29,6 +29,12 @@ void GeoSurfaces::set_primitive(std::uint32_t node, const std::string& name) {
     primitive.name = name;
     // One condition covers all faces of a brick.
     for (Plane& plane : primitive.primitive.planes) plane.name.clear();
+    const auto& triangles = primitive.primitive.triangles;
+    if (triangles == nullptr || triangles->group.empty()) return;
+    auto plain = std::make_shared<TriangleSurface>(*triangles);
+    plain->group.clear();
+    plain->group_names.clear();
+    primitive.primitive.triangles = std::move(plain);
 }
 
 void GeoSurfaces::set_condition(std::uint32_t root, const std::string& name) {

@@ -125,13 +125,11 @@ TEST_CASE(".geo errors name the place, the thing and what was expected") {
         {"algebraic3d\nsolid a = sphere(0,0,0;1); tlo a; identify something a a;", "2:35", "something"},
     };
     for (const Case& c : cases) check(c, "geo");
-    for (const char* name : {"extrusion", "revolution", "tube", "gencyl"}) {
+    for (const char* name : {"tube", "gencyl"}) {
         const std::string text = "algebraic3d\nsolid a = " + std::string(name) + "(0);";
         const std::string mention = "'" + std::string(name) + "' is not supported yet";
         check({text.c_str(), "2:11", mention.c_str()}, "geo");
     }
-    check({"algebraic3d\ncurve2d c = (1;0,0;0);", "2:1", "'curve2d' is not supported yet"}, "geo");
-    check({"algebraic3d\ncurve3d c = (1;0,0,0;0);", "2:1", "'curve3d' is not supported yet"}, "geo");
 }
 
 TEST_CASE("files that cannot be read, and unknown formats") {
