@@ -4,6 +4,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 
 #include "host/common/random.hpp"
@@ -257,4 +258,24 @@ TEST_CASE("offsets, hulls, sums and filled outlines have the areas of the formul
     const Contours sum = minkowski_sum(frame, {rectangle(-0.25, -0.25, 0.25, 0.25)});
     CHECK(area(sum) == doctest::Approx(4.5 * 4.5 - 1.5 * 1.5));
     CHECK(area(minkowski_sum(frame, {rectangle(-3, -3, 3, 3)})) == doctest::Approx(100));
+}
+
+TEST_CASE("the offset of a long row of shapes takes no time of its square") {
+    // A row of 4000 regular 60-gons, as a line of text: Clipper's sweep must not cross all of them at each
+    // step.
+    constexpr int kCount = 4000;
+    Contours row;
+    for (int k = 0; k < kCount; ++k) {
+        std::vector<Vec2> loop = regular_polygon(1, 60);
+        for (Vec2& p : loop) p = {p[0] + 3.0 * k, p[1] + 1e-3 * (k % 97)};
+        row.push_back(std::move(loop));
+    }
+    const auto start = std::chrono::steady_clock::now();
+    const Contours wide = offset(row, 0.25, OffsetCorner::kRound, 60);
+    const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
+    CHECK(seconds.count() < 10);
+    REQUIRE(wide.size() == kCount);
+    double area = 0;
+    for (const auto& loop : wide) area += signed_area(loop);
+    CHECK(area == doctest::Approx(kCount * 3.14159265 * 1.25 * 1.25).epsilon(3e-3));
 }
