@@ -98,7 +98,7 @@ std::uint32_t GeoExpression::read_operand() {
         if (lexer_.take_word("not")) {
             frames_.back().negated = !frames_.back().negated;
         } else if (is_geo_primitive(token.text)) {
-            return add_geo_primitive(model_, lexer_, curves_);
+            return add_geo_primitive(model_, lexer_, shapes_);
         } else if (contains(kCopies, token.text)) {
             open_copy(token.text);
         } else if (contains(kNotYet, token.text)) {

@@ -30,12 +30,12 @@ class GeoExpression {
   public:
     /// Nodes from `first` on belong to this statement.
     GeoExpression(Model& model, GeoLexer& lexer, GeoSurfaces& surfaces, const GeoSolids& solids,
-                  const GeoCurves& curves, std::uint32_t first)
+                  GeoShapes& shapes, std::uint32_t first)
         : model_(model),
           lexer_(lexer),
           surfaces_(surfaces),
           solids_(solids),
-          curves_(curves),
+          shapes_(shapes),
           first_(first) {}
 
     std::uint32_t read();
@@ -67,7 +67,7 @@ class GeoExpression {
     GeoLexer& lexer_;
     GeoSurfaces& surfaces_;
     const GeoSolids& solids_;
-    const GeoCurves& curves_;
+    GeoShapes& shapes_;
     std::uint32_t first_;
     std::vector<Frame> frames_;
     std::vector<std::uint32_t> terms_;

@@ -104,9 +104,10 @@ std::vector<GeoFlag> GeoLexer::take_flags() {
                 do {
                     next();
                     if (token_.kind == GeoToken::Kind::kName) {
-                        next();
+                        flag.list.emplace_back(take_name("a word"));
                     } else {
-                        take_number("a number or word in the list of -" + std::string(flag.name));
+                        flag.list.push_back(number_text(
+                            take_number("a number or word in the list of -" + std::string(flag.name))));
                     }
                 } while (is_symbol(','));
                 take_symbol(']', "after the list of -" + std::string(flag.name));

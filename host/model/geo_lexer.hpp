@@ -25,6 +25,7 @@ struct GeoFlag {
     Kind kind = Kind::kNone;
     std::string_view word;
     double number = 0;
+    std::vector<std::string> list;  ///< kList: words and numbers as text
     SourceLocation where;
 };
 

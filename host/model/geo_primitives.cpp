@@ -20,7 +20,7 @@ namespace {
 struct Reading {
     Model& model;
     GeoLexer& lexer;
-    const GeoCurves& curves;
+    GeoShapes& shapes;
     std::string_view name;
     SourceLocation where;
 
@@ -218,6 +218,8 @@ std::uint32_t read_corner(const Reading& r, std::size_t points) {
 /// polyhedron (point; point; ...;; i, j, k; i, j, k, l; ...): faces of three or four points, numbered from 1
 std::uint32_t read_polyhedron(const Reading& r) {
     TriangleSurface surface;
+    std::vector<std::uint32_t> face_of;
+    std::uint32_t faces = 0;
     do {
         surface.points.push_back(r.vector("a point, or ';' before the faces"));
         r.semicolon("after a point (';;' after the last one)");
@@ -238,6 +240,7 @@ std::uint32_t read_polyhedron(const Reading& r) {
             r.refuse("a face has " + std::to_string(face.size()) + " points; expected three or four");
         surface.triangles.push_back({face[0], face[1], face[2]});
         if (face.size() == 4) surface.triangles.push_back({face[0], face[2], face[3]});
+        face_of.resize(surface.triangles.size(), faces++);
     } while (take(';'));
     // Whichever way all faces are turned.
     double volume = 0;
@@ -246,15 +249,17 @@ std::uint32_t read_polyhedron(const Reading& r) {
     if (volume < 0) {
         for (auto& t : surface.triangles) std::swap(t[1], t[2]);
     }
-    return r.add(polyhedron(std::move(surface)), kIdentity);
+    const std::uint32_t node = r.add(polyhedron(std::move(surface)), kIdentity);
+    r.shapes.faces.emplace(node, std::move(face_of));
+    return node;
 }
 
 const GeoCurve& read_curve(const Reading& r, bool in_plane) {
     const SourceLocation where = r.lexer.token().where;
     const std::string kind = in_plane ? "curve2d" : "curve3d";
     const std::string name(r.lexer.take_name("the name of a " + kind));
-    const auto found = r.curves.find(name);
-    if (found == r.curves.end() || found->second.in_plane != in_plane) {
+    const auto found = r.shapes.curves.find(name);
+    if (found == r.shapes.curves.end() || found->second.in_plane != in_plane) {
         fail(r.lexer.source(), where,
              "'" + name + "' is not a " + kind + "; expected '" + kind + " " + name +
                  " = (...);' above this line");
@@ -324,8 +329,8 @@ std::string geo_primitive_list() {
     return list;
 }
 
-std::uint32_t add_geo_primitive(Model& model, GeoLexer& lexer, const GeoCurves& curves) {
-    const Reading reading = {model, lexer, curves, lexer.token().text, lexer.token().where};
+std::uint32_t add_geo_primitive(Model& model, GeoLexer& lexer, GeoShapes& shapes) {
+    const Reading reading = {model, lexer, shapes, lexer.token().text, lexer.token().where};
     const Reader reader = reader_of(reading.name);
     lexer.next();
     lexer.take_symbol('(', "after '" + std::string(reading.name) + "'");

@@ -86,11 +86,11 @@ class GeoReader {
     void read_curve(bool in_plane) {
         const SourceLocation where = lexer_.token().where;
         const std::string name(lexer_.take_name("the name of a curve"));
-        if (curves_.count(name) != 0) {
+        if (shapes_.curves.count(name) != 0) {
             fail(source_, where, "the curve '" + name + "' is defined twice; choose another name");
         }
         lexer_.take_symbol('=', "after the name of the curve");
-        curves_.emplace(name, read_geo_curve(lexer_, in_plane));
+        shapes_.curves.emplace(name, read_geo_curve(lexer_, in_plane));
         lexer_.take_symbol(';', "after the curve '" + name + "'");
     }
 
@@ -99,13 +99,17 @@ class GeoReader {
         const std::string name = take_new_name();
         const auto first = static_cast<std::uint32_t>(model_.nodes.size());
         lexer_.take_symbol('=', "after 'solid " + name + "'");
-        std::uint32_t root = GeoExpression(model_, lexer_, surfaces_, solids_, curves_, first).read();
+        std::uint32_t root = GeoExpression(model_, lexer_, surfaces_, solids_, shapes_, first).read();
 
         std::string condition;
+        bool by_face = false;
         double max_size = 0;
         for (const GeoFlag& flag : lexer_.take_flags()) {
             if (flag.name == "maxh") {
                 max_size = positive_flag(flag);
+            } else if ((flag.name == "bc" || flag.name == "bcname") && flag.kind == GeoFlag::Kind::kList) {
+                name_faces(root, flag);
+                by_face = true;
             } else if (flag.name == "bcname") {
                 condition = word_flag(flag);
             } else if (flag.name == "bc") {
@@ -116,7 +120,7 @@ class GeoReader {
         }
         lexer_.take_symbol(';', "or a flag after the solid '" + name + "'");
 
-        if (!condition.empty()) surfaces_.set_condition(root, condition);
+        if (!condition.empty() && !by_face) surfaces_.set_condition(root, condition);
         surfaces_.set_solid(first, name);
         if (max_size > 0) {
             // A solid that is only another one's name gets a node of its own to carry the size.
@@ -125,6 +129,23 @@ class GeoReader {
         }
         if (root >= first && model_.nodes[root].where.line == 0) model_.nodes[root].where = where;
         solids_.emplace(name, root);
+    }
+
+    /// -bc=[numbers] and -bcname=[words] of a polyhedron, one for each face.
+    void name_faces(std::uint32_t root, const GeoFlag& flag) {
+        const std::string name = "-" + std::string(flag.name) + "=[...]";
+        const auto found = shapes_.faces.find(root);
+        if (found == shapes_.faces.end()) {
+            fail(source_, flag.where,
+                 name + " names faces one by one; expected a solid that is one polyhedron, or a single name");
+        }
+        const std::size_t faces = found->second.back() + std::size_t{1};
+        if (flag.list.size() != faces) {
+            fail(source_, flag.where,
+                 name + " has " + std::to_string(flag.list.size()) + " names; expected one for each of the " +
+                     std::to_string(faces) + " faces");
+        }
+        surfaces_.set_face_conditions(root, found->second, flag.list, flag.name == "bc" ? "bc" : "");
     }
 
     std::string take_new_name() {
@@ -322,7 +343,7 @@ class GeoReader {
     GeoLexer lexer_;
     GeoSurfaces surfaces_;
     GeoSolids solids_;
-    GeoCurves curves_;
+    GeoShapes shapes_;
     std::unordered_map<std::string, std::uint32_t> lines_;      ///< where each solid was defined
     std::unordered_map<std::string, std::uint32_t> region_of_;  ///< top-level objects: name -> node
     std::unordered_set<std::string> region_names_;

@@ -30,10 +30,10 @@ void GeoSurfaces::set_primitive(std::uint32_t node, const std::string& name) {
     // One condition covers all faces of a brick.
     for (Plane& plane : primitive.primitive.planes) plane.name.clear();
     const auto& triangles = primitive.primitive.triangles;
-    if (triangles == nullptr || triangles->group.empty()) return;
+    if (triangles == nullptr) return;
     auto plain = std::make_shared<TriangleSurface>(*triangles);
-    plain->group.clear();
-    plain->group_names.clear();
+    plain->group.assign(plain->triangles.size(), 0);
+    plain->group_names = {""};
     primitive.primitive.triangles = std::move(plain);
 }
 
@@ -44,6 +44,28 @@ void GeoSurfaces::set_condition(std::uint32_t root, const std::string& name) {
         if (model_.nodes[node].op == CsgNode::Op::kPrimitive) set_primitive(node, name);
         settled_[node] = 1;
     }
+}
+
+void GeoSurfaces::set_face_conditions(std::uint32_t polyhedron, const std::vector<std::uint32_t>& face_of,
+                                      const std::vector<std::string>& names, const std::string& prefix) {
+    grow();
+    if (settled_[polyhedron] != 0) return;
+    settled_[polyhedron] = 1;
+    CsgNode& node = model_.nodes[polyhedron];
+    node.name = prefix;
+    auto named = std::make_shared<TriangleSurface>(*node.primitive.triangles);
+    named->group_names.clear();
+    std::unordered_map<std::string, std::uint32_t> group_of;
+    std::vector<std::uint32_t> group_of_face;
+    for (const std::string& name : names) {
+        const auto [entry, is_new] =
+            group_of.emplace(name, static_cast<std::uint32_t>(named->group_names.size()));
+        if (is_new) named->group_names.push_back(name);
+        group_of_face.push_back(entry->second);
+    }
+    named->group.clear();
+    for (const std::uint32_t face : face_of) named->group.push_back(group_of_face[face]);
+    node.primitive.triangles = std::move(named);
 }
 
 bool GeoSurfaces::override_condition(std::uint32_t root, std::uint32_t region,

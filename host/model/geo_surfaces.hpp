@@ -18,6 +18,11 @@ class GeoSurfaces {
     /// Names every surface below `root` that has no condition yet.
     void set_condition(std::uint32_t root, const std::string& name);
 
+    /// Names the faces of a polyhedron, unless it has a condition: `face_of` each triangle, `names` of faces.
+    /// Surfaces are called PREFIX_name; without a prefix, after the solid and the name.
+    void set_face_conditions(std::uint32_t polyhedron, const std::vector<std::uint32_t>& face_of,
+                             const std::vector<std::string>& names, const std::string& prefix);
+
     /// The same for surfaces of `root` that bound `region` (a node) and nothing else, conditions or not.
     /// False, and nothing done, if one of them also bounds a node of `other_regions`.
     bool override_condition(std::uint32_t root, std::uint32_t region,

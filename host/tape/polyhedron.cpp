@@ -201,7 +201,8 @@ PolyhedronParts make_polyhedron(TriangleSurface shape, double sharp_angle, std::
     PatchWriter writer(shape, facets);
     for (std::uint32_t patch = 0; patch < facets.patches; ++patch) {
         if (!shape.group.empty()) {
-            parts.suffixes.push_back("_" + shape.group_names[shape.group[triangles[patch][0]]]);
+            const std::string& name = shape.group_names[shape.group[triangles[patch][0]]];
+            parts.suffixes.push_back(name.empty() ? "" : "_" + name);
         } else {
             const bool numbered = facets.patches <= kMostNumbered;
             parts.suffixes.push_back(numbered ? "_face" + std::to_string(patch + 1) : "");

@@ -42,7 +42,7 @@ struct TriangleSurface {
     std::vector<Vec3> points;
     std::vector<std::array<std::uint32_t, 3>> triangles;  ///< indices into `points`
     /// Per triangle an index into `group_names`; empty: no groups. Surfaces end where a group ends, and are
-    /// called after the primitive and their group.
+    /// called after the primitive and their group, or the primitive alone if the group's name is empty.
     std::vector<std::uint32_t> group;
     std::vector<std::string> group_names;
 };

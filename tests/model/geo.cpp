@@ -246,6 +246,29 @@ TEST_CASE("a polyhedron is what its faces enclose, whichever way they are turned
     }
 }
 
+TEST_CASE("a polyhedron takes conditions face by face") {
+    const std::string solid =
+        "solid s = polyhedron(0,0,0; 2,0,0; 2,2,0; 0,2,0; 0,0,1;; 4,3,2,1; 1,2,5; 2,3,5; 3,4,5; 4,1,5)";
+    const Model numbered = read(solid + " -bc=[3,1,2,1,-1]; tlo s;");
+    const auto surface_of = [](const Model& model) { return *model.nodes.at(0).primitive.triangles; };
+    CHECK(numbered.nodes[0].name == "bc");
+    CHECK(surface_of(numbered).group_names == Names{"3", "1", "2", "-1"});
+    CHECK(surface_of(numbered).group == std::vector<std::uint32_t>{0, 0, 1, 2, 1, 3});
+    const Model named = read(solid + " -bcname=[floor,roof,roof,roof,roof]; tlo s;");
+    CHECK(named.nodes[0].name == "s");
+    CHECK(surface_of(named).group_names == Names{"floor", "roof"});
+    // One condition for all faces, and the first one wins.
+    const Model joined = read(solid + " -bc=7; solid t = s and plane(0,0,0.5;0,0,1) -bc=8; tlo t;");
+    CHECK(joined.nodes[0].name == "bc_7");
+    CHECK(surface_of(joined).group_names == Names{""});
+    CHECK(surface_of(read(solid + " -bc=[3,1,2,1,1]; solid t = s and plane(0,0,0.5;0,0,1) -bc=8; tlo t;"))
+              .group_names == Names{"3", "1", "2"});
+    const std::string few = test::refusal("algebraic3d " + solid + " -bc=[1,2]; tlo s;", "geo");
+    CHECK(few.find("-bc=[...] has 2 names; expected one for each of the 5 faces") != std::string::npos);
+    const std::string ball = test::refusal("algebraic3d solid s = sphere(0,0,0;1) -bc=[1,2]; tlo s;", "geo");
+    CHECK(ball.find("expected a solid that is one polyhedron") != std::string::npos);
+}
+
 TEST_CASE("boundarycondition and boundaryconditionname override where a surface bounds one region only") {
     const std::string start = "solid p = plane(0,0,0;0,0,1) -bc=1; solid a = p and sphere(0,0,0;1) -bc=2;";
     const Model named = read(start + "tlo a; boundaryconditionname p a inlet;");

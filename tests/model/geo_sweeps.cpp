@@ -141,7 +141,8 @@ TEST_CASE("extrusion of lines along lines is exact") {
         if (node.primitive.triangles != nullptr) CHECK(node.primitive.sharp_angle == 0);
     }
     // A condition joins the faces.
-    CHECK(shell(read(kRectangle + kSegment + "solid s = extrusion(p; c; 0,0,1) -bc=1;")).group.empty());
+    CHECK(shell(read(kRectangle + kSegment + "solid s = extrusion(p; c; 0,0,1) -bc=1;")).group_names ==
+          std::vector<std::string>{""});
 
     // Mitre: volume is area times length through the centroid; the square is centred on the path.
     const std::string corner = kSquare + "curve3d p = (3; 0,0,0; 10,0,0; 10,7,0; 2; 2,1,2; 2,2,3);";
