@@ -3,7 +3,7 @@
 
 #include "host/model/file_content.hpp"
 #include "host/model/readers.hpp"
-#include "host/model/triangle_files.hpp"
+#include "host/model/triangles/triangle_files.hpp"
 #include "mortise/model.hpp"
 
 namespace mortise {

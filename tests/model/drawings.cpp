@@ -1,5 +1,5 @@
 // DXF, SVG and surface(): areas and places against closed forms; errors.
-#include "host/model/drawings.hpp"
+#include "host/model/outlines/drawings.hpp"
 
 #include <doctest/doctest.h>
 #include <png.h>
@@ -7,7 +7,7 @@
 #include <cmath>
 #include <sstream>
 
-#include "host/model/height_field.hpp"
+#include "host/model/triangles/height_field.hpp"
 #include "tests/model/membership.hpp"
 
 using namespace mortise;

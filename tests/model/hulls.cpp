@@ -1,5 +1,5 @@
 // hull() and minkowski(): membership against support functions, volumes against closed forms.
-#include "host/model/hulls.hpp"
+#include "host/model/solids/hulls.hpp"
 
 #include <doctest/doctest.h>
 
@@ -7,7 +7,7 @@
 #include <functional>
 #include <random>
 
-#include "host/model/convex_hull.hpp"
+#include "host/model/solids/convex_hull.hpp"
 #include "tests/model/membership.hpp"
 
 using namespace mortise;

@@ -1,5 +1,5 @@
 // Polygons: formulas, normal form and the operations on outlines.
-#include "host/model/polygons.hpp"
+#include "host/model/outlines/polygons.hpp"
 
 #include <doctest/doctest.h>
 
@@ -8,7 +8,7 @@
 #include <cmath>
 
 #include "host/common/random.hpp"
-#include "host/model/polygon_formula.hpp"
+#include "host/model/outlines/polygon_formula.hpp"
 
 using namespace mortise;
 using namespace mortise::model_reader;

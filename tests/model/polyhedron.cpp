@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "host/model/csg_polyhedron.hpp"
+#include "host/model/csg/csg_polyhedron.hpp"
 #include "tests/model/membership.hpp"
 
 using namespace mortise;

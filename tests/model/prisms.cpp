@@ -1,5 +1,5 @@
 // Extrusions of outlines with many edges: one surface of triangles, watertight, with the outline's volume.
-#include "host/model/prism.hpp"
+#include "host/model/solids/prism.hpp"
 
 #include <doctest/doctest.h>
 
@@ -8,7 +8,7 @@
 #include <map>
 
 #include "host/common/random.hpp"
-#include "host/model/polygons.hpp"
+#include "host/model/outlines/polygons.hpp"
 #include "tests/model/membership.hpp"
 
 using namespace mortise;

@@ -1,5 +1,5 @@
 // Outlines of text(): heights, alignment, holes, fonts that are missing.
-#include "host/model/text_outlines.hpp"
+#include "host/model/outlines/text_outlines.hpp"
 
 #include <doctest/doctest.h>
 

@@ -11,7 +11,7 @@
 #include <map>
 #include <sstream>
 
-#include "host/model/polygon_triangles.hpp"
+#include "host/model/outlines/polygon_triangles.hpp"
 #include "tests/model/membership.hpp"
 
 namespace fs = std::filesystem;

@@ -1,0 +1,96 @@
+#include "host/model/csg/csg_checks.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace mortise::model_reader {
+namespace {
+
+constexpr int kMostFlatFragments = 12;
+constexpr int kMostFragments = 100000;
+constexpr double kPi = 3.14159265358979323846;
+
+}  // namespace
+
+std::string quoted(std::string_view name) { return "'" + std::string(name) + "'"; }
+
+void refuse_unknown_arguments(const CsgNodeText& node, std::initializer_list<std::string_view> known,
+                              std::size_t most_by_position) {
+    std::size_t by_position = 0;
+    for (const CsgArgument& argument : node.arguments.all()) {
+        if (argument.name.empty()) {
+            if (++by_position > most_by_position) {
+                fail(node.source, argument.where,
+                     quoted(node.name) + " has too many arguments without a name");
+            }
+        } else if (argument.name[0] != '$' &&
+                   std::find(known.begin(), known.end(), argument.name) == known.end()) {
+            std::string list;
+            for (const std::string_view name : known) list += (list.empty() ? "" : ", ") + std::string(name);
+            fail(node.source, argument.where,
+                 quoted(node.name) + " has no argument " + quoted(argument.name) + "; expected " + list);
+        }
+    }
+}
+
+double finite_number(const CsgNodeText& node, const CsgArgument& argument, std::string_view what) {
+    if (argument.kind != CsgArgument::Kind::kNumber) {
+        fail(node.source, argument.where,
+             quoted(node.name) + ": " + std::string(what) + " is not a number; expected one");
+    }
+    const double value = *node.arguments.numbers(argument);
+    if (!std::isfinite(value)) {
+        fail(node.source, argument.where,
+             quoted(node.name) + ": " + std::string(what) + " is " + number_text(value) +
+                 "; expected a finite number");
+    }
+    return value;
+}
+
+double optional_number(const CsgNodeText& node, std::string_view name, int position, double fallback) {
+    const CsgArgument* argument = node.arguments.find(name, position);
+    if (argument == nullptr || argument->kind == CsgArgument::Kind::kUndefined) return fallback;
+    return finite_number(node, *argument, name);
+}
+
+bool optional_boolean(const CsgNodeText& node, std::string_view name, int position) {
+    const CsgArgument* argument = node.arguments.find(name, position);
+    if (argument == nullptr || argument->kind == CsgArgument::Kind::kUndefined) return false;
+    if (argument->kind != CsgArgument::Kind::kBoolean) {
+        fail(node.source, argument->where,
+             quoted(node.name) + ": " + std::string(name) + " is neither true nor false");
+    }
+    return argument->boolean;
+}
+
+void fail_size(const CsgNodeText& node, SourceLocation where, std::string_view what, double value,
+               std::string_view expected) {
+    fail(node.source, where,
+         quoted(node.name) + ": " + std::string(what) + " is " + number_text(value) + "; expected " +
+             std::string(expected));
+}
+
+int fragments_of(const CsgNodeText& node, double radius) {
+    constexpr double kFinestRadius = 1.0 / (1 << 20);  // OpenSCAD's grid
+    const double count = optional_number(node, "$fn", -1, 0);
+    const double angle = std::max(optional_number(node, "$fa", -1, 12), 0.01);
+    const double size = std::max(optional_number(node, "$fs", -1, 2), 0.01);
+    if (radius < kFinestRadius) return 3;
+    const double wanted =
+        count > 0 ? std::max(count, 3.0) : std::max(std::min(360 / angle, radius * 2 * kPi / size), 5.0);
+    if (wanted > kMostFragments) {
+        fail(node.source, node.where,
+             quoted(node.name) + ": a circle of " + number_text(std::ceil(wanted)) +
+                 " fragments; expected at most " + std::to_string(kMostFragments) + ": choose another $fn");
+    }
+    return static_cast<int>(std::ceil(wanted));
+}
+
+int flat_fragments(const CsgNodeText& node, double radius) {
+    if (node.facets == Facets::kExact) return fragments_of(node, radius);
+    const double wanted = optional_number(node, "$fn", -1, 0);
+    if (!(wanted > 0) || wanted > kMostFlatFragments) return 0;
+    return std::max(3, static_cast<int>(std::ceil(wanted)));
+}
+
+}  // namespace mortise::model_reader

@@ -1,0 +1,109 @@
+#include "host/model/csg/csg_nodes.hpp"
+
+#include <array>
+#include <cmath>
+
+#include "host/model/affine.hpp"
+#include "host/model/csg/csg_implicit.hpp"
+#include "host/model/csg/csg_imports.hpp"
+#include "host/model/csg/csg_primitives.hpp"
+#include "host/model/csg/csg_shapes.hpp"
+
+namespace mortise::model_reader {
+namespace {
+
+using Kind = CsgOperand::Kind;
+using Op = CsgNode::Op;
+
+template <std::uint32_t (*add)(Model&, const CsgNodeText&)>
+CsgOperand read_solid(CsgScene& scene, const CsgNodeText& node) {
+    return {Kind::kSolid, add(scene.model, node), node.where};
+}
+
+/// Of plane shapes the xy part moves them.
+CsgFinish read_multmatrix(CsgScene&, const CsgNodeText& node) {
+    const Affine map = csg_matrix(node);
+    const CsgArgument* argument = node.arguments.find("m", 0);
+    return [map, where = node.where, place = argument->where](CsgScene& scene,
+                                                              std::vector<CsgOperand> children) {
+        CsgOperand child = scene.united(std::move(children));
+        const FlatMap flat = {map[0], map[1], map[3], map[4], map[5], map[7]};
+        const Affine lifted = {flat[0], flat[1], 0, flat[2], flat[3], flat[4], 0, flat[5], 0, 0, 1, 0};
+        const bool is_flat = child.kind == Kind::kFlat;
+        if (child.kind == Kind::kNothing) return child;
+        if (std::fabs(relative_determinant(is_flat ? lifted : map)) <= kSingular) {
+            fail(scene.source, place,
+                 std::string("'multmatrix': the matrix is singular, it would flatten the ") +
+                     (is_flat ? "shape" : "solid") + "; expected a determinant other than 0");
+        }
+        if (is_flat && flat != kFlatIdentity) child.node = scene.flat.add_transform(flat, child.node);
+        if (child.kind == Kind::kSolid && map != kIdentity) {
+            child.node = scene.model.add_transform(map, child.node);
+            scene.model.nodes[child.node].where = where;
+        }
+        return child;
+    };
+}
+
+constexpr CsgNodeType operation(std::string_view name, Op op) { return {name, op, nullptr, nullptr}; }
+constexpr CsgNodeType leaf(std::string_view name, CsgOperand (*read)(CsgScene&, const CsgNodeText&)) {
+    return {name, Op::kPrimitive, read, nullptr};
+}
+constexpr CsgNodeType branch(std::string_view name, CsgFinish (*read)(CsgScene&, const CsgNodeText&)) {
+    return {name, Op::kPrimitive, nullptr, read};
+}
+
+/// The commonest first.
+constexpr std::array<CsgNodeType, 29> kTypes = {branch("multmatrix", read_multmatrix),
+                                                leaf("cube", read_solid<add_csg_cube>),
+                                                operation("group", Op::kUnion),
+                                                leaf("cylinder", read_solid<add_csg_cylinder>),
+                                                operation("union", Op::kUnion),
+                                                operation("difference", Op::kDifference),
+                                                leaf("sphere", read_solid<add_csg_sphere>),
+                                                operation("color", Op::kUnion),
+                                                operation("intersection", Op::kIntersection),
+                                                operation("render", Op::kUnion),
+                                                leaf("square", read_square),
+                                                leaf("circle", read_circle),
+                                                leaf("polygon", read_polygon),
+                                                branch("linear_extrude", read_linear_extrude),
+                                                branch("rotate_extrude", read_rotate_extrude),
+                                                branch("offset", read_offset),
+                                                branch("hull", read_hull),
+                                                branch("minkowski", read_minkowski),
+                                                branch("resize", read_resize),
+                                                leaf("implicit", read_solid<add_csg_implicit>),
+                                                leaf("gyroid", read_solid<add_csg_implicit>),
+                                                leaf("schwarz_p", read_solid<add_csg_implicit>),
+                                                leaf("schwarz_d", read_solid<add_csg_implicit>),
+                                                branch("fill", read_fill),
+                                                branch("projection", read_projection),
+                                                leaf("polyhedron", read_polyhedron),
+                                                leaf("text", read_text),
+                                                leaf("import", read_import),
+                                                leaf("surface", read_surface)};
+
+/// OpenSCAD's other node types, to tell a gap in this reader from a typing error.
+constexpr std::array<std::string_view, 2> kNotYet = {"roof", "path_extrude"};
+
+}  // namespace
+
+const CsgNodeType& csg_node_type(std::string_view name, const std::string& source, SourceLocation where) {
+    for (const CsgNodeType& type : kTypes) {
+        if (type.name == name) return type;
+    }
+    for (const std::string_view known : kNotYet) {
+        if (known == name) {
+            fail(source, where,
+                 quoted(name) + " is not supported yet; disable the node with '*' to leave it out");
+        }
+    }
+    std::string supported;
+    for (const CsgNodeType& type : kTypes) {
+        supported += (supported.empty() ? "supported are " : ", ") + std::string(type.name);
+    }
+    fail(source, where, "unknown node " + quoted(name) + "; " + supported);
+}
+
+}  // namespace mortise::model_reader

@@ -1,0 +1,189 @@
+// OpenSCAD's primitives as Mortise primitives.
+//
+// Source: the OpenSCAD language (fragments, vertex placement) as written by OpenSCAD's .csg export, with
+// two differences. Curved solids stay curved, unless $fn asks for at most twelve fragments: that is how
+// users make prisms, so then the flat faces are meant. And sizes that are zero, negative or not finite
+// are errors, where OpenSCAD draws nothing.
+#include "host/model/csg/csg_primitives.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "host/model/affine.hpp"
+#include "host/model/outlines/flat_tree.hpp"
+
+namespace mortise::model_reader {
+namespace {
+
+/// Scales a plane so that its largest component is 1: equal planes of different sizes get equal normals.
+Plane scaled(Plane plane) {
+    double largest = 0;
+    for (const double component : plane.normal) largest = std::max(largest, std::fabs(component));
+    for (double& component : plane.normal) component /= largest;
+    plane.offset /= largest;
+    return plane;
+}
+
+/// The side planes of a regular n-sided frustum about z: vertex 0 of each ring on +x, circumradius
+/// `radius` + `slope`·z.
+void add_sides(std::vector<Plane>& planes, int n, double radius, double slope) {
+    for (int j = 0; j < n; ++j) {
+        const double from = 360.0 * j / n;
+        const double to = 360.0 * (j + 1) / n;
+        const double x = cosine_of_degrees(from);
+        const double y = sine_of_degrees(from);
+        const Vec3 outward = {sine_of_degrees(to) - y, x - cosine_of_degrees(to), 0};
+        const double apothem = outward[0] * x + outward[1] * y;
+        planes.push_back(scaled({{outward[0], outward[1], -slope * apothem}, radius * apothem, ""}));
+    }
+}
+
+void add_caps(std::vector<Plane>& planes, const double* zmin, const double* zmax) {
+    if (zmin != nullptr) planes.push_back({{0, 0, -1}, -*zmin, "zmin"});
+    if (zmax != nullptr) planes.push_back({{0, 0, 1}, *zmax, "zmax"});
+}
+
+}  // namespace
+
+std::uint32_t add_csg_cube(Model& model, const CsgNodeText& node) {
+    refuse_unknown_arguments(node, {"size", "center"}, 2);
+    Vec3 size = {1, 1, 1};
+    SourceLocation where = node.where;
+    if (const CsgArgument* argument = node.arguments.find("size", 0)) {
+        where = argument->where;
+        if (argument->kind == CsgArgument::Kind::kNumber) {
+            size.fill(finite_number(node, *argument, "size"));
+        } else if (argument->kind == CsgArgument::Kind::kList && argument->regular && argument->rows == 0 &&
+                   argument->count == 3) {
+            std::copy_n(node.arguments.numbers(*argument), 3, size.begin());
+        } else {
+            fail(node.source, where, "'cube': size is not a number or a list of three numbers");
+        }
+    }
+    for (const double edge : size) {
+        if (!(edge > 0) || !std::isfinite(edge)) {
+            fail_size(node, where, "size", edge, "three positive, finite numbers");
+        }
+    }
+    Vec3 low{};
+    Vec3 high = size;
+    if (optional_boolean(node, "center", 1)) {
+        for (std::size_t k = 0; k < 3; ++k) {
+            high[k] = size[k] / 2;
+            low[k] = -high[k];
+        }
+    }
+    return model.add_primitive(box(low, high), node.surface, node.where);
+}
+
+std::uint32_t add_csg_sphere(Model& model, const CsgNodeText& node) {
+    refuse_unknown_arguments(node, {"r", "d"}, 1);
+    double radius = 1;
+    SourceLocation where = node.where;
+    if (const CsgArgument* r = node.arguments.find("r", 0)) {
+        radius = finite_number(node, *r, "radius");
+        where = r->where;
+    } else if (const CsgArgument* d = node.arguments.find("d")) {
+        radius = finite_number(node, *d, "diameter") / 2;
+        where = d->where;
+    }
+    if (!(radius > 0)) fail_size(node, where, "radius", radius, "a positive number");
+    const int n = flat_fragments(node, radius);
+    if (n == 0) return model.add_primitive(sphere(radius), node.surface, node.where);
+
+    // Rings of n vertices at polar angles 180 (i + 1/2) / rings; the first and last are flat caps.
+    Primitive polyhedron;
+    const int rings = (n + 1) / 2;
+    const auto ring_z = [&](int i) { return radius * cosine_of_degrees(180 * (i + 0.5) / rings); };
+    const auto ring_radius = [&](int i) { return radius * sine_of_degrees(180 * (i + 0.5) / rings); };
+    for (int i = 0; i + 1 < rings; ++i) {
+        const double slope = (ring_radius(i) - ring_radius(i + 1)) / (ring_z(i) - ring_z(i + 1));
+        add_sides(polyhedron.planes, n, ring_radius(i) - slope * ring_z(i), slope);
+    }
+    const double top = ring_z(0);
+    const double bottom = -top;
+    add_caps(polyhedron.planes, &bottom, &top);
+    return model.add_primitive(std::move(polyhedron), node.surface, node.where);
+}
+
+std::uint32_t add_csg_cylinder(Model& model, const CsgNodeText& node) {
+    refuse_unknown_arguments(node, {"h", "r1", "r2", "center", "r", "d", "d1", "d2"}, 4);
+    double height = 1;
+    if (const CsgArgument* argument = node.arguments.find("h", 0)) {
+        height = finite_number(node, *argument, "height");
+        if (!(height > 0)) fail_size(node, argument->where, "height", height, "a positive number");
+    }
+    std::array<double, 2> radii = {1, 1};
+    SourceLocation where = node.where;
+    // The general argument first, so that the particular one overrides it.
+    const std::array<std::pair<const char*, const char*>, 2> particular = {{{"r1", "d1"}, {"r2", "d2"}}};
+    for (std::size_t k = 0; k < 2; ++k) {
+        const CsgArgument* r = node.arguments.find(particular[k].first, static_cast<int>(k) + 1);
+        const CsgArgument* d = node.arguments.find(particular[k].second);
+        if (r == nullptr && d == nullptr) r = node.arguments.find("r");
+        if (r == nullptr && d == nullptr) d = node.arguments.find("d");
+        if (r == nullptr && d == nullptr) continue;
+        const CsgArgument& given = r != nullptr ? *r : *d;
+        where = given.where;
+        radii[k] = finite_number(node, given, "radius") / (r != nullptr ? 1 : 2);
+        if (radii[k] < 0) fail_size(node, where, "radius", radii[k], "zero (an apex) or a positive number");
+    }
+    if (radii[0] == 0 && radii[1] == 0) {
+        fail_size(node, where, "radius", 0, "at least one positive radius");
+    }
+    const double zmin = optional_boolean(node, "center", 3) ? -height / 2 : 0;
+    const double zmax = zmin + height;
+    // A cap is missing where the solid ends in an apex.
+    const double* lower_cap = radii[0] > 0 ? &zmin : nullptr;
+    const double* upper_cap = radii[1] > 0 ? &zmax : nullptr;
+    const double slope = (radii[1] - radii[0]) / height;
+
+    if (const int n = flat_fragments(node, std::max(radii[0], radii[1])); n != 0) {
+        Primitive polyhedron;
+        // Without taper the offset is exactly the radius; else the line goes through the wider end.
+        const double at_zero = radii[0] >= radii[1] ? radii[0] - slope * zmin : radii[1] - slope * zmax;
+        add_sides(polyhedron.planes, n, at_zero, slope);
+        add_caps(polyhedron.planes, lower_cap, upper_cap);
+        return model.add_primitive(std::move(polyhedron), node.surface, node.where);
+    }
+    Primitive caps;
+    if (radii[0] == radii[1]) {
+        const std::uint32_t side = model.add_primitive(infinite_cylinder(radii[0]), {}, node.where);
+        add_caps(caps.planes, lower_cap, upper_cap);
+        const std::uint32_t cap = model.add_primitive(std::move(caps), {}, node.where);
+        return model.add_operation(CsgNode::Op::kIntersection, {side, cap}, node.surface);
+    }
+    // The cone's own origin lies at the wider end, where its radius is positive.
+    const bool upright = radii[0] > radii[1];
+    const double origin = upright ? zmin : zmax;
+    std::uint32_t side = model.add_primitive(cone(upright ? radii[0] : radii[1], slope), {}, node.where);
+    if (origin != 0) side = model.add_transform(translation({0, 0, origin}), side);
+    add_caps(caps.planes, lower_cap, upper_cap);
+    const std::uint32_t cap = model.add_primitive(std::move(caps), {}, node.where);
+    return model.add_operation(CsgNode::Op::kIntersection, {side, cap}, node.surface);
+}
+
+Affine csg_matrix(const CsgNodeText& node) {
+    const CsgArgument* argument = node.arguments.find("m", 0);
+    if (argument == nullptr || argument->kind != CsgArgument::Kind::kList || !argument->regular ||
+        argument->direct != 0 || argument->rows != 4 || argument->row_length != 4) {
+        fail(node.source, argument != nullptr ? argument->where : node.where,
+             "'multmatrix': expected a matrix of four rows of four numbers");
+    }
+    if (argument->not_finite.line != 0) {
+        fail(node.source, argument->not_finite,
+             "'multmatrix': an entry is nan or inf; expected finite numbers");
+    }
+    const double* numbers = node.arguments.numbers(*argument);
+    if (numbers[12] != 0 || numbers[13] != 0 || numbers[14] != 0 || numbers[15] != 1) {
+        fail(node.source, argument->where,
+             "'multmatrix': the last row is not 0, 0, 0, 1; expected an affine map");
+    }
+    Affine map{};
+    std::copy_n(numbers, 12, map.begin());
+    return map;
+}
+
+}  // namespace mortise::model_reader

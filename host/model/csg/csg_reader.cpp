@@ -1,0 +1,198 @@
+// Reader of OpenSCAD's .csg files: the evaluated tree that `openscad -o model.csg model.scad` writes.
+//
+// Grammar: file = { node }; node = { "#" | "%" | "*" | "!" } name "(" arguments ")" ( ";" | "{" { node } "}"
+// ). Groups, colours and the file itself are unions. An empty child is neutral in a union, empties an
+// intersection, and as first child empties a difference. % and * remove a node; ! makes it the whole model.
+// Anything that we cannot represent is an error that names it. Plane shapes become solids by extrusion; among
+// solids they count as empty.
+//
+// An explicit stack replaces recursion, so nesting depth is limited by memory only.
+#include <utility>
+
+#include "host/model/csg/csg_nodes.hpp"
+#include "host/model/readers.hpp"
+
+namespace mortise::model_reader {
+namespace {
+
+/// A node whose '{' is open.
+struct Frame {
+    CsgNode::Op operation = CsgNode::Op::kUnion;
+    CsgFinish finish{};             ///< instead of an operation
+    bool active = true;             ///< false: read for its grammar only
+    bool removed = false;           ///< it or a node around it carries % or *
+    SourceLocation brace{};         ///< of the '{'
+    std::size_t first_operand = 0;  ///< its children's values start here in CsgReader::operands_
+};
+
+constexpr std::size_t kNoRoot = static_cast<std::size_t>(-1);
+
+class CsgReader {
+  public:
+    CsgReader(const std::string& text, const std::string& source, Facets facets)
+        : text_(text), source_(source), scene_(source, facets) {}
+
+    Model read(const std::string& region) {
+        scene_.model.source = source_;
+        if (text_.find('!') != std::string::npos) {
+            // First pass: grammar only, to find a root modifier.
+            only_look_for_root_ = true;
+            read_nodes();
+            only_look_for_root_ = false;
+        }
+        const CsgOperand all = read_nodes();
+        if (all.kind == CsgOperand::Kind::kFlat) {
+            fail(source_, all.where,
+                 "the file holds 2D shapes only; expected a solid: put them into linear_extrude or "
+                 "rotate_extrude");
+        }
+        Region result;
+        result.name = region;
+        result.root = all.kind == CsgOperand::Kind::kSolid
+                          ? all.node
+                          : scene_.model.add_operation(CsgNode::Op::kUnion, {});
+        scene_.model.regions.push_back(std::move(result));
+        return std::move(scene_.model);
+    }
+
+  private:
+    CsgOperand read_nodes() {
+        TextCursor cursor(text_, source_);
+        frames_.clear();
+        frames_.emplace_back();
+        frames_[0].active = !only_look_for_root_ && root_ == kNoRoot;
+        operands_.clear();
+        bool any = false;
+        while (true) {
+            skip_csg_blanks(cursor);
+            if (cursor.at_end()) break;
+            if (cursor.peek() == ';') {
+                cursor.advance();  // an empty statement
+            } else if (cursor.peek() == '}') {
+                if (frames_.size() == 1) cursor.fail_here("unexpected '}': no '{' is open here");
+                cursor.advance();
+                close_frame();
+            } else {
+                read_node(cursor);
+                any = true;
+            }
+        }
+        if (frames_.size() > 1) {
+            cursor.fail_here("expected '}' before the end of file: the '{' at line " +
+                             std::to_string(frames_.back().brace.line) + ", column " +
+                             std::to_string(frames_.back().brace.column) + " is never closed");
+        }
+        if (!any)
+            cursor.fail_here("the file holds no solid; expected a node such as cube(size = [1, 1, 1]);");
+        // With a root modifier its node is the one operand.
+        return scene_.united(take_operands(0));
+    }
+
+    void read_node(TextCursor& cursor) {
+        bool removed = frames_.back().removed;
+        bool marked_as_root = false;
+        const std::size_t offset = cursor.offset();
+        for (char c = cursor.peek(); c == '!' || c == '%' || c == '*' || c == '#'; c = cursor.peek()) {
+            if (c == '!') marked_as_root = true;
+            if (c == '%' || c == '*') removed = true;
+            cursor.advance();
+            skip_csg_blanks(cursor);
+        }
+        const SourceLocation where = cursor.where();
+        if (!is_name_start(cursor.peek())) {
+            cursor.fail_here("expected a node such as cube, union or multmatrix, found " + cursor.found());
+        }
+        const std::string_view name = cursor.take_name();
+        skip_csg_blanks(cursor);
+        if (cursor.peek() != '(') {
+            cursor.fail_here("expected '(' after '" + std::string(name) + "', found " + cursor.found());
+        }
+        if (marked_as_root && !removed && only_look_for_root_) note_root(offset, where);
+        const bool active = !only_look_for_root_ && !removed && (frames_.back().active || offset == root_);
+        arguments_.read(cursor);
+        Frame frame;
+        frame.active = active;
+        frame.removed = removed;
+        bool is_leaf = false;
+        if (active) {
+            const CsgNodeType& type = csg_node_type(name, source_, where);
+            is_leaf = type.leaf != nullptr;
+            frame.operation = type.operation;
+            if (type.operation == CsgNode::Op::kPrimitive) {
+                const CsgNodeText node = {name, arguments_, source_, where, type_name(type), scene_.facets};
+                if (is_leaf) operands_.push_back(type.leaf(scene_, node));
+                if (!is_leaf) frame.finish = type.branch(scene_, node);
+            }
+        }
+
+        skip_csg_blanks(cursor);
+        const bool opens = cursor.peek() == '{';
+        if (!opens && cursor.peek() != ';') {
+            cursor.fail_here("expected ';' or '{' after '" + std::string(name) + "(...)', found " +
+                             cursor.found());
+        }
+        if (opens && is_leaf) {
+            cursor.fail_here("'" + std::string(name) + "' takes no children; expected ';'");
+        }
+        frame.brace = cursor.where();
+        frame.first_operand = operands_.size();
+        cursor.advance();
+        if (opens) {
+            frames_.push_back(std::move(frame));
+        } else if (active && !is_leaf) {
+            operands_.push_back(value_of(frame));
+        }
+    }
+
+    /// Surfaces are called after the node's type and its number in the file.
+    std::string type_name(const CsgNodeType& type) {
+        return type.name == "multmatrix" ? std::string() : scene_.next_name(type.name);
+    }
+
+    /// The first node with a root modifier counts.
+    void note_root(std::size_t offset, SourceLocation where) {
+        if (root_ == kNoRoot) {
+            root_ = offset;
+        } else if (!warned_of_roots_) {
+            warned_of_roots_ = true;
+            scene_.warn(where, "a second '!' modifier; only the first one counts");
+        }
+    }
+
+    void close_frame() {
+        const Frame frame = std::move(frames_.back());
+        frames_.pop_back();
+        if (frame.active) operands_.push_back(value_of(frame));
+    }
+
+    CsgOperand value_of(const Frame& frame) {
+        std::vector<CsgOperand> children = take_operands(frame.first_operand);
+        if (frame.finish) return frame.finish(scene_, std::move(children));
+        return scene_.combined(frame.operation, std::move(children));
+    }
+
+    std::vector<CsgOperand> take_operands(std::size_t first) {
+        const auto begin = operands_.begin() + static_cast<std::ptrdiff_t>(first);
+        std::vector<CsgOperand> taken(begin, operands_.end());
+        operands_.erase(begin, operands_.end());
+        return taken;
+    }
+
+    const std::string& text_;
+    const std::string& source_;
+    CsgScene scene_;
+    CsgArguments arguments_;
+    std::vector<Frame> frames_;
+    std::vector<CsgOperand> operands_;
+    bool only_look_for_root_ = false;
+    bool warned_of_roots_ = false;
+    std::size_t root_ = kNoRoot;  ///< where the node with the root modifier starts
+};
+
+}  // namespace
+
+Model read_csg(const std::string& text, const std::string& source, const std::string& region, Facets facets) {
+    return CsgReader(text, source, facets).read(region);
+}
+
+}  // namespace mortise::model_reader

@@ -1,0 +1,58 @@
+// What a .csg file has become so far: solids, plane shapes, and how its nodes combine them.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "host/model/outlines/flat_tree.hpp"
+#include "host/model/solids/solid_bounds.hpp"
+#include "mortise/model.hpp"
+
+namespace mortise::model_reader {
+
+/// The value of a node: a plane shape (a node of CsgScene::flat), a solid (of CsgScene::model) or nothing,
+/// which is neither.
+struct CsgOperand {
+    enum class Kind : std::uint8_t { kNothing, kFlat, kSolid };
+    Kind kind = Kind::kNothing;
+    std::uint32_t node = 0;
+    SourceLocation where{};
+};
+
+struct CsgScene {
+    CsgScene(const std::string& source_name, Facets curves) : source(source_name), facets(curves) {}
+
+    /// Empty operands: see csg_reader.cpp. Plane shapes among solids count as empty, with one warning a file.
+    CsgOperand combined(CsgNode::Op op, std::vector<CsgOperand> operands);
+    CsgOperand united(std::vector<CsgOperand> operands) {
+        return combined(CsgNode::Op::kUnion, std::move(operands));
+    }
+    /// The union of the plane operands; `name` is the node that wants them. Solids are left out, with one
+    /// warning a file, and refused if there is nothing else.
+    CsgOperand united_flat(std::vector<CsgOperand> operands, std::string_view name, SourceLocation where);
+    /// A plane shape given by its outline: any loops, even-odd. Without area it is nothing.
+    CsgOperand outlined(const Contours& loops, SourceLocation where);
+    void warn(SourceLocation where, const std::string& message);
+    void warn_of_empty_polygon(SourceLocation where);  ///< once a file
+    /// Type and number in the file: cylinder2.
+    std::string next_name(std::string_view type);
+
+    const std::string& source;
+    Facets facets;
+    Model model;
+    FlatTree flat;
+    KnownExtents extents;  ///< of extrusions
+
+  private:
+    std::map<std::string, int, std::less<>> counts_;
+    bool warned_of_flat_ = false;
+    bool warned_of_solids_ = false;
+    bool warned_of_empty_polygon_ = false;
+};
+
+/// What a node with children does when its '}' is read.
+using CsgFinish = std::function<CsgOperand(CsgScene&, std::vector<CsgOperand>)>;
+
+}  // namespace mortise::model_reader

@@ -1,0 +1,52 @@
+#include "host/model/functions/function_model.hpp"
+
+#include <cmath>
+
+#include "host/model/text.hpp"
+
+namespace mortise::model_reader {
+
+std::string function_name(std::size_t index) { return "_" + std::to_string(index); }
+
+std::string function_number(double value) {
+    return std::signbit(value) ? "(" + number_text(value) + ")" : number_text(value);
+}
+
+void FunctionText::define(const std::string& expression) {
+    text_ += function_name(count_++) + " = " + expression + ";\n";
+}
+
+std::string FunctionText::formula(std::size_t index) const { return text_ + function_name(index); }
+
+void add_function(Model& model, const std::string& formula, bool has_z, const std::string& region,
+                  SourceLocation where, const ReadOptions& options) {
+    const bool flat = options.extrude != 0;
+    if (flat && !(std::isfinite(options.extrude) && options.extrude > 0)) {
+        throw Error(ExitCode::kUsage,
+                    "--extrude " + number_text(options.extrude) + " is out of range; use a positive length");
+    }
+    if (!has_z && !flat) {
+        throw Error(ExitCode::kInput,
+                    model.source +
+                        ": a function of x and y only, a flat figure; use --extrude H for the "
+                        "solid above it, 0 <= z <= H");
+    }
+    if (has_z && flat)
+        throw Error(ExitCode::kUsage, model.source + ": the function depends on z; leave --extrude away");
+    Primitive primitive;
+    primitive.kind = Primitive::Kind::kExpression;
+    primitive.expression = formula;
+    std::uint32_t root = model.add_primitive(std::move(primitive), {}, where);
+    if (flat) {
+        Primitive slab;
+        slab.planes = {{{0, 0, -1}, 0, "zmin"}, {{0, 0, 1}, options.extrude, "zmax"}};
+        const std::uint32_t cut = model.add_primitive(std::move(slab), "extrude", where);
+        root = model.add_operation(CsgNode::Op::kIntersection, {root, cut});
+    }
+    Region result;
+    result.name = region;
+    result.root = root;
+    model.regions.push_back(std::move(result));
+}
+
+}  // namespace mortise::model_reader

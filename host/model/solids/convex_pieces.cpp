@@ -1,0 +1,383 @@
+// Walks a tree and collects its convex pieces, with an explicit stack.
+#include "host/model/solids/convex_pieces.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "host/model/affine.hpp"
+#include "host/model/solids/convex_hull.hpp"
+#include "host/model/text.hpp"
+#include "host/model/triangles/surface_repair.hpp"
+
+namespace mortise::model_reader {
+namespace {
+
+constexpr double kTurn = 6.283185307179586;
+/// Lengths and angles that agree so far are equal: matrices are written with six digits.
+constexpr double kSame = 1e-6;
+
+Vec3 image(const Affine& m, const Vec3& p) {
+    return {m[0] * p[0] + m[1] * p[1] + m[2] * p[2] + m[3], m[4] * p[0] + m[5] * p[1] + m[6] * p[2] + m[7],
+            m[8] * p[0] + m[9] * p[1] + m[10] * p[2] + m[11]};
+}
+
+Vec3 column(const Affine& m, std::size_t k) { return {m[k], m[4 + k], m[8 + k]}; }
+
+/// The plane's image under the map. The normal follows the cofactors of the linear part.
+Plane image(const Affine& m, const Plane& plane) {
+    const Vec3 x = column(m, 0);
+    const Vec3 y = column(m, 1);
+    const Vec3 z = column(m, 2);
+    const double determinant = dot(x, cross(y, z));
+    const Vec3 yz = cross(y, z);
+    const Vec3 zx = cross(z, x);
+    const Vec3 xy = cross(x, y);
+    Plane result;
+    for (std::size_t k = 0; k < 3; ++k) {
+        result.normal[k] =
+            (yz[k] * plane.normal[0] + zx[k] * plane.normal[1] + xy[k] * plane.normal[2]) / determinant;
+    }
+    result.offset = plane.offset + dot(result.normal, {m[3], m[7], m[11]});
+    return result;
+}
+
+bool same(double a, double b) { return std::fabs(a - b) <= kSame * std::max(std::fabs(a), std::fabs(b)); }
+
+bool perpendicular(const Vec3& a, const Vec3& b) {
+    return std::fabs(dot(a, b)) <= kSame * length(a) * length(b);
+}
+
+/// Whether circles about z stay circles about the image of z.
+bool keeps_circles(const Affine& m) {
+    const Vec3 x = column(m, 0);
+    const Vec3 y = column(m, 1);
+    const Vec3 z = column(m, 2);
+    return same(length(x), length(y)) && perpendicular(x, y) && perpendicular(y, z) && perpendicular(z, x);
+}
+
+bool keeps_spheres(const Affine& m) {
+    return keeps_circles(m) && same(length(column(m, 0)), length(column(m, 2)));
+}
+
+/// A primitive below an intersection, in the frame of the model.
+struct Leaf {
+    const Primitive* primitive;
+    Affine map;
+};
+
+[[noreturn]] void refuse(const Wanted& wanted, const std::string& what) {
+    fail(wanted.source, wanted.where, "'" + wanted.name + "': " + what);
+}
+
+const char* kind_name(Primitive::Kind kind) {
+    switch (kind) {
+        case Primitive::Kind::kTorus: return "a torus";
+        case Primitive::Kind::kDoubleCone: return "a double cone";
+        case Primitive::Kind::kExpression: return "a solid given by a formula";
+        case Primitive::Kind::kPolyhedron: return "a polyhedron";
+        default: return "a solid";
+    }
+}
+
+/// Appends half-spaces whose intersection is the leaf; for a curved one they touch it all around.
+void add_planes(const Leaf& leaf, const Wanted& wanted, std::vector<Plane>& planes, bool& facetted) {
+    const Primitive& primitive = *leaf.primitive;
+    const auto add = [&](const Vec3& normal, double offset) {
+        planes.push_back(image(leaf.map, Plane{normal, offset, {}}));
+    };
+    switch (primitive.kind) {
+        case Primitive::Kind::kConvex:
+            for (const Plane& plane : primitive.planes) add(plane.normal, plane.offset);
+            return;
+        case Primitive::Kind::kSphere:
+            facetted = true;
+            for (int ring = 1; ring < kFacets / 2; ++ring) {
+                const double polar = kTurn * ring / kFacets;
+                for (int i = 0; i < kFacets; ++i) {
+                    const double turn = kTurn * i / kFacets;
+                    add({std::sin(polar) * std::cos(turn), std::sin(polar) * std::sin(turn), std::cos(polar)},
+                        primitive.radius);
+                }
+            }
+            add({0, 0, 1}, primitive.radius);
+            add({0, 0, -1}, primitive.radius);
+            return;
+        case Primitive::Kind::kCylinder:
+        case Primitive::Kind::kCone: {
+            facetted = true;
+            const double slope = primitive.kind == Primitive::Kind::kCone ? primitive.slope : 0;
+            for (int i = 0; i < kFacets; ++i) {
+                const double turn = kTurn * i / kFacets;
+                add({std::cos(turn), std::sin(turn), -slope}, primitive.radius);
+            }
+            return;
+        }
+        case Primitive::Kind::kPolyhedron: {
+            const TriangleSurface& surface = *primitive.triangles;
+            const std::optional<Polytope> hull = convex_hull(surface.points);
+            if (!hull || !same(std::fabs(six_volumes(surface)) / 6, volume_of(*hull))) {
+                refuse(wanted, "a solid that is not convex is not supported; expected convex solids");
+            }
+            facetted = facetted || primitive.sharp_angle >= 5;
+            for (const Polytope::Face& face : hull->faces) add(face.plane.normal, face.plane.offset);
+            return;
+        }
+        default:
+            refuse(wanted, std::string(kind_name(primitive.kind)) +
+                               " in an intersection is not supported; expected solids that are convex");
+    }
+}
+
+/// One cylinder or cone, cut by planes across its axis: a frustum. Nothing if it is something else.
+std::optional<ConvexPiece> frustum_of(const std::vector<Leaf>& leaves) {
+    const Leaf* round = nullptr;
+    for (const Leaf& leaf : leaves) {
+        const Primitive::Kind kind = leaf.primitive->kind;
+        if (kind == Primitive::Kind::kConvex) continue;
+        const bool fits = kind == Primitive::Kind::kCylinder || kind == Primitive::Kind::kCone;
+        if (!fits || round != nullptr || !keeps_circles(leaf.map)) return std::nullopt;
+        round = &leaf;
+    }
+    if (round == nullptr) return std::nullopt;
+    const Vec3 axis = column(round->map, 2);
+    const double stretch = length(axis);
+    const Vec3 origin = image(round->map, Vec3{});
+    double low = -HUGE_VAL;
+    double high = HUGE_VAL;
+    for (const Leaf& leaf : leaves) {
+        if (&leaf == round) continue;
+        for (const Plane& given : leaf.primitive->planes) {
+            const Plane plane = image(leaf.map, given);
+            const double along = dot(plane.normal, axis) / stretch;
+            if (!same(std::fabs(along), length(plane.normal))) return std::nullopt;
+            // The plane's height in the frame of the cylinder.
+            const double level = (plane.offset - dot(plane.normal, origin)) / along / stretch;
+            if (along > 0) high = std::min(high, level);
+            if (along < 0) low = std::max(low, level);
+        }
+    }
+    const double slope = round->primitive->kind == Primitive::Kind::kCone ? round->primitive->slope : 0;
+    const auto radius = [&](double level) { return round->primitive->radius + slope * level; };
+    // The single nappe ends at its apex.
+    if (slope > 0) low = std::max(low, -round->primitive->radius / slope);
+    if (slope < 0) high = std::min(high, -round->primitive->radius / slope);
+    if (!(low < high) || !std::isfinite(low) || !std::isfinite(high)) return std::nullopt;
+    ConvexPiece piece;
+    piece.kind = ConvexPiece::Kind::kFrustum;
+    piece.a = image(round->map, Vec3{0, 0, low});
+    piece.b = image(round->map, Vec3{0, 0, high});
+    const double scale = length(column(round->map, 0));
+    // Rounding must not leave a tiny radius at an apex.
+    const double widest = std::max(radius(low), radius(high));
+    piece.ra = radius(low) > 1e-9 * widest ? scale * radius(low) : 0;
+    piece.rb = radius(high) > 1e-9 * widest ? scale * radius(high) : 0;
+    return piece;
+}
+
+void add_intersection(const std::vector<Leaf>& leaves, const Wanted& wanted,
+                      std::vector<ConvexPiece>& pieces) {
+    if (const std::optional<ConvexPiece> frustum = frustum_of(leaves)) {
+        pieces.push_back(*frustum);
+        return;
+    }
+    std::vector<Plane> planes;
+    ConvexPiece piece;
+    for (const Leaf& leaf : leaves) add_planes(leaf, wanted, planes, piece.facetted);
+    switch (vertices_of(planes, piece.points)) {
+        case Boundedness::kEmpty: return;
+        case Boundedness::kUnbounded:
+            refuse(wanted, "a child is not bounded; expected solids such as cubes, spheres and cylinders");
+        case Boundedness::kBounded: pieces.push_back(std::move(piece));
+    }
+}
+
+ConvexPiece sphere_piece(const Leaf& leaf) {
+    ConvexPiece piece;
+    if (keeps_spheres(leaf.map)) {
+        piece.kind = ConvexPiece::Kind::kSphere;
+        piece.a = image(leaf.map, Vec3{});
+        piece.ra = leaf.primitive->radius * length(column(leaf.map, 0));
+        return piece;
+    }
+    ConvexPiece local;
+    local.kind = ConvexPiece::Kind::kSphere;
+    local.ra = leaf.primitive->radius;
+    piece = facetted(local);
+    for (Vec3& point : piece.points) point = image(leaf.map, point);
+    return piece;
+}
+
+void add_primitive(const Leaf& leaf, const Wanted& wanted, std::vector<ConvexPiece>& pieces) {
+    ConvexPiece piece;
+    switch (leaf.primitive->kind) {
+        case Primitive::Kind::kSphere: pieces.push_back(sphere_piece(leaf)); return;
+        case Primitive::Kind::kTorus: {
+            if (!wanted.only_hull) break;
+            piece.facetted = true;
+            for (int i = 0; i < kFacets; ++i) {
+                const double turn = kTurn * i / kFacets;
+                for (int j = 0; j < kFacets; ++j) {
+                    const double round = kTurn * j / kFacets;
+                    const double rho = leaf.primitive->major + leaf.primitive->radius * std::cos(round);
+                    piece.points.push_back(image(leaf.map, Vec3{rho * std::cos(turn), rho * std::sin(turn),
+                                                                leaf.primitive->radius * std::sin(round)}));
+                }
+            }
+            pieces.push_back(std::move(piece));
+            return;
+        }
+        case Primitive::Kind::kPolyhedron: {
+            for (const Vec3& point : leaf.primitive->triangles->points) {
+                piece.points.push_back(image(leaf.map, point));
+            }
+            // Edges that are not creases stand for a curved surface.
+            piece.facetted = leaf.primitive->sharp_angle >= 5;
+            if (!wanted.only_hull) {
+                TriangleSurface moved = *leaf.primitive->triangles;
+                moved.points = piece.points;
+                const std::optional<Polytope> hull = convex_hull(piece.points);
+                const double volume = std::fabs(six_volumes(moved)) / 6;
+                if (!hull || !same(volume, volume_of(*hull))) break;
+            }
+            pieces.push_back(std::move(piece));
+            return;
+        }
+        case Primitive::Kind::kExpression: break;
+        default: add_intersection({leaf}, wanted, pieces); return;
+    }
+    refuse(wanted, std::string(kind_name(leaf.primitive->kind)) +
+                       " is not supported; expected solids that "
+                       "are convex");
+}
+
+/// A solid whose hull is known: points, and the discs of an extrusion's ends.
+void add_extents(const std::vector<Extent>& extents, const Affine& map, std::vector<ConvexPiece>& pieces) {
+    const auto direction = [&](const Vec3& v) {
+        return Vec3{map[0] * v[0] + map[1] * v[1] + map[2] * v[2],
+                    map[4] * v[0] + map[5] * v[1] + map[6] * v[2],
+                    map[8] * v[0] + map[9] * v[1] + map[10] * v[2]};
+    };
+    ConvexPiece points;
+    for (const Extent& extent : extents) {
+        const Vec3 center = image(map, extent.centre);
+        const Vec3 u = direction(extent.axes[0]);
+        const Vec3 v = direction(extent.axes[1]);
+        if (u == Vec3{} && v == Vec3{}) {
+            points.points.push_back(center);
+        } else if (same(length(u), length(v)) && perpendicular(u, v)) {
+            ConvexPiece disc;
+            disc.kind = ConvexPiece::Kind::kDisc;
+            disc.a = center;
+            disc.b = unit(cross(u, v));
+            disc.ra = length(u);
+            pieces.push_back(std::move(disc));
+        } else {
+            points.facetted = true;
+            for (int i = 0; i < kFacets; ++i) {
+                const double turn = kTurn * i / kFacets;
+                Vec3 point = center;
+                for (std::size_t k = 0; k < 3; ++k) point[k] += std::cos(turn) * u[k] + std::sin(turn) * v[k];
+                points.points.push_back(point);
+            }
+        }
+    }
+    if (!points.points.empty()) pieces.push_back(std::move(points));
+}
+
+/// The primitives below an intersection.
+std::vector<Leaf> leaves_below(const Model& model, std::uint32_t root, const Affine& map,
+                               const Wanted& wanted) {
+    std::vector<Leaf> leaves;
+    std::vector<std::pair<std::uint32_t, Affine>> pending = {{root, map}};
+    while (!pending.empty()) {
+        const auto [index, to_model] = pending.back();
+        pending.pop_back();
+        const CsgNode& node = model.nodes[index];
+        const bool single = node.op == CsgNode::Op::kUnion && node.children.size() == 1;
+        if (node.op == CsgNode::Op::kPrimitive) {
+            leaves.push_back({&node.primitive, to_model});
+        } else if (node.op == CsgNode::Op::kTransform) {
+            pending.push_back({node.children[0], compose(to_model, node.map)});
+        } else if (node.op == CsgNode::Op::kIntersection || single) {
+            for (const std::uint32_t child : node.children) pending.push_back({child, to_model});
+        } else {
+            refuse(wanted,
+                   "an intersection with a union or a difference in it is not supported; expected "
+                   "intersections of convex solids");
+        }
+    }
+    return leaves;
+}
+
+}  // namespace
+
+std::vector<ConvexPiece> convex_pieces(const Model& model, std::uint32_t root, const Wanted& wanted) {
+    std::vector<ConvexPiece> pieces;
+    std::vector<std::pair<std::uint32_t, Affine>> pending = {{root, kIdentity}};
+    while (!pending.empty()) {
+        const auto [index, map] = pending.back();
+        pending.pop_back();
+        if (wanted.known != nullptr && wanted.only_hull) {
+            const auto known = wanted.known->find(index);
+            if (known != wanted.known->end()) {
+                add_extents(known->second, map, pieces);
+                continue;
+            }
+        }
+        const CsgNode& node = model.nodes[index];
+        switch (node.op) {
+            case CsgNode::Op::kPrimitive: add_primitive({&node.primitive, map}, wanted, pieces); break;
+            case CsgNode::Op::kTransform:
+                pending.push_back({node.children[0], compose(map, node.map)});
+                break;
+            case CsgNode::Op::kUnion:
+                for (std::size_t k = node.children.size(); k-- > 0;)
+                    pending.push_back({node.children[k], map});
+                break;
+            case CsgNode::Op::kIntersection:
+                add_intersection(leaves_below(model, index, map, wanted), wanted, pieces);
+                break;
+            case CsgNode::Op::kDifference:
+            case CsgNode::Op::kComplement:
+                refuse(
+                    wanted,
+                    "a difference among its children is not supported; expected cubes, spheres, cylinders, "
+                    "polyhedra, their unions and convex intersections");
+        }
+    }
+    return pieces;
+}
+
+ConvexPiece facetted(const ConvexPiece& piece) {
+    if (piece.kind == ConvexPiece::Kind::kPoints) return piece;
+    ConvexPiece result;
+    result.facetted = true;
+    const auto add_circle = [&](const Affine& frame, double radius, double level) {
+        for (int i = 0; i < (radius > 0 ? kFacets : 1); ++i) {
+            const double turn = kTurn * i / kFacets;
+            result.points.push_back(
+                image(frame, Vec3{radius * std::cos(turn), radius * std::sin(turn), level}));
+        }
+    };
+    if (piece.kind == ConvexPiece::Kind::kSphere) {
+        const Affine frame = translation(piece.a);
+        for (int ring = 0; ring <= kFacets / 2; ++ring) {
+            const double polar = kTurn * ring / kFacets;
+            const bool pole = ring == 0 || ring == kFacets / 2;
+            add_circle(frame, pole ? 0 : piece.ra * std::sin(polar), piece.ra * std::cos(polar));
+        }
+        return result;
+    }
+    if (piece.kind == ConvexPiece::Kind::kDisc) {
+        add_circle(frame_along(piece.b, piece.a), piece.ra, 0);
+        return result;
+    }
+    const Vec3 axis = {piece.b[0] - piece.a[0], piece.b[1] - piece.a[1], piece.b[2] - piece.a[2]};
+    const Affine frame = frame_along(axis, piece.a);
+    add_circle(frame, piece.ra, 0);
+    add_circle(frame, piece.rb, length(axis));
+    return result;
+}
+
+}  // namespace mortise::model_reader

@@ -1,0 +1,38 @@
+// Straight solids over outlines with many edges, as one surface of triangles: what a cell of the mesh sees of
+// it is local, and its tangent-continuous sides are one smooth surface.
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "host/model/outlines/contours.hpp"
+#include "mortise/model.hpp"
+
+namespace mortise::model_reader {
+
+/// Sides of an outline that turn by no more degrees stand for one curve, in a loop of more edges than this.
+inline constexpr double kSmoothTurn = 25;
+inline constexpr std::size_t kMostSharpEdges = 12;
+
+/// The angle up to which sides join: kSmoothTurn if some loop has a curve (and `smooth` is wanted), else 0.
+double outline_sharp_angle(const Contours& loops, bool smooth);
+
+/// Whether an outline is better a prism than a formula of half-planes: it has curves, or more than a few
+/// edges and a loop that is not convex.
+bool wants_prism(const Contours& loops, bool smooth);
+
+/// From z = low, where the outline is scaled by low_scale about the z axis, to z = high. The scales are not
+/// negative, one at most is 0: an apex.
+struct PrismSpan {
+    double low = 0;
+    double high = 1;
+    double low_scale = 1;
+    double high_scale = 1;
+};
+
+/// Precondition: loops as in FlatNode::contours. Groups: bottom, top, and what `next_side` returns for each
+/// curve and each straight side of a loop, or for the whole loop if they are more than 24.
+Primitive prism(const Contours& loops, const PrismSpan& span, double sharp_angle,
+                const std::function<std::string()>& next_side);
+
+}  // namespace mortise::model_reader

@@ -1,0 +1,270 @@
+// Repair of triangle surfaces: see surface_repair.hpp.
+#include "host/model/triangles/surface_repair.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <numeric>
+
+#include "host/model/affine.hpp"
+
+namespace mortise::model_reader {
+namespace {
+
+using Triangle = std::array<std::uint32_t, 3>;
+
+constexpr std::uint32_t kNone = 0xffffffffU;
+
+std::uint64_t hash_of(const Vec3& point) {
+    std::uint64_t hash = 0;
+    for (const double coordinate : point) {
+        std::uint64_t bits = 0;
+        std::memcpy(&bits, &coordinate, sizeof bits);
+        hash = (hash ^ bits) * 0x9e3779b97f4a7c15U;
+        hash ^= hash >> 32;
+    }
+    return hash;
+}
+
+void replace_points(TriangleSurface& surface, const std::vector<std::uint32_t>& instead) {
+    for (Triangle& triangle : surface.triangles) {
+        for (std::uint32_t& corner : triangle) corner = instead[corner];
+    }
+}
+
+/// Points with the same coordinates become the first of them (open addressing, linear probing).
+void join_equal_points(TriangleSurface& surface) {
+    std::size_t slots = 16;
+    while (slots < 2 * surface.points.size()) slots *= 2;
+    std::vector<std::uint32_t> table(slots, kNone);
+    std::vector<std::uint32_t> instead(surface.points.size());
+    for (std::uint32_t i = 0; i < surface.points.size(); ++i) {
+        Vec3& point = surface.points[i];
+        for (double& coordinate : point) coordinate += 0.0;  // -0 becomes 0
+        std::size_t slot = hash_of(point) & (slots - 1);
+        while (table[slot] != kNone && surface.points[table[slot]] != point) slot = (slot + 1) & (slots - 1);
+        if (table[slot] == kNone) table[slot] = i;
+        instead[i] = table[slot];
+    }
+    replace_points(surface, instead);
+}
+
+void drop_unused_points(TriangleSurface& surface) {
+    std::vector<std::uint32_t> instead(surface.points.size(), kNone);
+    std::vector<Vec3> points;
+    for (Triangle& triangle : surface.triangles) {
+        for (std::uint32_t& corner : triangle) {
+            if (instead[corner] == kNone) {
+                instead[corner] = static_cast<std::uint32_t>(points.size());
+                points.push_back(surface.points[corner]);
+            }
+            corner = instead[corner];
+        }
+    }
+    surface.points = std::move(points);
+}
+
+double diagonal_of(const std::vector<Vec3>& points) {
+    Vec3 low = points[0];
+    Vec3 high = points[0];
+    for (const Vec3& point : points) {
+        for (std::size_t k = 0; k < 3; ++k) {
+            low[k] = std::min(low[k], point[k]);
+            high[k] = std::max(high[k], point[k]);
+        }
+    }
+    return length({high[0] - low[0], high[1] - low[1], high[2] - low[2]});
+}
+
+/// Points closer than the tolerance become one: a sweep along a direction in which no model is flat.
+void join_close_points(TriangleSurface& surface, double tolerance) {
+    constexpr Vec3 kDirection = {0.5381, 0.6197, 0.5712};
+    const std::size_t n = surface.points.size();
+    std::vector<double> along(n);
+    for (std::size_t i = 0; i < n; ++i) along[i] = dot(surface.points[i], kDirection);
+    std::vector<std::uint32_t> order(n);
+    std::iota(order.begin(), order.end(), 0U);
+    std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+        return along[a] != along[b] ? along[a] < along[b] : a < b;
+    });
+    std::vector<std::uint32_t> instead(n);
+    std::iota(instead.begin(), instead.end(), 0U);
+    bool any = false;
+    for (std::size_t i = 0; i < n; ++i) {
+        const std::uint32_t first = order[i];
+        if (instead[first] != first) continue;
+        for (std::size_t j = i + 1; j < n && along[order[j]] - along[first] <= 1.01 * tolerance; ++j) {
+            const Vec3& p = surface.points[first];
+            const Vec3& q = surface.points[order[j]];
+            if (length({q[0] - p[0], q[1] - p[1], q[2] - p[2]}) > tolerance) continue;
+            if (instead[order[j]] != order[j]) continue;
+            instead[order[j]] = first;
+            any = true;
+        }
+    }
+    if (any) replace_points(surface, instead);
+}
+
+/// Drops triangles with two equal corners, and those without area if `flat` is set.
+std::size_t drop_flat_triangles(TriangleSurface& surface, bool flat) {
+    constexpr double kFlat = 1e-12;
+    std::size_t kept = 0;
+    for (const Triangle& t : surface.triangles) {
+        if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) continue;
+        if (flat) {
+            const Vec3& a = surface.points[t[0]];
+            const Vec3& b = surface.points[t[1]];
+            const Vec3& c = surface.points[t[2]];
+            const Vec3 u = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
+            const Vec3 v = {c[0] - a[0], c[1] - a[1], c[2] - a[2]};
+            const double longest = std::max({dot(u, u), dot(v, v), 0.0});
+            if (!(length(cross(u, v)) > kFlat * longest)) continue;
+        }
+        surface.triangles[kept++] = t;
+    }
+    const std::size_t dropped = surface.triangles.size() - kept;
+    surface.triangles.resize(kept);
+    return dropped;
+}
+
+/// One side of a triangle, sorted so that the triangles of an edge are neighbours.
+struct Side {
+    std::uint64_t edge;      ///< lower point in the upper half
+    std::uint32_t triangle;  ///< whose side it is
+    bool forward;            ///< from the lower to the higher point
+};
+
+std::vector<Side> sides_of(const TriangleSurface& surface) {
+    std::vector<Side> sides;
+    sides.reserve(3 * surface.triangles.size());
+    for (std::uint32_t t = 0; t < surface.triangles.size(); ++t) {
+        for (std::size_t k = 0; k < 3; ++k) {
+            const std::uint64_t from = surface.triangles[t][k];
+            const std::uint64_t to = surface.triangles[t][(k + 1) % 3];
+            sides.push_back({std::min(from, to) << 32 | std::max(from, to), t, from < to});
+        }
+    }
+    std::sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) {
+        return a.edge != b.edge ? a.edge < b.edge : a.triangle < b.triangle;
+    });
+    return sides;
+}
+
+/// Counts open and crowded edges; returns the pairs of triangles that share an edge with no third one.
+std::vector<std::array<Side, 2>> pair_sides(const TriangleSurface& surface, SurfaceFindings& findings) {
+    const std::vector<Side> sides = sides_of(surface);
+    std::vector<std::array<Side, 2>> pairs;
+    pairs.reserve(sides.size() / 2);
+    for (std::size_t first = 0; first < sides.size();) {
+        std::size_t last = first + 1;
+        while (last < sides.size() && sides[last].edge == sides[first].edge) ++last;
+        if (last - first == 1) ++findings.open_edges;
+        if (last - first == 2) pairs.push_back({sides[first], sides[first + 1]});
+        if (last - first > 2) ++findings.crowded_edges;
+        first = last;
+    }
+    return pairs;
+}
+
+/// Turns triangles over until neighbours agree; in each connected piece the fewer ones.
+std::size_t agree(TriangleSurface& surface, const std::vector<std::array<Side, 2>>& pairs) {
+    const auto disagrees = [](const std::array<Side, 2>& pair) { return pair[0].forward == pair[1].forward; };
+    if (std::none_of(pairs.begin(), pairs.end(), disagrees)) return 0;
+    const std::size_t n = surface.triangles.size();
+    // Neighbours of each triangle: at most three, the lowest bit tells that they disagree.
+    std::vector<std::array<std::uint64_t, 3>> neighbours(n);
+    std::vector<std::uint8_t> count(n, 0);
+    for (const auto& pair : pairs) {
+        const std::uint64_t flag = disagrees(pair) ? 1 : 0;
+        const std::uint32_t a = pair[0].triangle;
+        const std::uint32_t b = pair[1].triangle;
+        neighbours[a][count[a]++] = std::uint64_t{b} << 1 | flag;
+        neighbours[b][count[b]++] = std::uint64_t{a} << 1 | flag;
+    }
+    std::size_t turned = 0;
+    std::vector<char> seen(n, 0);
+    std::vector<char> turn(n, 0);
+    std::vector<std::uint32_t> piece;
+    for (std::uint32_t seed = 0; seed < n; ++seed) {
+        if (seen[seed] != 0) continue;
+        piece.assign(1, seed);
+        seen[seed] = 1;
+        std::size_t turns = 0;
+        for (std::size_t i = 0; i < piece.size(); ++i) {
+            const std::uint32_t t = piece[i];
+            turns += turn[t] != 0 ? 1 : 0;
+            for (std::size_t k = 0; k < count[t]; ++k) {
+                const auto other = static_cast<std::uint32_t>(neighbours[t][k] >> 1);
+                if (seen[other] != 0) continue;
+                seen[other] = 1;
+                turn[other] = static_cast<char>((turn[t] != 0) != ((neighbours[t][k] & 1U) != 0));
+                piece.push_back(other);
+            }
+        }
+        const bool majority = 2 * turns > piece.size();
+        for (const std::uint32_t t : piece) {
+            if ((turn[t] != 0) == majority) continue;
+            std::swap(surface.triangles[t][1], surface.triangles[t][2]);
+            ++turned;
+        }
+    }
+    return turned;
+}
+
+}  // namespace
+
+double six_volumes(const TriangleSurface& surface) {
+    if (surface.points.empty()) return 0;
+    const Vec3& origin = surface.points[0];
+    double sum = 0;
+    for (const Triangle& triangle : surface.triangles) {
+        std::array<Vec3, 3> corner{};
+        for (std::size_t i = 0; i < 3; ++i) {
+            for (std::size_t k = 0; k < 3; ++k) corner[i][k] = surface.points[triangle[i]][k] - origin[k];
+        }
+        sum += dot(corner[0], cross(corner[1], corner[2]));
+    }
+    return sum;
+}
+
+SurfaceFindings repair_surface(TriangleSurface& surface) {
+    SurfaceFindings findings;
+    if (surface.triangles.empty()) return findings;
+    join_equal_points(surface);
+    drop_unused_points(surface);
+    constexpr double kTolerance = 1e-9;
+    join_close_points(surface, kTolerance * diagonal_of(surface.points));
+    findings.flat_triangles = drop_flat_triangles(surface, false);
+    // Flat triangles fill cracks between edges divided differently: they count for the edges, then they go.
+    const auto pairs = pair_sides(surface, findings);
+    findings.turned = agree(surface, pairs);
+    findings.flat_triangles += drop_flat_triangles(surface, true);
+    drop_unused_points(surface);
+    if (six_volumes(surface) < 0) {
+        findings.inverted = true;
+        for (Triangle& triangle : surface.triangles) std::swap(triangle[1], triangle[2]);
+    }
+    return findings;
+}
+
+std::vector<std::string> surface_warnings(const SurfaceFindings& findings, const std::string& source) {
+    std::vector<std::string> warnings;
+    const auto plural = [](std::size_t count, const char* one, const char* many) {
+        return std::to_string(count) + " " + (count == 1 ? one : many);
+    };
+    if (findings.open_edges != 0) {
+        warnings.push_back(
+            source + ": " + plural(findings.open_edges, "edge has", "edges have") +
+            " only one triangle: the surface is not closed there; what is inside is decided by "
+            "the winding number");
+    }
+    if (findings.turned != 0) {
+        warnings.push_back(source + ": " + plural(findings.turned, "triangle was", "triangles were") +
+                           " turned over to agree with the triangles around");
+    }
+    return warnings;
+}
+
+}  // namespace mortise::model_reader
