@@ -110,7 +110,7 @@ void check_precision(const Root& root, const std::string& source) {
 
 /// What the model asks for and this version does not do.
 void add_warnings(const Model& model, MeshReport& report) {
-    report.warnings = model.warnings;
+    report.warnings.insert(report.warnings.begin(), model.warnings.begin(), model.warnings.end());
     bool sizes = false;
     for (const Region& region : model.regions) sizes = sizes || region.max_size > 0;
     for (const CsgNode& node : model.nodes) sizes = sizes || node.max_size > 0;
@@ -263,9 +263,18 @@ Mesh generate_mesh(const Model& model, const MeshOptions& options, MeshReport* r
     check_precision(root, model.source);
     tape::BoundModel bound = tape::bind(compiled, root.origin, root.side);
     stages.end(bound.surfaces.size());
+    triangles::Division division;
     if (!bound.polyhedra.empty()) {
         stages.begin("polyhedra", 0.01);
-        stages.end(triangles::divide(bound, root.level, options.threads).nodes);
+        division = triangles::divide(bound, root.level, options.threads);
+        stages.end(division.nodes);
+    }
+    if (division.crowded > 0) {
+        const std::string text = std::to_string(division.crowded) +
+                                 " cells hold more faces of triangles than a cell can show; small ones are "
+                                 "left out; smaller cells would keep them";
+        if (options.strict) throw Error(ExitCode::kMeshing, model.source + ": strict: " + text);
+        out.warnings.push_back(text);
     }
 
     stages.begin("device", 0.02);

@@ -75,6 +75,18 @@ TEST_CASE("patches meet in sharp creases: a round post of triangles") {
     CHECK(length == doctest::Approx(4 * std::acos(-1.0)).epsilon(5e-3));
 }
 
+TEST_CASE("faces that are left out of crowded cells are told") {
+    const Model model = solid_of(random_star(2, 3, 0.9, 1.1), 0);
+    const Meshed coarse = mesh_and_check(model, 3);
+    CHECK(coarse.defects.empty());
+    REQUIRE_FALSE(coarse.report.warnings.empty());
+    CHECK(coarse.report.warnings[0].find("more faces of triangles") != std::string::npos);
+    MeshOptions strict;
+    strict.level = 3;
+    strict.strict = true;
+    CHECK_THROWS_AS(generate_mesh(model, strict), Error);
+}
+
 TEST_CASE("surfaces with holes, and triangles that overlap, make valid meshes") {
     TriangleSurface open = unit_sphere(3);
     open.triangles.erase(open.triangles.begin() + 100, open.triangles.begin() + 110);
