@@ -135,13 +135,7 @@ std::uint32_t CellFormula::choose_plane(const std::vector<Polygon>& polygons) co
         int back = 0;
         for (const Polygon& polygon : polygons) {
             if (polygon.surface == candidate) continue;
-            double low = 0;
-            double high = 0;
-            for (int i = 0; i < polygon.count; ++i) {
-                const double f = cut.at(polygon.corner[static_cast<std::size_t>(i)]);
-                low = std::min(low, f);
-                high = std::max(high, f);
-            }
+            const auto [low, high] = range_of(polygon, cut);
             if (low < -tolerance_ && high > tolerance_) {
                 ++cuts;
             } else {
@@ -178,13 +172,7 @@ std::uint32_t CellFormula::divide(std::vector<Polygon> polygons) {
     std::vector<Polygon> before;
     for (const Polygon& polygon : polygons) {
         if (polygon.surface == surface) continue;
-        double low = 0;
-        double high = 0;
-        for (int i = 0; i < polygon.count; ++i) {
-            const double f = cut.at(polygon.corner[static_cast<std::size_t>(i)]);
-            low = std::min(low, f);
-            high = std::max(high, f);
-        }
+        const auto [low, high] = range_of(polygon, cut);
         if (low < -tolerance_ && high > tolerance_) {
             const Polygon a = part_of(polygon, cut, -1, tolerance_);
             const Polygon b = part_of(polygon, cut, 1, tolerance_);

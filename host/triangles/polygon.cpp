@@ -1,5 +1,7 @@
 #include "host/triangles/polygon.hpp"
 
+#include <algorithm>
+
 namespace mortise::triangles {
 
 glm::dvec3 Polygon::centre() const {
@@ -30,6 +32,15 @@ double Polygon::perimeter() const {
         sum += glm::length(corner[(i + 1) % static_cast<std::size_t>(count)] - corner[i]);
     }
     return sum;
+}
+
+std::array<double, 2> range_of(const Polygon& polygon, const CutPlane& plane) {
+    std::array<double, 2> range = {0, 0};
+    for (std::size_t i = 0; i < static_cast<std::size_t>(polygon.count); ++i) {
+        const double f = plane.at(polygon.corner[i]);
+        range = {std::min(range[0], f), std::max(range[1], f)};
+    }
+    return range;
 }
 
 Polygon part_of(const Polygon& polygon, const CutPlane& plane, int side, double tolerance) {

@@ -28,6 +28,9 @@ struct CutPlane {
     double at(const glm::dvec3& x) const { return glm::dot(normal, x) + offset; }
 };
 
+/// Least and largest value of the plane's function on the polygon, and zero.
+std::array<double, 2> range_of(const Polygon& polygon, const CutPlane& plane);
+
 /// The part of the polygon where the plane's function is <= 0 (side -1) or >= 0 (side +1); corners within
 /// `tolerance` belong to both. Less than three corners: nothing.
 Polygon part_of(const Polygon& polygon, const CutPlane& plane, int side, double tolerance);

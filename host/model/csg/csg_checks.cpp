@@ -93,4 +93,32 @@ int flat_fragments(const CsgNodeText& node, double radius) {
     return std::max(3, static_cast<int>(std::ceil(wanted)));
 }
 
+void read_corners(const CsgNodeText& node, std::size_t count, double* low, double* high) {
+    const std::string number = count == 2 ? "two" : "three";
+    std::fill_n(high, count, 1.0);
+    SourceLocation where = node.where;
+    if (const CsgArgument* argument = node.arguments.find("size", 0)) {
+        where = argument->where;
+        if (argument->kind == CsgArgument::Kind::kNumber) {
+            std::fill_n(high, count, finite_number(node, *argument, "size"));
+        } else if (argument->kind == CsgArgument::Kind::kList && argument->regular && argument->rows == 0 &&
+                   argument->count == count) {
+            std::copy_n(node.arguments.numbers(*argument), count, high);
+        } else {
+            fail(node.source, where,
+                 quoted(node.name) + ": size is not a number or a list of " + number + " numbers");
+        }
+    }
+    for (std::size_t k = 0; k < count; ++k) {
+        if (!(high[k] > 0) || !std::isfinite(high[k])) {
+            fail_size(node, where, "size", high[k], number + " positive, finite numbers");
+        }
+    }
+    const bool centred = optional_boolean(node, "center", 1);
+    for (std::size_t k = 0; k < count; ++k) {
+        if (centred) high[k] /= 2;
+        low[k] = centred ? -high[k] : 0;
+    }
+}
+
 }  // namespace mortise::model_reader

@@ -33,6 +33,9 @@ double optional_number(const CsgNodeText& node, std::string_view name, int posit
 /// true or false (also as 1 or 0); false where it is missing or undef.
 bool optional_boolean(const CsgNodeText& node, std::string_view name, int position);
 
+/// Corners of a cube (count 3) or square (count 2) by its `size` and `center`; low and high: count numbers.
+void read_corners(const CsgNodeText& node, std::size_t count, double* low, double* high);
+
 [[noreturn]] void fail_size(const CsgNodeText& node, SourceLocation where, std::string_view what,
                             double value, std::string_view expected);
 

@@ -49,32 +49,9 @@ void add_caps(std::vector<Plane>& planes, const double* zmin, const double* zmax
 
 std::uint32_t add_csg_cube(Model& model, const CsgNodeText& node) {
     refuse_unknown_arguments(node, {"size", "center"}, 2);
-    Vec3 size = {1, 1, 1};
-    SourceLocation where = node.where;
-    if (const CsgArgument* argument = node.arguments.find("size", 0)) {
-        where = argument->where;
-        if (argument->kind == CsgArgument::Kind::kNumber) {
-            size.fill(finite_number(node, *argument, "size"));
-        } else if (argument->kind == CsgArgument::Kind::kList && argument->regular && argument->rows == 0 &&
-                   argument->count == 3) {
-            std::copy_n(node.arguments.numbers(*argument), 3, size.begin());
-        } else {
-            fail(node.source, where, "'cube': size is not a number or a list of three numbers");
-        }
-    }
-    for (const double edge : size) {
-        if (!(edge > 0) || !std::isfinite(edge)) {
-            fail_size(node, where, "size", edge, "three positive, finite numbers");
-        }
-    }
     Vec3 low{};
-    Vec3 high = size;
-    if (optional_boolean(node, "center", 1)) {
-        for (std::size_t k = 0; k < 3; ++k) {
-            high[k] = size[k] / 2;
-            low[k] = -high[k];
-        }
-    }
+    Vec3 high{};
+    read_corners(node, 3, low.data(), high.data());
     return model.add_primitive(box(low, high), node.surface, node.where);
 }
 

@@ -57,32 +57,9 @@ Vec3 three_numbers(const CsgNodeText& node, const CsgArgument& argument) {
 
 CsgOperand read_square(CsgScene& scene, const CsgNodeText& node) {
     refuse_unknown_arguments(node, {"size", "center"}, 2);
-    Vec2 size = {1, 1};
-    SourceLocation where = node.where;
-    if (const CsgArgument* argument = node.arguments.find("size", 0)) {
-        where = argument->where;
-        if (argument->kind == CsgArgument::Kind::kNumber) {
-            size.fill(finite_number(node, *argument, "size"));
-        } else if (argument->kind == CsgArgument::Kind::kList && argument->regular && argument->rows == 0 &&
-                   argument->count == 2) {
-            std::copy_n(node.arguments.numbers(*argument), 2, size.begin());
-        } else {
-            fail(node.source, where, "'square': size is not a number or a list of two numbers");
-        }
-    }
-    for (const double edge : size) {
-        if (!(edge > 0) || !std::isfinite(edge)) {
-            fail_size(node, where, "size", edge, "two positive, finite numbers");
-        }
-    }
     Vec2 low{};
-    Vec2 high = size;
-    if (optional_boolean(node, "center", 1)) {
-        for (std::size_t k = 0; k < 2; ++k) {
-            high[k] = size[k] / 2;
-            low[k] = -high[k];
-        }
-    }
+    Vec2 high{};
+    read_corners(node, 2, low.data(), high.data());
     return scene.outlined({{low, {high[0], low[1]}, high, {low[0], high[1]}}}, node.where);
 }
 
