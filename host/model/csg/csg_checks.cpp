@@ -121,4 +121,18 @@ void read_corners(const CsgNodeText& node, std::size_t count, double* low, doubl
     }
 }
 
+double read_radius(const CsgNodeText& node) {
+    double radius = 1;
+    SourceLocation where = node.where;
+    if (const CsgArgument* r = node.arguments.find("r", 0)) {
+        radius = finite_number(node, *r, "radius");
+        where = r->where;
+    } else if (const CsgArgument* d = node.arguments.find("d")) {
+        radius = finite_number(node, *d, "diameter") / 2;
+        where = d->where;
+    }
+    if (!(radius > 0)) fail_size(node, where, "radius", radius, "a positive number");
+    return radius;
+}
+
 }  // namespace mortise::model_reader

@@ -57,16 +57,7 @@ std::uint32_t add_csg_cube(Model& model, const CsgNodeText& node) {
 
 std::uint32_t add_csg_sphere(Model& model, const CsgNodeText& node) {
     refuse_unknown_arguments(node, {"r", "d"}, 1);
-    double radius = 1;
-    SourceLocation where = node.where;
-    if (const CsgArgument* r = node.arguments.find("r", 0)) {
-        radius = finite_number(node, *r, "radius");
-        where = r->where;
-    } else if (const CsgArgument* d = node.arguments.find("d")) {
-        radius = finite_number(node, *d, "diameter") / 2;
-        where = d->where;
-    }
-    if (!(radius > 0)) fail_size(node, where, "radius", radius, "a positive number");
+    const double radius = read_radius(node);
     const int n = flat_fragments(node, radius);
     if (n == 0) return model.add_primitive(sphere(radius), node.surface, node.where);
 

@@ -65,16 +65,7 @@ CsgOperand read_square(CsgScene& scene, const CsgNodeText& node) {
 
 CsgOperand read_circle(CsgScene& scene, const CsgNodeText& node) {
     refuse_unknown_arguments(node, {"r", "d"}, 1);
-    double radius = 1;
-    SourceLocation where = node.where;
-    if (const CsgArgument* r = node.arguments.find("r", 0)) {
-        radius = finite_number(node, *r, "radius");
-        where = r->where;
-    } else if (const CsgArgument* d = node.arguments.find("d")) {
-        radius = finite_number(node, *d, "diameter") / 2;
-        where = d->where;
-    }
-    if (!(radius > 0)) fail_size(node, where, "radius", radius, "a positive number");
+    const double radius = read_radius(node);
     if (const int n = flat_fragments(node, radius); n != 0) {
         return scene.outlined({regular_polygon(radius, n)}, node.where);
     }
