@@ -51,8 +51,8 @@ class Assembler {
         const std::uint64_t cells = std::uint64_t{1} << (3 * tree.level);
         numbering_.range = {std::min(input_.range.begin, cells), std::min(input_.range.end, cells)};
         const bool whole = numbering_.range.begin == 0 && numbering_.range.end == cells;
-        first_word_ = numbering_.range.begin / 32;
-        word_count_ = (whole ? tree.words() : numbering_.range.end / 32) - first_word_;
+        first_word_ = tree.words_below(numbering_.range.begin);
+        word_count_ = (whole ? tree.words() : tree.words_below(numbering_.range.end)) - first_word_;
         nio_begin_ = tree.nio_rank[first_word_];
         nio_end_ = tree.nio_rank[first_word_ + word_count_];
         in_begin_ = tree.in_rank[first_word_];
@@ -105,8 +105,7 @@ class Assembler {
     }
 
     void number() {
-        extras_ = rank_extras(input_, cells_);
-        auto& tree = input_.on_device;
+        extras_ = rank_extras(input_, cells_, numbering_.used);
         const std::size_t meshed = meshed_count();
         used_ = device_.upload(numbering_.used);
         Buffer extra_counts = device_.upload(extras_.owned_count);
@@ -114,9 +113,7 @@ class Assembler {
         base_ = device_.allocate((meshed + 1) * sizeof(std::uint32_t));
         device_.fill_zero(owned_);
         device_.fill_zero(base_);
-        device_.launch(device_.kernel("assembly/number.cl", "own_nodes"), word_count_, tree.in_bits,
-                       tree.nio_bits, tree.in_rank, tree.nio_rank, used_, extra_counts, owned_, base_,
-                       level(), first_word());
+        launch("own_nodes", word_count_, used_, extra_counts, owned_, base_, first_word());
         nodes_ = device_.exclusive_scan_u32(base_, base_, meshed);
         numbering_.nodes = static_cast<std::uint32_t>(nodes_);
         numbering_.owned = device_.download<std::uint32_t>(owned_, meshed);
@@ -156,18 +153,14 @@ class Assembler {
             device_.upload(offset_buffer_, offsets_[t].data(), stride + 1, t * (stride + 1));
         }
         facet_offset_buffer_ = device_.upload(facet_offsets_);
-        device_.launch(device_.kernel("assembly/number.cl", "place_nodes"), word_count_, tree.in_bits,
-                       tree.nio_bits, tree.in_rank, tree.nio_rank, leaves_, tree.surfaces, tree.ops, owned_,
-                       base_, points_, box, level(), first_word());
-        device_.launch(device_.kernel("assembly/number.cl", "write_hexahedra"), word_count_, tree.in_bits,
-                       tree.nio_bits, tree.in_rank, tree.nio_rank, used_, owned_, base_, offset_buffer_,
-                       foreign_, connectivity_[0], range, in_first, level(), first_word());
-        device_.launch(device_.kernel("assembly/number.cl", "write_templates"), nio_end_ - nio_begin_,
-                       tree.in_bits, tree.nio_bits, tree.in_rank, tree.nio_rank, tree.nio, leaves_, used_,
-                       owned_, base_, offset_buffer_, facet_offset_buffer_, foreign_, connectivity_[0],
-                       connectivity_[1], connectivity_[2], connectivity_[3], facet_buffer_, range, in_first,
-                       static_cast<std::uint32_t>(stride + 1), level(),
-                       static_cast<std::uint32_t>(nio_begin_));
+        launch("place_nodes", word_count_, leaves_, tree.surfaces, tree.ops, owned_, base_, points_, box,
+               first_word());
+        launch("write_hexahedra", word_count_, used_, owned_, base_, offset_buffer_, foreign_,
+               connectivity_[0], range, in_first, first_word());
+        launch("write_templates", nio_end_ - nio_begin_, tree.nio, leaves_, used_, owned_, base_,
+               offset_buffer_, facet_offset_buffer_, foreign_, connectivity_[0], connectivity_[1],
+               connectivity_[2], connectivity_[3], facet_buffer_, range, in_first,
+               static_cast<std::uint32_t>(stride + 1), static_cast<std::uint32_t>(nio_begin_));
         // The host adds the certificate's part to the same arrays.
         device_.sync_to_host(points_);
         for (Buffer& buffer : connectivity_) device_.sync_to_host(buffer);
@@ -180,7 +173,11 @@ class Assembler {
         facet_buffer_ = Buffer();
     }
 
-    std::int32_t level() const { return input_.tree.level; }
+    template <class... Arguments>
+    void launch(const char* entry, std::size_t items, const Arguments&... arguments) {
+        octree::launch_on(device_, input_.on_device, device_.kernel("assembly/number.cl", entry), items,
+                          arguments...);
+    }
     std::uint32_t first_word() const { return static_cast<std::uint32_t>(first_word_); }
 
     /// Calls work(leaf, record) for the range's CNIO leaves on all threads.
@@ -206,13 +203,15 @@ class Assembler {
     /// Owned roots and extra nodes of CNIO leaves; their owned grid vertices come from the device.
     void place_cnio_nodes() {
         const NodeLookup nodes = lookup();
-        const double cell = input_.tree.cell_size();
         const double unit = std::ldexp(1.0, -(input_.tree.level + kCellUnitBits));
         for_each_cnio([&](std::uint32_t nio, const cnio::CellRecord& record) {
             const cnio::CellArena& arena = cells_.arena(record);
             const std::uint64_t morton = input_.tree.nio[nio].morton;
-            const std::uint32_t rank = nodes.meshed_rank(morton);
+            const std::uint32_t rank = nodes.rank_of(morton);
             const std::uint32_t owned = numbering_.owned[rank];
+            const int level = input_.tree.level_of(morton);
+            const double cell = octree::Octree::edge_of(level);
+            const int depth = input_.tree.level - level;
             std::uint32_t at = record.first_edge_root;
             for (u32 e = 0; e < 12; ++e) {
                 if (((record.used >> (8 + e)) & 1) == 0) continue;
@@ -223,9 +222,9 @@ class Assembler {
                                     static_cast<double>(c >> 2)};
                 offset[e / 4] = static_cast<double>(root) / static_cast<double>(kCellUnits);
                 store_point(numbering_.base[rank] + mask_rank(owned, 8 + e),
-                            (gather_bits(morton) + offset[0]) * cell,
-                            (gather_bits(morton >> 1) + offset[1]) * cell,
-                            (gather_bits(morton >> 2) + offset[2]) * cell);
+                            ((gather_bits(morton) >> depth) + offset[0]) * cell,
+                            ((gather_bits(morton >> 1) >> depth) + offset[1]) * cell,
+                            ((gather_bits(morton >> 2) >> depth) + offset[2]) * cell);
             }
             for (std::uint32_t k = 0; k < record.extra_count; ++k) {
                 const std::uint32_t extra = extras_.rank[record.arena][record.first_extra + k];
@@ -246,7 +245,10 @@ class Assembler {
                 if (code >= cnio::kExtraCode || ((record.used >> code) & 1) != 0)
                     ids[code] = nodes.node(nio, record, code);
             }
-            const std::size_t before = input_.tree.in_index(input_.tree.nio[nio].morton) - in_begin_;
+            const TreeNode& leaf = input_.tree.nio[nio];
+            const std::size_t before = input_.tree.in_index(leaf.morton) - in_begin_;
+            const auto kind = static_cast<std::uint8_t>(
+                input_.tree.graded && leaf.tape_length == 0 ? ElementKind::kTransition : ElementKind::kCnio);
             for (std::size_t t = 0; t < kElementTypes; ++t) {
                 const auto size = static_cast<std::size_t>(kElementNodes[t]);
                 const std::size_t first = offsets_[t][nio] + (t == 0 ? before : 0);
@@ -257,7 +259,7 @@ class Assembler {
                             ids[arena.nodes[t][(record.first_element[t] + k) * size + j]];
                     }
                     block.region[first + k] = arena.regions[t][record.first_element[t] + k];
-                    block.kind[first + k] = static_cast<std::uint8_t>(ElementKind::kCnio);
+                    block.kind[first + k] = kind;
                 }
             }
         });
@@ -363,8 +365,12 @@ class Assembler {
             const cnio::CellRecord* record = cells_.record(nio);
             if (record == nullptr) return;
             for (std::uint32_t k = 0; k < record->extra_count; ++k) {
-                const CnioCells::Owner owner = cells_.owner(nio, k);
-                if (!in_range(owner.nio)) numbering_.foreign_extras.push_back({owner.nio, owner.place});
+                const CnioCells::Owner owner = cells_.owner(nio, k, numbering_.used);
+                if (owner.grid != kNoOwner) {
+                    if (!numbering_.range.holds(owner.grid)) grid.push_back(node_key(owner.grid, owner.bit));
+                } else if (!in_range(owner.nio)) {
+                    numbering_.foreign_extras.push_back({owner.nio, owner.place});
+                }
             }
         });
         std::sort(grid.begin(), grid.end());
@@ -383,7 +389,7 @@ class Assembler {
         if (is_whole_) return;
         const NodeLookup nodes = lookup();
         for_each_leaf_at_border([&](std::uint64_t morton) {
-            const std::uint32_t rank = nodes.meshed_rank(morton);
+            const std::uint32_t rank = nodes.rank_of(morton);
             const std::uint32_t owned = numbering_.owned[rank];
             for (u32 bit = 0; bit < kInteriorNodeBit; ++bit) {
                 if (((owned >> bit) & 1) == 0) continue;
@@ -409,8 +415,8 @@ class Assembler {
         const auto& tree = input_.tree;
         for (std::size_t word = first_word_; word < first_word_ + word_count_; ++word) {
             for (u32 bits = tree.in_bits[word] | tree.nio_bits[word]; bits != 0; bits &= bits - 1) {
-                const std::uint64_t morton = 32 * std::uint64_t{word} + count_bits((bits & (0u - bits)) - 1);
-                if (touches_outside(tree.level, numbering_.range, morton)) work(morton);
+                const std::uint64_t morton = tree.code_of_word(word) + count_bits((bits & (0u - bits)) - 1);
+                if (touches_outside(tree, numbering_.range, morton)) work(morton);
             }
         }
     }

@@ -18,46 +18,72 @@ std::uint32_t any_surface(const octree::Octree& tree, std::uint32_t nio) {
     return 0;
 }
 
-/// What lies across a face of a CNIO cell.
+/// What lies across a patch of a CNIO cell's face.
 struct Neighbour {
     enum class Kind { kNothing, kIn, kSnio, kCnio } kind = Kind::kNothing;
-    std::uint64_t morton = 0;
-    std::uint32_t nio = 0;
     std::uint16_t region = 0;        ///< kIn, kSnio
     const SnioLeaf* leaf = nullptr;  ///< kSnio
     const cnio::CellRecord* record = nullptr;
+    int patch = 0;  ///< kCnio: the same patch, among its own
 };
 
-Neighbour across(const Input& input, const CnioCells& cells, std::uint16_t single_in_region,
-                 const std::vector<std::uint16_t>& in_regions, std::uint64_t morton, int f) {
+/// A CNIO cell whose facets are wanted.
+struct Here {
+    const Input& input;
+    const CnioCells& cells;
+    std::uint64_t code;
+    int level;
+};
+
+/// Patch p of the cell, which is a quarter of its face if `quarter` is set.
+Neighbour across(const Here& here, std::uint16_t single_in_region,
+                 const std::vector<std::uint16_t>& in_regions, int p, bool quarter) {
     Neighbour result;
-    std::int64_t at[3] = {gather_bits(morton), gather_bits(morton >> 1), gather_bits(morton >> 2)};
-    at[f / 2] += (f & 1) != 0 ? 1 : -1;
-    if (at[f / 2] < 0 || at[f / 2] >= std::int64_t{1} << input.tree.level) return result;
-    result.morton = morton_encode(static_cast<u32>(at[0]), static_cast<u32>(at[1]), static_cast<u32>(at[2]));
-    if (input.tree.is_in(result.morton)) {
+    const Tree tree = here.input.tree.view();
+    const int f = p / 4;
+    const int axis = f / 2;
+    const int u = axis == 0 ? 1 : 0;
+    const int v = axis == 2 ? 1 : 2;
+    Leaf leaf;
+    if (quarter) {
+        int half[3];
+        half[axis] = (f & 1) != 0 ? 2 : -1;
+        half[u] = p & 1;
+        half[v] = (p >> 1) & 1;
+        leaf = octree::leaf_at_half(tree, here.code, here.level, half[0], half[1], half[2]);
+    } else {
+        i32 direction[3] = {0, 0, 0};
+        direction[axis] = (f & 1) != 0 ? 1 : -1;
+        leaf = leaf_beside(&tree, here.code, here.level, direction);
+    }
+    if (leaf.kind == kLeafIn) {
         result.kind = Neighbour::Kind::kIn;
-        result.region =
-            in_regions.empty() ? single_in_region : in_regions[input.tree.in_index(result.morton)];
-    } else if (input.tree.is_nio(result.morton)) {
-        result.nio = input.tree.nio_index(result.morton);
-        result.record = cells.record(result.nio);
+        result.region = in_regions.empty() ? single_in_region : in_regions[leaf.index];
+    } else if (leaf.kind == kLeafNio) {
+        result.record = here.cells.record(leaf.index);
         result.kind = result.record != nullptr ? Neighbour::Kind::kCnio : Neighbour::Kind::kSnio;
-        result.leaf = &input.classification.leaves[result.nio];
+        result.leaf = &here.input.classification.leaves[leaf.index];
         result.region = result.leaf->region;
+        result.patch = 4 * (f ^ 1);
+        if (leaf.level < here.level) {  // this cell lies beside a quarter of the other's face
+            const int depth = here.input.tree.level - here.level;
+            result.patch += static_cast<int>(((gather_bits(here.code >> u) >> depth) & 1) +
+                                             2 * ((gather_bits(here.code >> v) >> depth) & 1));
+        }
     }
     return result;
 }
 
-/// Region of a template's element behind a facet of face f, told by a corner of the facet that is not on the
+/// Region of a template behind a facet of the common face, told by a corner of the facet that is not on the
 /// surface: a polygon of a cut face holds corners of one side only. Where all are on it, by whether the
 /// template has volume.
 std::uint16_t template_region(const Neighbour& other, const cnio::FaceFacet& facet, int f) {
     const SnioLeaf& leaf = *other.leaf;
     if (leaf.method == kMethodHexahedron) return other.region;
-    for (const std::uint16_t code : facet.node) {
-        const int corner = code ^ (1 << (f / 2));
-        if (code >= 8 || ((leaf.on >> corner) & 1) != 0) continue;
+    for (const std::uint8_t place : facet.corner) {
+        if (place == 4) continue;
+        const int corner = kFaceCorners[f ^ 1][place];  // a template's leaf shares the whole patch
+        if (((leaf.on >> corner) & 1) != 0) continue;
         return ((leaf.pattern >> corner) & 1) != 0 ? other.region : std::uint16_t{0};
     }
     return leaf.pattern != 0 ? other.region : std::uint16_t{0};
@@ -77,15 +103,21 @@ void facets_of(const Input& input, const CnioCells& cells, const NodeLookup& loo
         for (std::size_t k = 0; k < 4; ++k) made.node[k] = lookup.node(nio, record, facet.node[k]);
         out.push_back(made);
     }
-    const std::uint64_t morton = input.tree.nio[nio].morton;
-    for (int f = 0; f < 6; ++f) {
-        const Neighbour other = across(input, cells, single_in_region, in_regions, morton, f);
+    const std::uint64_t code = input.tree.nio[nio].morton;
+    const Here here{input, cells, code, input.tree.level_of(code)};
+    const auto& first = record.first_face_facet;
+    for (int p = 0; p < cnio::kPatches; ++p) {
+        const auto at = static_cast<std::size_t>(p);
+        const std::uint32_t begin = first[at];
+        const std::uint32_t end = first[at + 1];
+        if (begin == end) continue;
+        const int f = p / 4;
+        const bool quarter = first[at / 4 * 4 + 1] != first[at / 4 * 4 + 4];
+        const Neighbour other = across(here, single_in_region, in_regions, p, quarter);
         const bool both = other.kind == Neighbour::Kind::kCnio;
-        const std::uint32_t begin = record.first_face_facet[static_cast<std::size_t>(f)];
-        const std::uint32_t end = record.first_face_facet[static_cast<std::size_t>(f) + 1];
         const cnio::FaceFacet* theirs =
             both ? cells.arena(*other.record).face_facets.data() +
-                       other.record->first_face_facet[static_cast<std::size_t>(f ^ 1)]
+                       other.record->first_face_facet[static_cast<std::size_t>(other.patch)]
                  : nullptr;
         for (std::uint32_t i = begin; i < end; ++i) {
             const cnio::FaceFacet& mine = arena.face_facets[i];

@@ -23,15 +23,22 @@ class CnioCells {
     }
     const cnio::CellArena& arena(const cnio::CellRecord& r) const { return extraction_.arenas[r.arena]; }
 
-    /// Owner of an extra node of leaf `nio`: the Morton-first cell around it that uses it, and its place
-    /// there.
+    /// Owner of an extra node of leaf `nio`: of the finest cells around it that use it, the Morton-first, and
+    /// its place there. In a graded tree, vertices and single roots of finer leaves belong to these.
     struct Owner {
         std::uint32_t nio;
-        std::uint32_t place;  ///< index among the owner's extras
+        std::uint32_t place;            ///< index among the owner's extras
+        std::uint64_t grid = kNoOwner;  ///< else: the leaf that has the node
+        std::uint32_t bit = 0;          ///< as this bit of its mask
     };
-    Owner owner(std::uint32_t nio, std::uint32_t place) const;
+    Owner owner(std::uint32_t nio, std::uint32_t place, const std::vector<std::uint32_t>& used) const;
 
   private:
+    bool find_grid_owner(const cnio::NodeKey& key, int level, const std::vector<std::uint32_t>& used,
+                         Owner& owner) const;
+    void find_finer_owner(const cnio::NodeKey& key, std::uint64_t code, int level, Owner& owner) const;
+    bool find_extra(std::uint32_t nio, const cnio::NodeKey& key, Owner& owner) const;
+
     const octree::Octree& tree_;
     const cnio::Extraction& extraction_;
     std::vector<std::uint32_t> index_;
@@ -43,7 +50,7 @@ struct ExtraRanks {
     std::vector<std::vector<std::uint32_t>> rank;  ///< [arena][extra]
     std::vector<std::uint32_t> owned_count;        ///< per NIO leaf
 };
-ExtraRanks rank_extras(const Input& input, const CnioCells& cells);
+ExtraRanks rank_extras(const Input& input, const CnioCells& cells, const std::vector<std::uint32_t>& used);
 
 /// Numbering of the piece's nodes, for host lookups.
 struct Numbering {
@@ -71,11 +78,15 @@ class NodeLookup {
     /// Owner and bit of a grid node; false if no leaf uses it.
     bool grid_owner(std::uint64_t morton, std::uint16_t code, std::uint64_t* owner, std::uint32_t* bit) const;
 
+    /// Number of a grid node by owner and bit.
+    NodeId owned_node(std::uint64_t owner, std::uint32_t bit) const;
+
     /// Number of the leaf's first owned extra node.
     NodeId first_extra(std::uint32_t nio) const;
 
-    std::uint32_t meshed_rank(std::uint64_t morton) const {
-        return tree_.in_index(morton) + tree_.nio_index(morton);
+    std::uint32_t rank_of(std::uint64_t code) const {
+        const Tree tree = tree_.view();
+        return meshed_rank(&tree, code);
     }
 
   private:

@@ -6,22 +6,6 @@
 namespace mortise::assembly {
 namespace {
 
-/// Calls visit(code) for the neighbours of a cell inside the root box; stops when it returns true, and tells
-/// so.
-template <class Visit>
-bool any_neighbour(int level, std::uint64_t morton, const Visit& visit) {
-    const std::int64_t size = std::int64_t{1} << level;
-    const std::int64_t at[3] = {gather_bits(morton), gather_bits(morton >> 1), gather_bits(morton >> 2)};
-    for (int k = 0; k < 27; ++k) {
-        const std::int64_t x = at[0] + k % 3 - 1;
-        const std::int64_t y = at[1] + k / 3 % 3 - 1;
-        const std::int64_t z = at[2] + k / 9 - 1;
-        if (x < 0 || y < 0 || z < 0 || x >= size || y >= size || z >= size) continue;
-        if (visit(morton_encode(static_cast<u32>(x), static_cast<u32>(y), static_cast<u32>(z)))) return true;
-    }
-    return false;
-}
-
 /// Numbers of a piece's foreign nodes in the merged mesh.
 class Resolver {
   public:
@@ -63,9 +47,23 @@ void append(std::vector<T>& to, const std::vector<T>& from) {
 
 }  // namespace
 
-bool touches_outside(int level, const MortonRange& range, std::uint64_t morton) {
-    const bool inside = range.holds(morton);
-    return any_neighbour(level, morton, [&](std::uint64_t code) { return range.holds(code) != inside; });
+bool touches_outside(const octree::Octree& tree, const MortonRange& range, std::uint64_t code) {
+    const Tree view = tree.view();
+    const bool inside = range.holds(code);
+    const int level = leaf_level(&view, code);
+    const std::uint64_t cells = std::uint64_t{1} << (3 * (tree.level - level));
+    const u32 edge = leaf_edge(&view, level);
+    for (int k = 0; k < 27; ++k) {
+        const u64 place = code_at(&view, gather_bits(code) + edge * static_cast<u32>(k % 3 - 1),
+                                  gather_bits(code >> 1) + edge * static_cast<u32>(k / 3 % 3 - 1),
+                                  gather_bits(code >> 2) + edge * static_cast<u32>(k / 9 - 1));
+        if (place == kNoOwner) continue;
+        if (range.holds(place) != inside || range.holds(place + cells - 1) != inside) return true;
+        if (!tree.graded) continue;
+        const Leaf leaf = leaf_at(&view, place);
+        if (leaf.kind != kLeafNone && range.holds(leaf.code) != inside) return true;
+    }
+    return false;
 }
 
 std::vector<std::uint32_t> leaves_needed(const octree::Octree& tree, const std::vector<std::uint32_t>& cnio,
@@ -73,7 +71,7 @@ std::vector<std::uint32_t> leaves_needed(const octree::Octree& tree, const std::
     std::vector<std::uint32_t> result;
     for (const std::uint32_t nio : cnio) {
         const std::uint64_t morton = tree.nio[nio].morton;
-        if (range.holds(morton) || touches_outside(tree.level, range, morton)) result.push_back(nio);
+        if (range.holds(morton) || touches_outside(tree, range, morton)) result.push_back(nio);
     }
     return result;
 }

@@ -5,8 +5,8 @@
 
 namespace mortise::assembly {
 
-/// Whether one of the up to 26 neighbours of a cell lies on the other side of the range's ends than the cell
-/// itself.
-bool touches_outside(int level, const MortonRange& range, std::uint64_t morton);
+/// Whether a place around a leaf, of its own size, or a leaf there, reaches beyond the range's ends, seen
+/// from the leaf.
+bool touches_outside(const octree::Octree& tree, const MortonRange& range, std::uint64_t code);
 
 }  // namespace mortise::assembly

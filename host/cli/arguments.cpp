@@ -90,7 +90,7 @@ int parse_integer(const std::string& option, const std::string& text, int smalle
 
 /// The words as CLI11 leaves them.
 struct Words {
-    std::string level, size, elements, extrude, floor, threads, work_group, facets;
+    std::string level, size, coarsening, elements, extrude, floor, threads, work_group, facets;
     std::vector<std::string> box;
     bool no_templates = false;
     bool no_snap = false;
@@ -120,6 +120,9 @@ void add_mesh_options(CLI::App& app, Arguments& arguments, Words& words) {
     app.add_option("--size", words.size, "edge length of a cell in model units, instead of --level")
         ->option_text("LENGTH")
         ->excludes(level);
+    app.add_option("--interior-coarsening", words.coarsening,
+                   "let cells inside the solid be up to K levels larger than at its boundary")
+        ->option_text("K");
     app.add_option("--box", words.box, "X0 Y0 Z0 X1 Y1 Z1: cut the solid there; required if it is infinite")
         ->option_text("CORNERS")
         ->type_size(6)
@@ -176,6 +179,9 @@ void read_mesh_words(const Words& words, Arguments& arguments) {
     if (!words.size.empty()) {
         options.size = parse_number("--size", words.size);
         if (options.size <= 0) refuse("--size '" + words.size + "': expected a positive length");
+    }
+    if (!words.coarsening.empty()) {
+        options.interior_coarsening = parse_integer("--interior-coarsening", words.coarsening, 0, "");
     }
     if (!words.box.empty()) {
         Box3 box;

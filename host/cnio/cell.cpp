@@ -6,34 +6,41 @@
 namespace mortise::cnio {
 namespace {
 
-constexpr int kCentre = 13;  ///< index of the cell itself among its 27 neighbours
-
-int neighbour_index(int dx, int dy, int dz) { return (dx + 1) + 3 * (dy + 1) + 9 * (dz + 1); }
-
-/// Faces of the cell that corner c lies on.
-std::uint8_t corner_faces(int c) {
+/// Faces and middle planes of the cell that a vertex in halves lies on.
+std::uint8_t faces_of(const int* at) {
     std::uint8_t faces = 0;
-    for (int axis = 0; axis < 3; ++axis)
-        faces |= static_cast<std::uint8_t>(1u << (2 * axis + ((c >> axis) & 1)));
+    for (int axis = 0; axis < 3; ++axis) {
+        if (at[axis] != 1) faces |= static_cast<std::uint8_t>(1u << (2 * axis + at[axis] / 2));
+    }
     return faces;
 }
+std::uint8_t middles_of(const int* at) {
+    std::uint8_t middles = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+        if (at[axis] == 1) middles |= static_cast<std::uint8_t>(1u << axis);
+    }
+    return middles;
+}
+
+/// The place (-1 … 1) that a half-cell (-1 … 2) lies in.
+int place_of(int half) { return half < 0 ? -1 : half > 1 ? 1 : 0; }
+
+/// The two axes other than this one.
+int first_other(int axis) { return axis == 0 ? 1 : 0; }
+int second_other(int axis) { return axis == 2 ? 1 : 2; }
 
 }  // namespace
 
 void Cell::position(const LatticePoint& p, double* x) const {
     const double unit = std::ldexp(1.0, -(tree_.level + kCellUnitBits));
-    for (int j = 0; j < 3; ++j) {
-        const std::int64_t whole =
-            (static_cast<std::int64_t>(xyz_[j]) << kCellUnitBits) + p[static_cast<std::size_t>(j)];
-        x[j] = static_cast<double>(whole) * unit;
-    }
+    for (int j = 0; j < 3; ++j) x[j] = static_cast<double>(key(j, p[static_cast<std::size_t>(j)])) * unit;
 }
 
-int Cell::pure_sign(std::size_t surface, const LatticePoint& p) const {
+int Cell::pure_sign(std::size_t surface, const LatticePoint& p, double size) const {
     double x[3];
     position(p, x);
     return surface_sign(&model_.surfaces[surfaces_[surface]], model_.expression_ops.data(), x[0], x[1], x[2],
-                        tree_.cell_size());
+                        size);
 }
 
 int Cell::value_sign(std::size_t surface, const LatticePoint& p) const {
@@ -44,14 +51,16 @@ int Cell::value_sign(std::size_t surface, const LatticePoint& p) const {
     return value < 0 ? -1 : 1;
 }
 
-LocalNode Cell::add_node(const LatticePoint& p, std::uint8_t faces, std::uint16_t code) {
+LocalNode Cell::add_node(const LatticePoint& p, std::uint8_t faces, std::uint16_t code,
+                         std::uint8_t middles) {
     Node node;
     node.point = p;
     node.faces = faces;
+    node.middles = middles;
     node.code = code;
     nodes_.push_back(node);
     for (std::size_t s = 0; s < surfaces_.size(); ++s)
-        signs_.push_back(static_cast<std::int8_t>(pure_sign(s, p)));
+        signs_.push_back(static_cast<std::int8_t>(pure_sign(s, p, scale_.size)));
     return static_cast<LocalNode>(nodes_.size() - 1);
 }
 
@@ -66,7 +75,9 @@ LatticePoint Cell::root(std::size_t surface, LocalNode a, LocalNode b) const {
         segment_root(&model_.surfaces[surfaces_[surface]], model_.expression_ops.data(), low, high);
     LatticePoint result;
     for (std::size_t j = 0; j < 3; ++j) {
-        result[j] = from[j] + static_cast<std::int32_t>(std::rint(t * static_cast<double>(to[j] - from[j])));
+        // Both ends are on the lattice of the entity at hand.
+        const double steps = static_cast<double>((to[j] - from[j]) / scale_.step);
+        result[j] = from[j] + scale_.step * static_cast<std::int32_t>(std::rint(t * steps));
     }
     return result;
 }
@@ -91,8 +102,9 @@ bool Cell::snap_end(std::size_t p, LocalNode a, LocalNode b, const LatticePoint&
     const double to_a = distance(nodes_[a].point, at);
     const double to_b = distance(nodes_[b].point, at);
     const LocalNode near = to_a <= to_b ? a : b;
-    const bool shared = (nodes_[near].faces & (nodes_[near].faces - 1)) != 0;
-    if (std::min(to_a, to_b) > reach || (inner_only && shared)) return false;
+    const Node& node = nodes_[near];
+    const bool shared = (node.faces & (node.faces - 1)) != 0 || (node.faces != 0 && node.middles != 0);
+    if (std::min(to_a, to_b) > reach * scale_.step || (inner_only && shared)) return false;
     set_sign(near, p, 0);
     ++counters.snapped;
     return true;
@@ -100,22 +112,25 @@ bool Cell::snap_end(std::size_t p, LocalNode a, LocalNode b, const LatticePoint&
 
 void Cell::load(const TreeNode& leaf) {
     leaf_ = leaf;
-    xyz_[0] = gather_bits(leaf.morton);
-    xyz_[1] = gather_bits(leaf.morton >> 1);
-    xyz_[2] = gather_bits(leaf.morton >> 2);
+    level_ = tree_.level_of(leaf.morton);
+    size_ = octree::Octree::edge_of(level_);
+    for (int j = 0; j < 3; ++j) xyz_[j] = gather_bits(leaf.morton >> j);
     nodes_.clear();
     signs_.clear();
-    load_active_sets();
-    for (int c = 0; c < 8; ++c) {
-        const LatticePoint p = {(c & 1) * kCellUnits, ((c >> 1) & 1) * kCellUnits, (c >> 2) * kCellUnits};
-        add_node(p, corner_faces(c), static_cast<std::uint16_t>(c));
-    }
+    load_tape();
+    load_surroundings();
+    load_corners();
     load_edges();
     for (int f = 0; f < 6; ++f) partition_face(f);
+    scale_ = {1, size_};
 }
 
-void Cell::load_active_sets() {
+void Cell::load_tape() {
     surfaces_.clear();
+    if (leaf_.tape_length == 0) {
+        local_tape_.load_constant(octree::in_region(tree_, leaf_.morton));
+        return;
+    }
     const std::uint32_t* words = tree_.tapes.data() + leaf_.tape_offset;
     for (std::uint32_t i = 0; i < leaf_.tape_length; ++i) {
         if (tape_operation(words[i]) == kTapeLiteral) surfaces_.push_back(tape_surface(words[i]));
@@ -123,99 +138,255 @@ void Cell::load_active_sets() {
     std::sort(surfaces_.begin(), surfaces_.end());
     surfaces_.erase(std::unique(surfaces_.begin(), surfaces_.end()), surfaces_.end());
     local_tape_.load(words, leaf_.tape_length, surfaces_);
+}
+
+/// Which leaves touch the cell, and the active sets of those that share more than a vertex with it.
+void Cell::load_surroundings() {
     const std::size_t n = surfaces_.size();
-    const std::int64_t size = std::int64_t{1} << tree_.level;
-    neighbour_active_.assign(27 * n, 0);
+    const Tree tree = tree_.view();
+    const u32 edge = leaf_edge(&tree, level_);
+    half_.subdivided = 0;
+    half_.nio.fill(kNoNio);
+    half_.row.fill(0);
+    active_.assign(n, 0);
+    rows_ = 1;
     for (int k = 0; k < 27; ++k) {
-        std::uint8_t* active = neighbour_active_.data() + static_cast<std::size_t>(k) * n;
-        const int d[3] = {k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1};
-        if (d[0] * d[1] * d[2] != 0) continue;  // only a vertex in common
-        std::uint32_t at[3];
-        bool inside = true;
+        const i32 d[3] = {k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1};
+        const Leaf leaf = leaf_beside(&tree, leaf_.morton, level_, d);
+        const bool at_vertex = d[0] * d[1] * d[2] != 0;
+        std::uint32_t nio = kNoNio;
+        if (leaf.kind != kLeafNone && leaf.level <= level_) {
+            if (at_vertex || leaf.kind != kLeafNio) continue;
+            nio = leaf.index;
+            load_row(rows_, nio);
+        } else if (level_ < tree_.level && leaf.code != kNoOwner) {
+            const u64 begin =
+                code_at(&tree, xyz_[0] + edge * static_cast<u32>(d[0]),
+                        xyz_[1] + edge * static_cast<u32>(d[1]), xyz_[2] + edge * static_cast<u32>(d[2]));
+            const u64 end = begin + (u64{1} << (3 * (tree_.level - level_)));
+            if (meshed_rank(&tree, begin) == meshed_rank(&tree, end)) continue;
+            half_.subdivided |= 1u << k;
+            if (at_vertex) continue;
+        } else {
+            continue;
+        }
+        // The place's half-cells that touch the cell.
+        int low[3];
+        int high[3];
         for (int j = 0; j < 3; ++j) {
-            const std::int64_t x = static_cast<std::int64_t>(xyz_[j]) + d[j];
-            inside = inside && x >= 0 && x < size;
-            at[j] = static_cast<std::uint32_t>(x);
+            low[j] = d[j] < 0 ? -1 : d[j] > 0 ? 2 : 0;
+            high[j] = d[j] < 0 ? -1 : d[j] > 0 ? 2 : 1;
         }
-        if (!inside) continue;
-        const std::uint64_t code = morton_encode(at[0], at[1], at[2]);
-        if (!tree_.is_nio(code)) continue;
-        const TreeNode& node = tree_.nio[tree_.nio_index(code)];
-        for (std::uint32_t i = 0; i < node.tape_length; ++i) {
-            const std::uint32_t word = tree_.tapes[node.tape_offset + i];
-            if (tape_operation(word) != kTapeLiteral) continue;
-            const auto found = std::lower_bound(surfaces_.begin(), surfaces_.end(), tape_surface(word));
-            if (found != surfaces_.end() && *found == tape_surface(word))
-                active[found - surfaces_.begin()] = 1;
+        const u32 half = edge / 2;
+        for (int z = low[2]; z <= high[2]; ++z) {
+            for (int y = low[1]; y <= high[1]; ++y) {
+                for (int x = low[0]; x <= high[0]; ++x) {
+                    const auto h = static_cast<std::size_t>(half_index(x, y, z));
+                    if (nio != kNoNio) {
+                        half_.nio[h] = nio;
+                        half_.row[h] = static_cast<std::uint8_t>(rows_);
+                        continue;
+                    }
+                    const Leaf fine = leaf_at(&tree, morton_encode(xyz_[0] + half * static_cast<u32>(x),
+                                                                   xyz_[1] + half * static_cast<u32>(y),
+                                                                   xyz_[2] + half * static_cast<u32>(z)));
+                    if (fine.kind != kLeafNio || fine.level != level_ + 1) continue;
+                    half_.nio[h] = fine.index;
+                    half_.row[h] = static_cast<std::uint8_t>(rows_);
+                    load_row(rows_++, fine.index);
+                }
+            }
         }
+        if (nio != kNoNio) ++rows_;
     }
-    edge_active_.assign(12 * n, 0);
-    for (int e = 0; e < 12; ++e) {
-        const int axis = e / 4;
-        const int first = axis == 0 ? 1 : 0;
-        const int second = axis == 2 ? 1 : 2;
-        int d[3] = {0, 0, 0};
-        d[first] = (e & 1) != 0 ? 1 : -1;
-        d[second] = (e & 2) != 0 ? 1 : -1;
-        const int both = neighbour_index(d[0], d[1], d[2]);
-        int only_first[3] = {0, 0, 0};
-        int only_second[3] = {0, 0, 0};
-        only_first[first] = d[first];
-        only_second[second] = d[second];
-        const int one = neighbour_index(only_first[0], only_first[1], only_first[2]);
-        const int two = neighbour_index(only_second[0], only_second[1], only_second[2]);
-        for (std::size_t s = 0; s < n; ++s) {
-            edge_active_[static_cast<std::size_t>(e) * n + s] =
-                neighbour_active_[static_cast<std::size_t>(both) * n + s] &
-                neighbour_active_[static_cast<std::size_t>(one) * n + s] &
-                neighbour_active_[static_cast<std::size_t>(two) * n + s];
-        }
+    units_ = half_.subdivided != 0 ? 2 * kCellUnits : kCellUnits;
+    key_shift_ = tree_.level - level_ - (half_.subdivided != 0 ? 1 : 0);
+}
+
+/// Which of the cell's surfaces are active in another leaf.
+void Cell::load_row(std::size_t row, std::uint32_t nio) {
+    const std::size_t n = surfaces_.size();
+    active_.resize((row + 1) * n, 0);
+    const TreeNode& node = tree_.nio[nio];
+    for (std::uint32_t i = 0; i < node.tape_length; ++i) {
+        const std::uint32_t word = tree_.tapes[node.tape_offset + i];
+        if (tape_operation(word) != kTapeLiteral) continue;
+        const auto found = std::lower_bound(surfaces_.begin(), surfaces_.end(), tape_surface(word));
+        if (found != surfaces_.end() && *found == tape_surface(word))
+            active_[row * n + static_cast<std::size_t>(found - surfaces_.begin())] = 1;
     }
 }
 
+/// Whether finer leaves lie in one of the places around a vertex.
+bool Cell::is_vertex_fine(int x, int y, int z) const {
+    if (half_.subdivided == 0) return false;
+    for (int d = 0; d < 8; ++d) {
+        if (is_subdivided(place_of(x - 1 + (d & 1)), place_of(y - 1 + ((d >> 1) & 1)),
+                          place_of(z - 1 + (d >> 2)))) {
+            return true;
+        }
+    }
+    return false;
+}
+
+bool Cell::is_face_split(int f) const {
+    int d[3] = {0, 0, 0};
+    d[f / 2] = (f & 1) != 0 ? 1 : -1;
+    return is_subdivided(d[0], d[1], d[2]);
+}
+
+/// Whether a node is a corner of the cell, or of a finer leaf, on its edges or faces.
+bool Cell::is_grid_vertex(LocalNode node) const {
+    return std::find(vertex_.begin(), vertex_.end(), node) != vertex_.end();
+}
+
+void Cell::load_corners() {
+    vertex_.fill(kNoNode);
+    for (int c = 0; c < 8; ++c) {
+        const int at[3] = {2 * (c & 1), 2 * ((c >> 1) & 1), 2 * (c >> 2)};
+        const LatticePoint p = {(c & 1) * units_, ((c >> 1) & 1) * units_, (c >> 2) * units_};
+        scale_ = is_vertex_fine(at[0], at[1], at[2]) ? half_scale() : whole_scale();
+        vertex_[static_cast<std::size_t>(at[0] + 3 * at[1] + 9 * at[2])] =
+            add_node(p, faces_of(at), static_cast<std::uint16_t>(c));
+    }
+}
+
+/// A vertex of finer leaves on the cell's edges or faces.
+LocalNode Cell::grid_vertex(int x, int y, int z) {
+    LocalNode& node = vertex_[static_cast<std::size_t>(x + 3 * y + 9 * z)];
+    if (node != kNoNode) return node;
+    const int at[3] = {x, y, z};
+    const std::int32_t half = units_ / 2;
+    scale_ = half_scale();
+    node = add_node({x * half, y * half, z * half}, faces_of(at), kExtraCode, middles_of(at));
+    return node;
+}
+
 void Cell::load_edges() {
+    for (int e = 0; e < 12; ++e) load_edge(e);
+    for (int f = 0; f < 6; ++f) {
+        if (is_face_split(f)) load_cross(f);
+    }
+}
+
+/// Active on an edge is what is active in all leaves around it.
+void Cell::load_edge(int e) {
+    const std::size_t n = surfaces_.size();
+    const int axis = e / 4;
+    const int first = first_other(axis);
+    const int second = second_other(axis);
+    int place[3] = {0, 0, 0};
+    const int a = (e & 1) != 0 ? 1 : -1;
+    const int b = (e & 2) != 0 ? 1 : -1;
+    bool split = false;
+    for (int k = 1; k < 4; ++k) {
+        place[first] = (k & 1) != 0 ? a : 0;
+        place[second] = (k & 2) != 0 ? b : 0;
+        split = split || is_subdivided(place[0], place[1], place[2]);
+    }
+    edge_nodes_[e].clear();
+    for (int part = 0; part < (split ? 2 : 1); ++part) {
+        segment_active_.assign(n, 1);
+        for (int k = 1; k < 4; ++k) {
+            int at[3];
+            at[axis] = part;
+            at[first] = (k & 1) != 0 ? (a < 0 ? -1 : 2) : (a < 0 ? 0 : 1);
+            at[second] = (k & 2) != 0 ? (b < 0 ? -1 : 2) : (b < 0 ? 0 : 1);
+            const std::uint8_t* other =
+                row(half_.row[static_cast<std::size_t>(half_index(at[0], at[1], at[2]))]);
+            for (std::size_t s = 0; s < n; ++s) segment_active_[s] &= other[s];
+        }
+        LocalNode ends[2] = {kEdgeCorners[e][0], kEdgeCorners[e][1]};
+        if (split) {
+            int middle[3];
+            middle[axis] = 1;
+            middle[first] = a < 0 ? 0 : 2;
+            middle[second] = b < 0 ? 0 : 2;
+            const LocalNode m = grid_vertex(middle[0], middle[1], middle[2]);
+            if (part == 1) edge_nodes_[e].push_back(m);
+            ends[1 - part] = m;
+        }
+        load_segment(ends[0], ends[1], axis, segment_active_.data(), split ? half_scale() : whole_scale(),
+                     split ? kExtraCode : static_cast<std::uint16_t>(8 + e), edge_nodes_[e]);
+    }
+}
+
+/// The lines across a split face, from the middles of its sides to its centre.
+void Cell::load_cross(int f) {
+    const std::size_t n = surfaces_.size();
+    const int axis = f / 2;
+    const int side = (f & 1) != 0 ? 2 : 0;
+    const int u = first_other(axis);
+    const int v = second_other(axis);
+    int at[3];
+    at[axis] = side;
+    at[u] = 1;
+    at[v] = 1;
+    const LocalNode centre = grid_vertex(at[0], at[1], at[2]);
+    for (int i = 0; i < 4; ++i) {
+        const int along = (i & 1) == 0 ? v : u;  // sides 0 and 2 run along u, the cross to them along v
+        const int across = along == u ? v : u;
+        const bool low = i == 0 || i == 3;
+        at[u] = 1;
+        at[v] = 1;
+        at[along] = low ? 0 : 2;
+        const LocalNode middle = grid_vertex(at[0], at[1], at[2]);
+        segment_active_.assign(n, 1);
+        for (int k = 0; k < 2; ++k) {
+            int half[3];
+            half[axis] = side == 0 ? -1 : 2;
+            half[along] = low ? 0 : 1;
+            half[across] = k;
+            const std::uint8_t* other =
+                row(half_.row[static_cast<std::size_t>(half_index(half[0], half[1], half[2]))]);
+            for (std::size_t s = 0; s < n; ++s) segment_active_[s] &= other[s];
+        }
+        auto& nodes = cross_nodes_[f][i];
+        nodes.clear();
+        load_segment(low ? middle : centre, low ? centre : middle, along, segment_active_.data(),
+                     half_scale(), kExtraCode, nodes);
+        if (!low) std::reverse(nodes.begin(), nodes.end());
+    }
+}
+
+/// Inner nodes of a line between two grid vertices: the roots of its active surfaces, from the low end.
+void Cell::load_segment(LocalNode low, LocalNode high, int axis, const std::uint8_t* active,
+                        const Scale& scale, std::uint16_t code, std::vector<LocalNode>& out) {
     const std::size_t n = surfaces_.size();
     std::vector<std::pair<std::int32_t, std::size_t>> roots;
-    for (int e = 0; e < 12; ++e) {
-        edge_nodes_[e].clear();
-        const LocalNode low = kEdgeCorners[e][0];
-        const LocalNode high = kEdgeCorners[e][1];
-        const std::uint8_t* active = edge_active_.data() + static_cast<std::size_t>(e) * n;
-        roots.clear();
-        double a[3];
-        double b[3];
+    double a[3];
+    double b[3];
+    scale_ = scale;
+    for (std::size_t s = 0; s < n; ++s) {
+        if (active[s] == 0 || sign(low, s) * sign(high, s) >= 0) continue;
+        position(nodes_[low].point, a);
+        position(nodes_[high].point, b);
+        roots.push_back({edge_root(&model_.surfaces[surfaces_[s]], model_.expression_ops.data(), a, b), s});
+    }
+    std::sort(roots.begin(), roots.end());
+    // Roots closer than the margin are one node on several surfaces.
+    std::vector<std::size_t> group(roots.size(), 0);
+    std::vector<std::int32_t> at;
+    for (std::size_t i = 0; i < roots.size(); ++i) {
+        if (at.empty() || roots[i].first - at.back() >= kRootMargin) at.push_back(roots[i].first);
+        group[i] = at.size() - 1;
+    }
+    const bool single = roots.size() == 1;
+    for (std::size_t g = 0; g < at.size(); ++g) {
+        LatticePoint p = nodes_[low].point;
+        p[static_cast<std::size_t>(axis)] += scale.step * at[g];
+        const LocalNode m = add_node(p, nodes_[low].faces & nodes_[high].faces, single ? code : kExtraCode,
+                                     nodes_[low].middles & nodes_[high].middles);
+        out.push_back(m);
         for (std::size_t s = 0; s < n; ++s) {
-            if (active[s] == 0 || sign(low, s) * sign(high, s) >= 0) continue;
-            position(nodes_[low].point, a);
-            position(nodes_[high].point, b);
-            roots.push_back(
-                {edge_root(&model_.surfaces[surfaces_[s]], model_.expression_ops.data(), a, b), s});
+            if (active[s] == 0) continue;
+            const int sa = sign(low, s);
+            const int sb = sign(high, s);
+            if (sa * sb > 0 || (sa == 0) != (sb == 0)) set_sign(m, s, sa != 0 ? sa : sb);
         }
-        std::sort(roots.begin(), roots.end());
-        // Roots closer than the margin are one node on several surfaces.
-        std::vector<std::size_t> group(roots.size(), 0);
-        std::vector<std::int32_t> at;
         for (std::size_t i = 0; i < roots.size(); ++i) {
-            if (at.empty() || roots[i].first - at.back() >= kRootMargin) at.push_back(roots[i].first);
-            group[i] = at.size() - 1;
-        }
-        const bool single = roots.size() == 1;
-        for (std::size_t g = 0; g < at.size(); ++g) {
-            LatticePoint p = nodes_[low].point;
-            p[static_cast<std::size_t>(e / 4)] = at[g];
-            const LocalNode m = add_node(p, nodes_[low].faces & nodes_[high].faces,
-                                         single ? static_cast<std::uint16_t>(8 + e) : kExtraCode);
-            edge_nodes_[e].push_back(m);
-            for (std::size_t s = 0; s < n; ++s) {
-                if (active[s] == 0) continue;
-                const int sa = sign(low, s);
-                const int sb = sign(high, s);
-                if (sa * sb > 0 || (sa == 0) != (sb == 0)) set_sign(m, s, sa != 0 ? sa : sb);
-            }
-            for (std::size_t i = 0; i < roots.size(); ++i) {
-                const std::size_t s = roots[i].second;
-                set_sign(m, s, group[i] == g ? 0 : g < group[i] ? sign(low, s) : sign(high, s));
-            }
+            const std::size_t s = roots[i].second;
+            set_sign(m, s, group[i] == g ? 0 : g < group[i] ? sign(low, s) : sign(high, s));
         }
     }
 }

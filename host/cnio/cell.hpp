@@ -4,8 +4,13 @@
 // active in all leaves around it, signs that are pure functions of position, and a fixed frame
 // (kernels/shared/lattice.h). So two cells that share a face make the same mesh of it, without talking to
 // each other (algorithms.md §2).
+//
+// In a graded tree the finest leaf around an entity owns it. Where finer leaves lie in a place beside the
+// cell (one of its own size), the cell's edges and faces there are split at their middles: `HalfGrid` says
+// which.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -19,6 +24,7 @@ namespace mortise::cnio {
 using LocalNode = std::uint16_t;  ///< index into CellNodes
 
 inline constexpr std::uint16_t kNoCap = 0xffff;
+inline constexpr LocalNode kNoNode = 0xffff;
 
 /// Rounds of bisection. One is enough unless a simplex is mixed along an edge of a face where the surface is
 /// not active: cutting it by another surface then makes new mixed edges, which the next round splits.
@@ -30,6 +36,7 @@ inline constexpr std::uint16_t kExtraCode = 20;
 struct Node {
     LatticePoint point{};
     std::uint8_t faces = 0;           ///< bit f: lies on face f of the cell
+    std::uint8_t middles = 0;         ///< bit j: lies on a split face's line across the middle of axis j
     std::uint16_t code = kExtraCode;  ///< 0–7 corner, 8–19 single root of edge code - 8, else kExtraCode
     std::uint16_t cap = kNoCap;       ///< index of the quad whose pyramid this node is the apex of
 };
@@ -40,7 +47,8 @@ struct Facet {
     std::uint8_t count;
 };
 
-enum class FaceMode : std::uint8_t { kWhole, kCut, kFan };  ///< F0, F1, F2 of algorithms.md §2
+/// F0, F1, F2 of algorithms.md §2; whole, but with middles of split edges.
+enum class FaceMode : std::uint8_t { kWhole, kCut, kFan, kHanging };
 
 /// What did not go as planned, for the report.
 struct CellCounters {
@@ -50,6 +58,37 @@ struct CellCounters {
     std::uint64_t unresolved = 0;   ///< tetrahedra labelled by their centroid
     std::uint64_t forced_caps = 0;  ///< caps whose signs were assigned
 };
+
+/// The cell and what touches it, in halves of the cell: vertices 0 … 2 along each axis, half-cells -1 … 2
+/// along each axis, the cell itself being 0 and 1.
+struct HalfGrid {
+    /// Bit k: finer leaves lie in place k = (dx + 1) + 3 (dy + 1) + 9 (dz + 1).
+    std::uint32_t subdivided = 0;
+    /// The NIO leaf in each half-cell, by (x + 1) + 4 (y + 1) + 16 (z + 1), or kNoNio.
+    std::array<std::uint32_t, 64> nio{};
+    std::array<std::uint8_t, 64> row{};  ///< of the active sets
+};
+inline constexpr std::uint32_t kNoNio = 0xffffffffu;
+inline int half_index(int x, int y, int z) { return (x + 1) + 4 * (y + 1) + 16 * (z + 1); }
+
+/// Step of a lattice in units of the cell's own, and the edge of the cells for which signs are taken.
+struct Scale {
+    std::int32_t step = 1;
+    double size = 0;
+};
+
+/// A face of the cell, or a quarter of one that is split: what one leaf beyond shares.
+struct Patch {
+    int face = 0;
+    bool quarter = false;
+    std::array<LocalNode, 4> corner{};  ///< as kFaceCorners
+    LatticePoint middle{};
+    std::uint8_t row = 0;           ///< of the active sets
+    std::uint32_t beyond = kNoNio;  ///< the NIO leaf
+    Scale scale;
+};
+
+inline constexpr int kPatches = 24;  ///< four to a face; the first stands for one that is not split
 
 class Cell {
   public:
@@ -67,21 +106,35 @@ class Cell {
     void set_sign(std::size_t node, std::size_t surface, int sign) {
         signs_[node * surfaces_.size() + surface] = static_cast<std::int8_t>(sign);
     }
-    const std::vector<Facet>& face(int f) const { return faces_[static_cast<std::size_t>(f)]; }
-    FaceMode mode(int f) const { return modes_[static_cast<std::size_t>(f)]; }
+    const std::vector<Facet>& patch(int p) const { return patches_[static_cast<std::size_t>(p)]; }
+    /// Which corner of a patch a node is, in the order of kFaceCorners; 4: none.
+    std::size_t patch_corner(int p, LocalNode node) const;
+    /// Whether the cell's faces are six whole quadrilaterals.
+    bool has_whole_faces() const;
     const TreeNode& leaf() const { return leaf_; }
     const tape::LocalTape& local_tape() const { return local_tape_; }
-    std::uint32_t coordinate(int axis) const { return xyz_[axis]; }
+    LatticePoint centre() const { return {units_ / 2, units_ / 2, units_ / 2}; }
+    /// Lattice units to the cell's edge: kCellUnits, or twice as many beside finer leaves, whose lattice it
+    /// is.
+    std::int32_t units() const { return units_; }
+    /// A point on the lattice of the tree's finest cells, along one axis.
+    std::int64_t key(int axis, std::int32_t at) const {
+        return (static_cast<std::int64_t>(xyz_[axis]) << kCellUnitBits) +
+               (static_cast<std::int64_t>(at) << key_shift_);
+    }
 
-    /// Signs by evaluation at a point, tolerance and all: the pure function.
-    int pure_sign(std::size_t surface, const LatticePoint& p) const;
+    /// Signs by evaluation at a point, tolerance and all: the pure function. `size`: edge of the smallest
+    /// cells that share the entity on which the point lies.
+    int pure_sign(std::size_t surface, const LatticePoint& p, double size) const;
+    double size() const { return size_; }
     void position(const LatticePoint& p, double* x) const;
     /// Sign of the value alone, never zero: for the inside of a simplex all of whose nodes are on the
     /// surface.
     int value_sign(std::size_t surface, const LatticePoint& p) const;
 
-    /// Appends a node with pure signs for every surface.
-    LocalNode add_node(const LatticePoint& p, std::uint8_t faces, std::uint16_t code = kExtraCode);
+    /// Appends a node with pure signs for every surface, of the entity at hand.
+    LocalNode add_node(const LatticePoint& p, std::uint8_t faces, std::uint16_t code = kExtraCode,
+                       std::uint8_t middles = 0);
     void remove_last_node() {
         nodes_.pop_back();
         signs_.resize(nodes_.size() * surfaces_.size());
@@ -106,32 +159,67 @@ class Cell {
     CellCounters counters;
 
   private:
+    // cell.cpp
+    void load_surroundings();
+    void load_tape();
     void load_active_sets();
+    void load_row(std::size_t row, std::uint32_t nio);
+    void load_corners();
     void load_edges();
+    void load_edge(int e);
+    void load_cross(int f);
+    LocalNode grid_vertex(int x, int y, int z);
+    void load_segment(LocalNode low, LocalNode high, int axis, const std::uint8_t* active, const Scale& scale,
+                      std::uint16_t code, std::vector<LocalNode>& out);
+    const std::uint8_t* row(std::size_t index) const { return active_.data() + index * surfaces_.size(); }
+    bool is_subdivided(int dx, int dy, int dz) const {
+        return ((half_.subdivided >> ((dx + 1) + 3 * (dy + 1) + 9 * (dz + 1))) & 1) != 0;
+    }
+    bool is_vertex_fine(int x, int y, int z) const;
+    bool is_face_split(int f) const;
+    bool is_grid_vertex(LocalNode node) const;
+    Scale whole_scale() const { return {units_ / kCellUnits, size_}; }
+    Scale half_scale() const { return {1, 0.5 * size_}; }
+
+    // face.cpp
     void partition_face(int f);
-    FaceMode face_mode(const std::vector<LocalNode>& loop, int f);
-    void cut_face(const std::vector<LocalNode>& loop, int f);
-    void fan_face(const std::vector<LocalNode>& loop, int f);
-    bool split_face(int f, std::size_t p, int round);
+    void partition_quarter(int f, int u, int v);
+    void partition_patch(const Patch& patch, const std::vector<LocalNode>& loop, int p);
+    FaceMode patch_mode(const std::vector<LocalNode>& loop, const Patch& patch);
+    void divide_hanging(const std::vector<LocalNode>& loop, const Patch& patch, std::vector<Facet>& facets);
+    void cut_patch(const std::vector<LocalNode>& loop, const Patch& patch, std::vector<Facet>& facets);
+    void fan_patch(const std::vector<LocalNode>& loop, const Patch& patch, std::vector<Facet>& facets);
+    bool split_patch(const Patch& patch, std::size_t p, int round);
     void load_other_tape(const TreeNode& other);
     bool is_resolved(const std::array<std::uint16_t, 3>& triangle, const std::uint8_t* active);
-    void add_polygon(const std::vector<LocalNode>& polygon, int f);
+    void add_polygon(const std::vector<LocalNode>& polygon, const Patch& patch, std::vector<Facet>& facets);
     bool flat(LocalNode a, LocalNode b, LocalNode c) const;
 
     const tape::BoundModel& model_;
     const octree::Octree& tree_;
     TreeNode leaf_{};
-    std::uint32_t xyz_[3] = {};
+    int level_ = 0;
+    double size_ = 0;            ///< edge of the cell, box-local
+    std::uint32_t xyz_[3] = {};  ///< in finest cells
+    std::int32_t units_ = kCellUnits;
+    int key_shift_ = 0;
+    HalfGrid half_;
+    Scale scale_;                          ///< of the entity at hand
     std::vector<std::uint32_t> surfaces_;  ///< active set, ascending
     tape::LocalTape local_tape_;
-    std::vector<std::uint8_t> neighbour_active_;  ///< 27 × surfaces: active in that neighbour
-    std::vector<std::uint8_t> edge_active_;       ///< 12 × surfaces
+    std::vector<std::uint8_t> active_;  ///< rows × surfaces: active in a leaf around; row 0: in none
+    std::size_t rows_ = 0;
+    std::vector<std::uint8_t> segment_active_;  ///< scratch: on one segment
     std::vector<Node> nodes_;
     std::vector<std::int8_t> signs_;         ///< nodes × surfaces
-    std::vector<LocalNode> edge_nodes_[12];  ///< from the low end to the high end
-    std::vector<Facet> faces_[6];
-    FaceMode modes_[6] = {};
-    std::size_t crossing_ = 0;  ///< the surface that cuts the face at hand (F1)
+    std::array<LocalNode, 27> vertex_{};     ///< by x + 3 y + 9 z in halves, or kNoNode
+    std::vector<LocalNode> edge_nodes_[12];  ///< inner nodes from the low end to the high end
+    /// Of split faces: inner nodes from the middle of side i (as kFaceEdges) to the centre.
+    std::vector<LocalNode> cross_nodes_[6][4];
+    std::vector<Facet> patches_[kPatches];
+    FaceMode modes_[kPatches] = {};
+    std::array<LocalNode, 4> patch_corners_[kPatches] = {};
+    std::size_t crossing_ = 0;  ///< the surface that cuts the patch at hand (F1)
     // Scratch of one face; numbers in `fan_` index `fan_nodes_`, whose order depends on the face alone.
     std::vector<LocalNode> fan_nodes_;
     std::vector<std::array<std::uint16_t, 3>> fan_;

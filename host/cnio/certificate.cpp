@@ -10,8 +10,6 @@ constexpr std::size_t kMostWork = 1u << 19;  ///< simplices times surfaces
 constexpr std::size_t kMostSimplices = 32768;
 constexpr std::size_t kFewestSimplices = 256;
 
-constexpr LatticePoint kCentre = {kCellUnits / 2, kCellUnits / 2, kCellUnits / 2};
-
 constexpr int kCapHalvings =
     16;  ///< the last cap is 5e-6 of a cell high: below it no sign changes (kSignTolerance)
 
@@ -38,7 +36,10 @@ CellRecord Certificate::run(const TreeNode& leaf, CellArena& arena, const Lattic
     if (apex == nullptr && is_uniform(&region)) {
         hexahedron_ = region > 0;
     } else {
-        cone(apex != nullptr ? *apex : kCentre);
+        LatticePoint at = cell_.centre();
+        if (apex != nullptr) at = *apex;
+        for (std::int32_t& x : at) x *= apex != nullptr ? cell_.units() / kCellUnits : 1;
+        cone(at);
         bool again = true;
         for (int round = 0; round < kBisectionRounds && again && !is_full(); ++round) {
             again = false;
@@ -61,14 +62,12 @@ CellRecord Certificate::run(const TreeNode& leaf, CellArena& arena, const Lattic
 }
 
 bool Certificate::is_full() const {
-    return simplices_.size() >=
-           std::clamp(kMostWork / cell_.surface_count(), kFewestSimplices, kMostSimplices);
+    return simplices_.size() >= std::clamp(kMostWork / std::max<std::size_t>(1, cell_.surface_count()),
+                                           kFewestSimplices, kMostSimplices);
 }
 
 bool Certificate::is_uniform(std::int32_t* region) const {
-    for (int f = 0; f < 6; ++f) {
-        if (cell_.mode(f) != FaceMode::kWhole) return false;
-    }
+    if (!cell_.has_whole_faces()) return false;
     std::vector<std::int8_t> signs(cell_.surface_count());
     for (std::size_t s = 0; s < cell_.surface_count(); ++s) {
         bool negative = false;
@@ -77,7 +76,7 @@ bool Certificate::is_uniform(std::int32_t* region) const {
             negative = negative || cell_.sign(c, s) < 0;
             positive = positive || cell_.sign(c, s) > 0;
         }
-        const int middle = cell_.pure_sign(s, kCentre);
+        const int middle = cell_.pure_sign(s, cell_.centre(), cell_.size());
         negative = negative || middle < 0;
         positive = positive || middle > 0;
         if (negative && positive) return false;
@@ -97,14 +96,18 @@ void Certificate::add_simplex(const std::array<LocalNode, 4>& node) {
 
 void Certificate::cone(const LatticePoint& at) {
     const LocalNode apex = cell_.add_node(at, 0);
-    for (int f = 0; f < 6; ++f) {
-        const bool outward = frame_points_outward(f);
-        for (Facet facet : cell_.face(f)) {
+    for (int p = 0; p < kPatches; ++p) {
+        const bool outward = frame_points_outward(p / 4);
+        for (Facet facet : cell_.patch(p)) {
             // Turn the facet so that it is counter-clockwise seen from the apex.
             if (outward) std::reverse(facet.node, facet.node + facet.count);
             const LocalNode* v = facet.node;
             if (facet.count == 3) {
                 add_simplex({v[0], v[1], v[2], apex});
+                continue;
+            }
+            if (cell_.surface_count() == 0) {  // a cone of a leaf in one region: nothing is bisected
+                pyramids_.push_back({{v[0], v[1], v[2], v[3], apex}});
                 continue;
             }
             const LocalNode cap = add_cap(facet, at);

@@ -44,15 +44,18 @@ struct InnerFacet {
 
 /// A facet on a face of the cell, in the order of the face mesh, which both cells share.
 struct FaceFacet {
-    std::array<std::uint16_t, 4> node;  ///< codes, counter-clockwise in the face's frame
-    std::uint16_t region;               ///< of the element behind it in this cell; 0: none
-    std::uint32_t surface;              ///< a surface that holds all its nodes, or kNoSurface
+    std::array<std::uint16_t, 4> node;   ///< codes, counter-clockwise in the face's frame
+    std::array<std::uint8_t, 4> corner;  ///< which of the patch's corners, in its frame, the node is; 4: none
+    std::uint16_t region;                ///< of the element behind it in this cell; 0: none
+    std::uint32_t surface;               ///< a surface that holds all its nodes, or kNoSurface
 };
 
 /// Meshes of many cells, appended one after another. Node codes: 0–7 corners, 8–19 the single root on that
 /// edge, 20 + i the cell's i-th extra node.
 struct CellArena {
     std::vector<NodeKey> extras;  ///< per cell in ascending order
+    /// Parallel: an element of the cell has the node; else it only may occur in a facet of a finer leaf's.
+    std::vector<std::uint8_t> extra_used;
     std::vector<std::int32_t>
         edge_roots;  ///< lattice units from the low end, per used edge in ascending order
     std::array<std::vector<std::uint16_t>, kElementTypes> nodes;
@@ -72,7 +75,8 @@ struct CellRecord {
     std::array<std::uint32_t, kElementTypes> element_count{};
     std::uint32_t first_facet = 0;
     std::uint32_t facet_count = 0;
-    std::array<std::uint32_t, 7> first_face_facet{};  ///< face f: [f] … [f + 1]
+    /// Patch p (four to a face, Cell::patch): [p] … [p + 1].
+    std::array<std::uint32_t, kPatches + 1> first_face_facet{};
 };
 
 /// Meshes cells one at a time; keeps its scratch memory. One per thread.

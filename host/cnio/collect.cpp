@@ -92,15 +92,17 @@ void Certificate::assign_codes(CellRecord& record, CellArena& arena) {
             if (used_[i] == 0) continue;
             record.used |= 1u << nodes[i].code;
             if (nodes[i].code >= 8) {
-                arena.edge_roots.push_back(nodes[i].point[static_cast<std::size_t>((nodes[i].code - 8) / 4)]);
+                const std::int32_t root = nodes[i].point[static_cast<std::size_t>((nodes[i].code - 8) / 4)];
+                arena.edge_roots.push_back(root / (cell_.units() / kCellUnits));
             }
             continue;
         }
-        if (used_[i] == 0) continue;
+        // Nodes beside finer leaves may be these leaves' own.
+        const bool beside_finer = nodes[i].faces != 0 && cell_.units() != kCellUnits;
+        if (used_[i] == 0 && !beside_finer) continue;
         std::array<std::int64_t, 3> at{};
         for (std::size_t j = 0; j < 3; ++j) {
-            at[j] = (static_cast<std::int64_t>(cell_.coordinate(static_cast<int>(j))) << kCellUnitBits) +
-                    nodes[i].point[j];
+            at[j] = cell_.key(static_cast<int>(j), nodes[i].point[j]);
         }
         extras.push_back({{at[0], at[1], at[2]}, static_cast<LocalNode>(i)});
     }
@@ -110,6 +112,7 @@ void Certificate::assign_codes(CellRecord& record, CellArena& arena) {
     for (std::size_t i = 0; i < extras.size(); ++i) {
         code_[extras[i].second] = static_cast<std::uint16_t>(kExtraCode + i);
         arena.extras.push_back(extras[i].first);
+        arena.extra_used.push_back(used_[extras[i].second]);
     }
 }
 
@@ -150,11 +153,12 @@ void Certificate::collect_face_facets(CellRecord& record, CellArena& arena) {
     }
     std::int32_t whole = 0;
     if (hexahedron_) is_uniform(&whole);
-    for (int f = 0; f < 6; ++f) {
-        record.first_face_facet[static_cast<std::size_t>(f)] =
+    for (int p = 0; p < kPatches; ++p) {
+        const int f = p / 4;
+        record.first_face_facet[static_cast<std::size_t>(p)] =
             static_cast<std::uint32_t>(arena.face_facets.size());
-        std::sort(behind[f].begin(), behind[f].end());
-        for (const Facet& facet : cell_.face(f)) {
+        if (p % 4 == 0) std::sort(behind[f].begin(), behind[f].end());
+        for (const Facet& facet : cell_.patch(p)) {
             FaceFacet out{};
             std::array<LocalNode, 4> key = {facet.node[0], facet.node[1], facet.node[2],
                                             facet.count == 4 ? facet.node[3] : LocalNode{0xffff}};
@@ -163,12 +167,15 @@ void Certificate::collect_face_facets(CellRecord& record, CellArena& arena) {
             std::int32_t region = whole;
             if (found != behind[f].end() && found->key == key) region = found->region;
             out.region = static_cast<std::uint16_t>(region);
-            for (std::size_t i = 0; i < 4; ++i) out.node[i] = code_[facet.node[i]];
+            for (std::size_t i = 0; i < 4; ++i) {
+                out.node[i] = code_[facet.node[i]];
+                out.corner[i] = static_cast<std::uint8_t>(cell_.patch_corner(p, facet.node[i]));
+            }
             out.surface = facet_surface(facet.node, facet.count, nullptr, nullptr);
             arena.face_facets.push_back(out);
         }
     }
-    record.first_face_facet[6] = static_cast<std::uint32_t>(arena.face_facets.size());
+    record.first_face_facet[kPatches] = static_cast<std::uint32_t>(arena.face_facets.size());
 }
 
 void Certificate::collect_inner_facets(CellRecord& record, CellArena& arena) {

@@ -1,4 +1,5 @@
-// Meshes of cell faces: whole (F0), cut by one chord (F1), or a fan bisected by each surface in turn (F2).
+// Meshes of a cell's faces, or of quarters of those that are split: whole (F0), cut by one chord (F1), or a
+// fan bisected by each surface in turn (F2).
 #include <algorithm>
 
 #include "host/cnio/cell.hpp"
@@ -17,39 +18,147 @@ double shape(const LatticePoint& a, const LatticePoint& b, const LatticePoint& c
     return twice_area(a, b, c) / (longest * longest);
 }
 
+/// Order of a patch's corners by u + 2 v.
+constexpr std::array<std::uint8_t, 4> kCornerRank = {0, 1, 3, 2};
+
+/// Place of a node among the corners of a patch; 4 if it is none.
+std::size_t corner_of(const Patch& patch, LocalNode node) {
+    return static_cast<std::size_t>(std::find(patch.corner.begin(), patch.corner.end(), node) -
+                                    patch.corner.begin());
+}
+
+/// The same for any node, for comparison: corners first, by their rank.
+std::size_t rank_in(const Patch& patch, LocalNode node) {
+    const std::size_t corner = corner_of(patch, node);
+    return corner < 4 ? kCornerRank[corner] : 4 + std::size_t{node};
+}
+
+void append(std::vector<LocalNode>& loop, const std::vector<LocalNode>& nodes, bool forward) {
+    if (forward)
+        loop.insert(loop.end(), nodes.begin(), nodes.end());
+    else
+        loop.insert(loop.end(), nodes.rbegin(), nodes.rend());
+}
+
 }  // namespace
 
-void Cell::partition_face(int f) {
-    faces_[f].clear();
-    std::vector<LocalNode> loop;
-    for (int i = 0; i < 4; ++i) {
-        loop.push_back(kFaceCorners[f][i]);
-        const auto& inner = edge_nodes_[kFaceEdges[f][i]];
-        // The loop runs along the first two edges and against the last two.
-        if (i < 2)
-            loop.insert(loop.end(), inner.begin(), inner.end());
-        else
-            loop.insert(loop.end(), inner.rbegin(), inner.rend());
+std::size_t Cell::patch_corner(int p, LocalNode node) const {
+    const auto& corners = patch_corners_[p];
+    return static_cast<std::size_t>(std::find(corners.begin(), corners.end(), node) - corners.begin());
+}
+
+bool Cell::has_whole_faces() const {
+    for (int f = 0; f < 6; ++f) {
+        if (is_face_split(f) || modes_[4 * f] != FaceMode::kWhole) return false;
     }
-    modes_[f] = face_mode(loop, f);
-    if (modes_[f] == FaceMode::kWhole) {
-        faces_[f].push_back({{loop[0], loop[1], loop[2], loop[3]}, 4});
-    } else if (modes_[f] == FaceMode::kCut) {
-        cut_face(loop, f);
+    return true;
+}
+
+void Cell::partition_face(int f) {
+    for (int p = 4 * f; p < 4 * f + 4; ++p) patches_[p].clear();
+    if (is_face_split(f)) {
+        // In the order of the leaves beyond.
+        for (int q = 0; q < 4; ++q) partition_quarter(f, q & 1, q >> 1);
+        return;
+    }
+    const auto axis = static_cast<std::size_t>(f / 2);
+    Patch patch;
+    patch.face = f;
+    patch.middle = centre();
+    patch.middle[axis] = (f & 1) * units_;
+    int half[3] = {0, 0, 0};
+    half[axis] = (f & 1) != 0 ? 2 : -1;
+    const auto h = static_cast<std::size_t>(half_index(half[0], half[1], half[2]));
+    patch.row = half_.row[h];
+    patch.beyond = half_.nio[h];
+    patch.scale = whole_scale();
+    std::vector<LocalNode> loop;
+    for (std::size_t i = 0; i < 4; ++i) {
+        const int e = kFaceEdges[f][i];
+        patch.corner[i] = kFaceCorners[f][i];
+        loop.push_back(patch.corner[i]);
+        // The loop runs along the first two edges and against the last two.
+        append(loop, edge_nodes_[e], i < 2);
+        // Nodes of a split edge are on the finer lattice, for both cells.
+        for (const LocalNode node : edge_nodes_[e]) {
+            if (nodes_[node].middles != 0) patch.scale.step = 1;
+        }
+    }
+    partition_patch(patch, loop, 4 * f);
+}
+
+/// Quarter (u, v) of a split face.
+void Cell::partition_quarter(int f, int u, int v) {
+    const auto axis = static_cast<std::size_t>(f / 2);
+    const std::size_t u_axis = axis == 0 ? 1 : 0;
+    const std::size_t v_axis = axis == 2 ? 1 : 2;
+    Patch patch;
+    patch.face = f;
+    patch.quarter = true;
+    patch.middle[axis] = (f & 1) * units_;
+    patch.middle[u_axis] = (1 + 2 * u) * (units_ / 4);
+    patch.middle[v_axis] = (1 + 2 * v) * (units_ / 4);
+    int half[3];
+    half[axis] = (f & 1) != 0 ? 2 : -1;
+    half[u_axis] = u;
+    half[v_axis] = v;
+    const auto h = static_cast<std::size_t>(half_index(half[0], half[1], half[2]));
+    patch.row = half_.row[h];
+    patch.beyond = half_.nio[h];
+    patch.scale = half_scale();
+    for (std::size_t i = 0; i < 4; ++i) {
+        int at[3];
+        at[axis] = (f & 1) * 2;
+        at[u_axis] = u + (i == 1 || i == 2 ? 1 : 0);
+        at[v_axis] = v + (i >= 2 ? 1 : 0);
+        patch.corner[i] = grid_vertex(at[0], at[1], at[2]);
+    }
+    // Sides of the quarter: halves of two edges of the cell, and two of the face's cross lines. Side i of the
+    // face: 0 at v = 0, 1 at u = 1, 2 at v = 1, 3 at u = 0.
+    const auto edge_half = [&](int i, bool upper) {
+        const auto& nodes = edge_nodes_[kFaceEdges[f][i]];
+        const auto split =
+            std::find_if(nodes.begin(), nodes.end(), [this](LocalNode node) { return is_grid_vertex(node); });
+        return upper ? std::vector<LocalNode>(split + 1, nodes.end())
+                     : std::vector<LocalNode>(nodes.begin(), split);
+    };
+    const auto cross = [&](int i, bool towards_low) {
+        std::vector<LocalNode> nodes = cross_nodes_[f][i];
+        // Sides 0 and 3 are at the low end of their cross line.
+        if ((i == 0 || i == 3) == towards_low) std::reverse(nodes.begin(), nodes.end());
+        return nodes;
+    };
+    std::vector<LocalNode> loop;
+    loop.push_back(patch.corner[0]);  // along u, at the quarter's low v
+    append(loop, v == 0 ? edge_half(0, u == 1) : cross(u == 0 ? 3 : 1, false), true);
+    loop.push_back(patch.corner[1]);  // along v, at its high u
+    append(loop, u == 1 ? edge_half(1, v == 1) : cross(v == 0 ? 0 : 2, false), true);
+    loop.push_back(patch.corner[2]);  // against u, at its high v
+    append(loop, v == 1 ? edge_half(2, u == 1) : cross(u == 0 ? 3 : 1, false), false);
+    loop.push_back(patch.corner[3]);  // against v, at its low u
+    append(loop, u == 0 ? edge_half(3, v == 1) : cross(v == 0 ? 0 : 2, false), false);
+    partition_patch(patch, loop, 4 * f + u + 2 * v);
+}
+
+void Cell::partition_patch(const Patch& patch, const std::vector<LocalNode>& loop, int p) {
+    auto& facets = patches_[p];
+    patch_corners_[p] = patch.corner;
+    scale_ = patch.scale;
+    modes_[p] = patch_mode(loop, patch);
+    if (modes_[p] == FaceMode::kWhole) {
+        facets.push_back({{loop[0], loop[1], loop[2], loop[3]}, 4});
+    } else if (modes_[p] == FaceMode::kHanging) {
+        divide_hanging(loop, patch, facets);
+    } else if (modes_[p] == FaceMode::kCut) {
+        cut_patch(loop, patch, facets);
     } else {
-        fan_face(loop, f);
+        fan_patch(loop, patch, facets);
     }
 }
 
-FaceMode Cell::face_mode(const std::vector<LocalNode>& loop, int f) {
+FaceMode Cell::patch_mode(const std::vector<LocalNode>& loop, const Patch& patch) {
     const std::size_t n = surfaces_.size();
-    const std::size_t axis = static_cast<std::size_t>(f / 2);
-    LatticePoint middle = {kCellUnits / 2, kCellUnits / 2, kCellUnits / 2};
-    middle[axis] = (f & 1) * kCellUnits;
-    int d[3] = {0, 0, 0};
-    d[axis] = (f & 1) != 0 ? 1 : -1;
-    const std::uint8_t* active =
-        neighbour_active_.data() + static_cast<std::size_t>((d[0] + 1) + 3 * (d[1] + 1) + 9 * (d[2] + 1)) * n;
+    const std::uint8_t* active = row(patch.row);
     std::size_t crossing = n;
     for (std::size_t s = 0; s < n; ++s) {
         if (active[s] == 0) continue;
@@ -64,10 +173,16 @@ FaceMode Cell::face_mode(const std::vector<LocalNode>& loop, int f) {
             crossing = s;
             continue;
         }
-        const int at_middle = pure_sign(s, middle);
+        const int at_middle = pure_sign(s, patch.middle, patch.scale.size);
         if ((negative && at_middle > 0) || (positive && at_middle < 0)) return FaceMode::kFan;
     }
-    if (crossing == n) return loop.size() == 4 ? FaceMode::kWhole : FaceMode::kFan;
+    if (crossing == n) {
+        if (loop.size() == 4) return FaceMode::kWhole;
+        const bool plain = std::all_of(loop.begin(), loop.end(), [&](LocalNode node) {
+            return corner_of(patch, node) < 4 || is_grid_vertex(node);
+        });
+        return plain ? FaceMode::kHanging : FaceMode::kFan;
+    }
     crossing_ = crossing;
     // One surface: two zero nodes that part the loop into one negative and one positive run.
     int zeros = 0;
@@ -76,18 +191,73 @@ FaceMode Cell::face_mode(const std::vector<LocalNode>& loop, int f) {
         const int here = sign(loop[i], crossing);
         const int next = sign(loop[(i + 1) % loop.size()], crossing);
         if (here * next < 0) return FaceMode::kFan;
+        const bool is_corner = corner_of(patch, loop[i]) < 4;
         if (here == 0) {
             ++zeros;
             const int before = sign(loop[(i + loop.size() - 1) % loop.size()], crossing);
             if (before * next < 0) ++changes;
-        } else if (nodes_[loop[i]].code >= 8) {
-            return FaceMode::kFan;  // an edge node of another surface
+        } else if (!is_corner) {
+            return FaceMode::kFan;  // a node of another surface, or of finer leaves
         }
+        if (!is_corner && is_grid_vertex(loop[i])) return FaceMode::kFan;
     }
     return zeros == 2 && changes == 2 ? FaceMode::kCut : FaceMode::kFan;
 }
 
-void Cell::cut_face(const std::vector<LocalNode>& loop, int f) {
+/// A whole face some of whose edges are split, without a new node: a triangle cut off at each corner between
+/// two middles, and what is left divided through the middles.
+void Cell::divide_hanging(const std::vector<LocalNode>& loop, const Patch& patch,
+                          std::vector<Facet>& facets) {
+    const auto& corner = patch.corner;
+    std::array<LocalNode, 4> middle;  // of side i, from corner i to corner i + 1
+    middle.fill(kNoNode);
+    std::size_t count = 0;
+    std::size_t side = 3;
+    for (const LocalNode node : loop) {
+        const std::size_t c = corner_of(patch, node);
+        if (c < 4) {
+            side = c;
+            continue;
+        }
+        middle[side] = node;
+        ++count;
+    }
+    const auto triangle = [&facets](LocalNode a, LocalNode b, LocalNode c) {
+        facets.push_back({{a, b, c, c}, 3});
+    };
+    const auto has = [&middle](std::size_t i) { return middle[i % 4] != kNoNode; };
+    for (std::size_t i = 0; i < 4; ++i) {
+        if (has(i) && has(i + 3)) triangle(corner[i], middle[i], middle[(i + 3) % 4]);
+    }
+    if (count == 4) {
+        facets.push_back({{middle[0], middle[1], middle[2], middle[3]}, 4});
+        return;
+    }
+    // Turn the face so that its first side is split, and the one before it is not.
+    std::size_t first = 0;
+    while (!has(first) || has(first + 3)) ++first;
+    const auto c = [&](std::size_t i) { return corner[(first + i) % 4]; };
+    const auto m = [&](std::size_t i) { return middle[(first + i) % 4]; };
+    if (count == 1) {
+        triangle(c(0), m(0), c(3));
+        triangle(m(0), c(2), c(3));
+        triangle(m(0), c(1), c(2));
+    } else if (count == 3) {
+        triangle(m(0), m(1), m(2));
+        facets.push_back({{c(0), m(0), m(2), c(3)}, 4});
+    } else if (has(first + 1)) {
+        triangle(c(0), m(0), c(3));
+        triangle(m(0), m(1), c(3));
+        triangle(m(1), c(2), c(3));
+    } else {
+        // Opposite sides: from the lower one, so that both cells list the two halves in one order.
+        const std::size_t low = std::min(first, (first + 2) % 4);
+        facets.push_back({{corner[low], middle[low], middle[low + 2], corner[(low + 3) % 4]}, 4});
+        facets.push_back({{middle[low], corner[low + 1], corner[low + 2], middle[low + 2]}, 4});
+    }
+}
+
+void Cell::cut_patch(const std::vector<LocalNode>& loop, const Patch& patch, std::vector<Facet>& facets) {
     std::vector<std::size_t> ends;
     for (std::size_t i = 0; i < loop.size(); ++i) {
         if (sign(loop[i], crossing_) == 0) ends.push_back(i);
@@ -100,12 +270,12 @@ void Cell::cut_face(const std::vector<LocalNode>& loop, int f) {
             polygon.push_back(loop[i]);
             if (i == to) break;
         }
-        add_polygon(polygon, f);
+        add_polygon(polygon, patch, facets);
     }
 }
 
-void Cell::add_polygon(const std::vector<LocalNode>& polygon, int f) {
-    auto& facets = faces_[f];
+void Cell::add_polygon(const std::vector<LocalNode>& polygon, const Patch& patch,
+                       std::vector<Facet>& facets) {
     const auto point = [&](std::size_t i) -> const LatticePoint& { return nodes_[polygon[i]].point; };
     if (polygon.size() == 3) {
         facets.push_back({{polygon[0], polygon[1], polygon[2], polygon[2]}, 3});
@@ -114,7 +284,7 @@ void Cell::add_polygon(const std::vector<LocalNode>& polygon, int f) {
     if (polygon.size() == 4) {
         // Two corners and two cuts stay a quadrilateral; with a corner on the surface the better diagonal
         // splits it.
-        if (nodes_[polygon[0]].code >= 8 && nodes_[polygon[3]].code >= 8) {
+        if (corner_of(patch, polygon[0]) == 4 && corner_of(patch, polygon[3]) == 4) {
             facets.push_back({{polygon[0], polygon[1], polygon[2], polygon[3]}, 4});
             return;
         }
@@ -122,9 +292,10 @@ void Cell::add_polygon(const std::vector<LocalNode>& polygon, int f) {
             std::min(shape(point(0), point(1), point(2)), shape(point(0), point(2), point(3)));
         const double second =
             std::min(shape(point(0), point(1), point(3)), shape(point(1), point(2), point(3)));
-        // Ties go to the diagonal through the first corner of the face's loop, whichever way the polygon
-        // starts.
-        const LocalNode lowest = *std::min_element(polygon.begin(), polygon.end());
+        // Ties go to the diagonal through the patch's lowest corner, whichever way the polygon starts.
+        const LocalNode lowest = *std::min_element(
+            polygon.begin(), polygon.end(),
+            [&patch](LocalNode a, LocalNode b) { return rank_in(patch, a) < rank_in(patch, b); });
         const bool through_first =
             first != second ? first > second : (lowest == polygon[0] || lowest == polygon[2]);
         if (through_first) {
@@ -144,42 +315,31 @@ void Cell::add_polygon(const std::vector<LocalNode>& polygon, int f) {
     facets.push_back({{polygon[2], polygon[4], polygon[0], polygon[0]}, 3});
 }
 
-void Cell::fan_face(const std::vector<LocalNode>& loop, int f) {
+void Cell::fan_patch(const std::vector<LocalNode>& loop, const Patch& patch, std::vector<Facet>& facets) {
     const std::size_t n = surfaces_.size();
-    const std::size_t axis = static_cast<std::size_t>(f / 2);
-    LatticePoint middle = {kCellUnits / 2, kCellUnits / 2, kCellUnits / 2};
-    middle[axis] = (f & 1) * kCellUnits;
     fan_nodes_ = loop;
-    fan_nodes_.push_back(add_node(middle, static_cast<std::uint8_t>(1u << f)));
+    fan_nodes_.push_back(add_node(patch.middle, static_cast<std::uint8_t>(1u << patch.face)));
     fan_.clear();
     const auto centre = static_cast<std::uint16_t>(loop.size());
     for (std::size_t i = 0; i < loop.size(); ++i) {
         fan_.push_back(
             {static_cast<std::uint16_t>(i), static_cast<std::uint16_t>((i + 1) % loop.size()), centre});
     }
-    int d[3] = {0, 0, 0};
-    d[axis] = (f & 1) != 0 ? 1 : -1;
-    const std::size_t neighbour = static_cast<std::size_t>((d[0] + 1) + 3 * (d[1] + 1) + 9 * (d[2] + 1));
-    // A neighbour that shares an active surface is an NIO leaf.
-    const bool shared =
-        std::any_of(neighbour_active_.begin() + static_cast<std::ptrdiff_t>(neighbour * n),
-                    neighbour_active_.begin() + static_cast<std::ptrdiff_t>((neighbour + 1) * n),
-                    [](std::uint8_t active) { return active != 0; });
-    if (shared) {
-        load_other_tape(tree_.nio[tree_.nio_index(morton_encode(xyz_[0] + static_cast<u32>(d[0]),
-                                                                xyz_[1] + static_cast<u32>(d[1]),
-                                                                xyz_[2] + static_cast<u32>(d[2])))]);
+    const std::uint8_t* active = row(patch.row);
+    // A leaf beyond that shares an active surface is an NIO leaf.
+    if (std::any_of(active, active + n, [](std::uint8_t is) { return is != 0; })) {
+        load_other_tape(tree_.nio[patch.beyond]);
     }
     bool again = true;
     for (int round = 0; round < kBisectionRounds && again; ++round) {
         again = false;
         for (std::size_t s = 0; s < n; ++s) {
-            if (neighbour_active_[neighbour * n + s] != 0 && split_face(f, s, round)) again = true;
+            if (row(patch.row)[s] != 0 && split_patch(patch, s, round)) again = true;
         }
     }
     for (const auto& t : fan_) {
         const LocalNode c = fan_nodes_[t[2]];
-        faces_[f].push_back({{fan_nodes_[t[0]], fan_nodes_[t[1]], c, c}, 3});
+        facets.push_back({{fan_nodes_[t[0]], fan_nodes_[t[1]], c, c}, 3});
     }
 }
 
@@ -188,7 +348,7 @@ bool Cell::flat(LocalNode a, LocalNode b, LocalNode c) const {
     const LatticePoint& q = nodes_[b].point;
     const LatticePoint& r = nodes_[c].point;
     const double longest = std::max({distance(p, q), distance(q, r), distance(r, p)});
-    return twice_area(p, q, r) < longest * std::max(kMinHeight, kMinRelativeArea * longest);
+    return twice_area(p, q, r) < longest * std::max(kMinHeight * scale_.step, kMinRelativeArea * longest);
 }
 
 /// Whether the certain signs of a triangle for the face's active surfaces tell its region, by the tape of
@@ -234,14 +394,11 @@ void Cell::load_other_tape(const TreeNode& other) {
 
 /// Splits the face's mixed inner edges for surface p; tells whether there were any. Later rounds split only
 /// what matters: beside an edge of the cell where several surfaces are not active, they would not end.
-bool Cell::split_face(int f, std::size_t p, int round) {
+bool Cell::split_patch(const Patch& patch, std::size_t p, int round) {
     bool any = false;
-    const std::uint8_t own = static_cast<std::uint8_t>(1u << f);
-    int d[3] = {0, 0, 0};
-    d[f / 2] = (f & 1) != 0 ? 1 : -1;
+    const std::uint8_t own = static_cast<std::uint8_t>(1u << patch.face);
     const std::size_t n = surfaces_.size();
-    const std::uint8_t* active =
-        neighbour_active_.data() + static_cast<std::size_t>((d[0] + 1) + 3 * (d[1] + 1) + 9 * (d[2] + 1)) * n;
+    const std::uint8_t* active = row(patch.row);
     // Of the face, not of the cell: both sides must stop at the same triangle.
     const auto on_face = static_cast<std::size_t>(std::count(active, active + n, std::uint8_t{1}));
     mixed_.clear();
@@ -250,7 +407,9 @@ bool Cell::split_face(int f, std::size_t p, int round) {
         for (std::size_t i = 0; i < 3; ++i) {
             const std::uint16_t a = std::min(t[i], t[(i + 1) % 3]);
             const std::uint16_t b = std::max(t[i], t[(i + 1) % 3]);
-            const bool interior = (nodes_[fan_nodes_[a]].faces & nodes_[fan_nodes_[b]].faces) == own;
+            const Node& na = nodes_[fan_nodes_[a]];
+            const Node& nb = nodes_[fan_nodes_[b]];
+            const bool interior = (na.faces & nb.faces) == own && (na.middles & nb.middles) == 0;
             if (interior && sign(fan_nodes_[a], p) * sign(fan_nodes_[b], p) < 0) mixed_.push_back({a, b});
         }
         if (round > 0 && mixed_.size() > before && is_resolved(t, active)) mixed_.resize(before);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "host/device/device.hpp"
@@ -10,28 +11,63 @@
 
 namespace mortise::octree {
 
-/// Leaves of a uniform tree of one level, in Morton order. See kernels/shared/tree.h for the bitmaps.
+/// Leaves in Morton order of their codes. See kernels/shared/tree.h for codes, bitmaps and graded trees.
 struct Octree {
-    int level = 0;
-    std::vector<TreeNode> nio;            ///< NIO leaves, ascending Morton code
+    int level = 0;                        ///< of the finest leaves
+    bool graded = false;                  ///< leaves of several levels
+    std::vector<TreeNode> nio;            ///< NIO leaves, ascending code; IN leaves in disguise have no tape
     std::vector<std::uint32_t> tapes;     ///< words of all pruned tapes
     std::vector<std::uint32_t> in_bits;   ///< length: words()
     std::vector<std::uint32_t> nio_bits;  ///< length: words()
     std::vector<std::uint32_t> in_rank;   ///< length: words() + 1
     std::vector<std::uint32_t> nio_rank;  ///< length: words() + 1
-    std::vector<InNode> in_nodes;         ///< IN nodes of all levels as found, by level, then Morton code
-    std::uint64_t in_count = 0;           ///< IN leaves at the finest level
+    std::vector<std::uint64_t> word_codes;  ///< graded trees: length words()
+    std::vector<std::uint8_t> leaf_levels;  ///< graded trees: per meshed leaf
+    std::vector<InNode> in_nodes;           ///< IN nodes of all levels as found, by level, then Morton code
+    /// Graded trees: NIO leaves, by index, that touch a finer one, and IN leaves with a finer one at a face
+    /// or edge, which join the NIO leaves without a tape. All go to the certificate.
+    std::vector<std::uint32_t> transitions;
+    std::uint64_t in_count = 0;  ///< IN leaves
     std::uint64_t cells_evaluated = 0;
 
     std::size_t words() const { return in_bits.size(); }
-    double cell_size() const { return 1.0 / static_cast<double>(1u << level); }
-    bool is_in(std::uint64_t morton) const { return test_bit(in_bits.data(), morton) != 0; }
-    bool is_nio(std::uint64_t morton) const { return test_bit(nio_bits.data(), morton) != 0; }
-    std::uint32_t nio_index(std::uint64_t morton) const {
-        return rank_of(nio_bits.data(), nio_rank.data(), morton);
+    TreeShape shape() const { return {level, graded ? 1 : 0, static_cast<u32>(words()), 0}; }
+    Tree view() const {
+        return make_tree(in_bits.data(), nio_bits.data(), in_rank.data(), nio_rank.data(), word_codes.data(),
+                         leaf_levels.data(), shape());
     }
-    std::uint32_t in_index(std::uint64_t morton) const {
-        return rank_of(in_bits.data(), in_rank.data(), morton);
+    /// Edge of a leaf of this level, box-local.
+    static double edge_of(int leaf_level) { return 1.0 / static_cast<double>(1u << leaf_level); }
+    double finest_edge() const { return edge_of(level); }
+    /// Code of the first cell of a word; behind the last word, the number of finest cells.
+    std::uint64_t code_of_word(std::size_t word) const {
+        if (word >= words()) return std::uint64_t{1} << (3 * level);
+        return 32 * (graded ? word_codes[word] : std::uint64_t{word});
+    }
+    /// Number of words that hold only codes below this one.
+    std::size_t words_below(std::uint64_t code) const {
+        const Tree tree = view();
+        return graded ? words_before(&tree, code) : static_cast<std::size_t>(code / 32);
+    }
+    /// The meshed leaf that holds a finest cell.
+    Leaf at(std::uint64_t code) const {
+        const Tree tree = view();
+        return leaf_at(&tree, code);
+    }
+    int level_of(std::uint64_t code) const {
+        const Tree tree = view();
+        return leaf_level(&tree, code);
+    }
+    bool is_in(std::uint64_t code) const { return at(code).kind == kLeafIn; }
+    bool is_nio(std::uint64_t code) const { return at(code).kind == kLeafNio; }
+    /// Number of NIO leaves, of IN leaves, before a code.
+    std::uint32_t nio_index(std::uint64_t code) const {
+        const Tree tree = view();
+        return count_before(&tree, nio_bits.data(), nio_rank.data(), code);
+    }
+    std::uint32_t in_index(std::uint64_t code) const {
+        const Tree tree = view();
+        return count_before(&tree, in_bits.data(), in_rank.data(), code);
     }
 };
 
@@ -43,26 +79,73 @@ struct DeviceTree {
     device::Buffer nio_bits;
     device::Buffer in_rank;
     device::Buffer nio_rank;
-    device::Buffer in_nodes;
+    device::Buffer word_codes;
+    device::Buffer leaf_levels;
+    TreeShape shape{};
+    device::Buffer in_nodes;      ///< uniform trees only
     device::Buffer surfaces;      ///< Surface
     device::Buffer ops;           ///< ExpressionOp
     bool local_formulas = false;  ///< tapes of neighbours may disagree (BoundModel::spatial)
 };
 
+/// Launches a kernel that begins with TREE_PARAMETERS.
+template <class... Arguments>
+device::Event launch_on(device::Device& device, const DeviceTree& tree, const device::Kernel& kernel,
+                        std::size_t items, const Arguments&... arguments) {
+    return device.launch(kernel, items, tree.in_bits, tree.nio_bits, tree.in_rank, tree.nio_rank,
+                         tree.word_codes, tree.leaf_levels, tree.shape, arguments...);
+}
+
 /// Largest level of a uniform tree: its bitmaps hold one bit per cell.
 inline constexpr int kMaxUniformLevel = 10;
+
+/// Leaf of the tree in a half-cell (-1 … 2 along each axis, 0 and 1 being the leaf's own) around a leaf.
+inline Leaf leaf_at_half(const Tree& tree, std::uint64_t code, int level, int x, int y, int z) {
+    const u32 half = leaf_edge(&tree, level) / 2;
+    const u64 at = code_at(&tree, gather_bits(code) + half * static_cast<u32>(x),
+                           gather_bits(code >> 1) + half * static_cast<u32>(y),
+                           gather_bits(code >> 2) + half * static_cast<u32>(z));
+    return at != kNoOwner ? leaf_at(&tree, at) : no_leaf(level);
+}
 
 /// Builds the tree breadth-first to `level` >= 1 (kernels/octree). Guarantees: IN and OUT leaves are decided
 /// on their closed cells; NIO leaves carry the tape of what is undecided; order and content do not depend on
 /// the device's scheduling.
 Octree build(device::Device& device, const tape::BoundModel& model, int level, DeviceTree* on_device);
 
+/// What a graded tree's leaves must be like. Nodes of level `finest` are never split.
+struct Grading {
+    int coarsest = 1;  ///< undecided nodes above this level are split
+    int finest = 1;
+    int coarsest_in = 1;  ///< the same for IN nodes
+    /// For undecided nodes of a level from `coarsest` to `finest` - 1, with words of all tapes: not 0 for
+    /// those to split. May be empty: none.
+    std::function<std::vector<std::uint8_t>(const std::vector<TreeNode>& nodes,
+                                            const std::vector<std::uint32_t>& tapes, int level)>
+        split_undecided;
+    /// Whether the IN node of this region, Morton code and level must be split. May be empty.
+    std::function<bool(std::uint64_t morton, int level, std::uint16_t region)> split_in;
+};
+
+/// Codes of the nodes that are split, ascending, by their level.
+using SplitNodes = std::vector<std::vector<std::uint64_t>>;
+
+/// Adds the nodes that must be split for 2:1 balance across faces, edges and corners: the places around each
+/// split node, of its own size, are nodes themselves (p4est; algorithms.md §6). So are those around each node
+/// of `ringed`, by level: no larger leaf touches them.
+void balance(SplitNodes& split, const SplitNodes& ringed, int threads);
+
+/// Builds a graded tree, 2:1 balanced. Its finest level may be less than Grading::finest. Guarantees as for
+/// `build`.
+Octree build_graded(device::Device& device, const tape::BoundModel& model, const Grading& grading,
+                    int threads, DeviceTree* on_device);
+
 /// Ranks of a bitmap of `words` words into a new buffer of words + 1; returns the number of set bits.
 std::uint64_t make_rank(device::Device& device, const device::Buffer& bits, std::size_t words,
                         device::Buffer& rank);
 
-/// Region of a finest cell that was found IN (it may have been promoted since).
-std::uint16_t in_region(const Octree& tree, std::uint64_t morton);
+/// Region of an IN leaf, also of one among the NIO leaves, by its code.
+std::uint16_t in_region(const Octree& tree, std::uint64_t code);
 
 /// Region of each IN leaf, by IN index. Empty if there is one region only (then it is `single`).
 std::vector<std::uint16_t> in_regions(const Octree& tree, std::uint16_t* single);

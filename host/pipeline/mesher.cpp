@@ -220,8 +220,8 @@ Extracted mesh_pieces(device::Device& device, const MeshOptions& options, const 
     std::vector<assembly::Piece> pieces;
     for (std::uint64_t p = 0; p < count; ++p) {
         assembly::MortonRange range;
-        if (p > 0) range.begin = 32 * (words * p / count);
-        if (p + 1 < count) range.end = 32 * (words * (p + 1) / count);
+        if (p > 0) range.begin = tree.code_of_word(words * p / count);
+        if (p + 1 < count) range.end = tree.code_of_word(words * (p + 1) / count);
         const double done = static_cast<double>(p) / static_cast<double>(count);
         stages.begin("extract", 0.4 + 0.5 * done);
         const std::vector<std::uint32_t> leaves =
@@ -286,7 +286,16 @@ Mesh generate_mesh(const Model& model, const MeshOptions& options, MeshReport* r
 
     stages.begin("octree", 0.05);
     octree::DeviceTree on_device;
-    octree::Octree tree = octree::build(device, bound, root.level, &on_device);
+    octree::Octree tree;
+    if (options.interior_coarsening > 0) {
+        octree::Grading grading;
+        grading.coarsest = root.level;
+        grading.finest = root.level;
+        grading.coarsest_in = std::max(1, root.level - options.interior_coarsening);
+        tree = octree::build_graded(device, bound, grading, options.threads, &on_device);
+    } else {
+        tree = octree::build(device, bound, root.level, &on_device);
+    }
     stages.end(tree.cells_evaluated);
 
     stages.begin("probe", 0.28);
@@ -298,8 +307,10 @@ Mesh generate_mesh(const Model& model, const MeshOptions& options, MeshReport* r
     stages.begin("classify", 0.3);
     out.in_cells = tree.in_count;
     out.nio_cells = tree.nio.size();
+    std::vector<std::uint32_t> complex = probed.leaves;
+    complex.insert(complex.end(), tree.transitions.begin(), tree.transitions.end());
     const snio::Classification classification =
-        snio::classify(device, tree, on_device, options.templates, options.snap, probed.leaves);
+        snio::classify(device, tree, on_device, options.templates, options.snap, complex);
     stages.end(tree.nio.size());
 
     Mesh mesh;

@@ -22,7 +22,7 @@ std::uint32_t neighbour(std::uint32_t piece, int f) {
 }  // namespace
 
 tape::Cell LeafProbe::cell(const std::uint8_t* at, int depth) const {
-    const double edge = std::ldexp(tree_.cell_size(), -depth);
+    const double edge = std::ldexp(edge_, -depth);
     tape::Cell result{};
     for (int j = 0; j < 3; ++j) result.centre[j] = low_[j] + (at[j] + 0.5) * edge;
     result.half = 0.5 * edge;
@@ -46,9 +46,9 @@ std::int8_t LeafProbe::sample_sign(std::uint32_t surface) const {
         const int middles = (d[0] == 1) + (d[1] == 1) + (d[2] == 1);
         if (middles == 1) continue;  // the middle of an edge is no sample
         double x[3];
-        for (int j = 0; j < 3; ++j) x[j] = low_[j] + 0.5 * d[j] * tree_.cell_size();
-        const int sign = surface_sign(&model_.surfaces[surface], model_.expression_ops.data(), x[0], x[1],
-                                      x[2], tree_.cell_size());
+        for (int j = 0; j < 3; ++j) x[j] = low_[j] + 0.5 * d[j] * edge_;
+        const int sign =
+            surface_sign(&model_.surfaces[surface], model_.expression_ops.data(), x[0], x[1], x[2], edge_);
         negative = negative || sign < 0;
         positive = positive || sign > 0;
         if (negative && positive) return 0;
@@ -69,7 +69,9 @@ void LeafProbe::load_tape(const TreeNode& leaf) {
 
 /// Finds the hidden surfaces; false if there are none that may hide a feature.
 bool LeafProbe::load(const TreeNode& leaf) {
-    for (int j = 0; j < 3; ++j) low_[j] = gather_bits(leaf.morton >> j) * tree_.cell_size();
+    if (leaf.tape_length == 0) return false;  // an IN leaf among the others
+    edge_ = octree::Octree::edge_of(tree_.level_of(leaf.morton));
+    for (int j = 0; j < 3; ++j) low_[j] = gather_bits(leaf.morton >> j) * tree_.finest_edge();
     const std::uint8_t origin[3] = {0, 0, 0};
     const tape::Cell whole = cell(origin, 0);
     // One smooth surface alone, by far the most frequent, is asked before anything is set up.
@@ -295,12 +297,11 @@ void LeafProbe::finish(Component& component) {
 
 /// Length of the component from its point in a direction (of unit length), within the leaf.
 double LeafProbe::reach(const Component& component, const Vec3& direction) {
-    const double edge = tree_.cell_size();
     const auto inside = [&](double t) {
         Vec3 x{};
         for (std::size_t j = 0; j < 3; ++j) {
-            x[j] = component.point[j] + t * edge * direction[j];
-            if (x[j] < low_[j] || x[j] > low_[j] + edge) return false;
+            x[j] = component.point[j] + t * edge_ * direction[j];
+            if (x[j] < low_[j] || x[j] > low_[j] + edge_) return false;
         }
         Found at;
         return is_missed(x, at) && at.region == component.region;
@@ -315,7 +316,7 @@ double LeafProbe::reach(const Component& component, const Vec3& direction) {
         const double middle = 0.5 * (low + high);
         (inside(middle) ? low : high) = middle;
     }
-    return low * edge;
+    return low * edge_;
 }
 
 /// Moves the component's point to the middle of its chords along the axes, which for a ball is its centre,
@@ -334,7 +335,7 @@ void LeafProbe::measure(Component& component) {
         if (!is_missed(component.point, at) || at.region != component.region)
             component.point[axis % 3] = before;
     }
-    component.thickness = 2 * tree_.cell_size();
+    component.thickness = 2 * edge_;
     for (int k = 14; k < 27; ++k) {
         const std::array<int, 3> d = {k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1};
         const double length = std::sqrt(static_cast<double>(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]));
@@ -351,10 +352,9 @@ void LeafProbe::measure(Component& component) {
 /// Whether only the leaf's centre tells that some surface passes through it: the apex must stay there then.
 bool LeafProbe::needs_centre() const {
     for (const std::uint32_t surface : surfaces_) {
-        const double edge = tree_.cell_size();
         const auto sign = [&](double x, double y, double z) {
-            return surface_sign(&model_.surfaces[surface], model_.expression_ops.data(), low_[0] + x * edge,
-                                low_[1] + y * edge, low_[2] + z * edge, edge);
+            return surface_sign(&model_.surfaces[surface], model_.expression_ops.data(), low_[0] + x * edge_,
+                                low_[1] + y * edge_, low_[2] + z * edge_, edge_);
         };
         const int centre = sign(0.5, 0.5, 0.5);
         bool alone = centre != 0;
@@ -368,16 +368,15 @@ bool LeafProbe::needs_centre() const {
 /// point is far enough from the leaf's faces.
 bool LeafProbe::sees_all(const Component& component) {
     constexpr double kMargin = 1.0 / 64;
-    const double edge = tree_.cell_size();
     for (std::size_t j = 0; j < 3; ++j) {
-        const double x = (component.point[j] - low_[j]) / edge;
+        const double x = (component.point[j] - low_[j]) / edge_;
         if (!(x > kMargin && x < 1 - kMargin)) return false;
     }
     for (const std::uint16_t piece : component.pieces) {
         const Vec3& to = found_[piece].point;
         double length = 0;
         for (std::size_t j = 0; j < 3; ++j) length = std::max(length, std::fabs(to[j] - component.point[j]));
-        const int steps = static_cast<int>(2 * kSide * length / edge) + 1;
+        const int steps = static_cast<int>(2 * kSide * length / edge_) + 1;
         for (int i = 1; i < steps; ++i) {
             Found at;
             Vec3 x{};

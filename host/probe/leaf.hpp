@@ -87,6 +87,7 @@ class LeafProbe {
     const octree::Octree& tree_;
     std::uint64_t probed_ = 0;
     double low_[3] = {};
+    double edge_ = 0;                      ///< of the leaf
     std::vector<std::uint32_t> surfaces_;  ///< of the leaf's tape, ascending
     tape::LocalTape local_tape_;
     std::vector<std::uint32_t> hidden_;     ///< indices into surfaces_

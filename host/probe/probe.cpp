@@ -78,9 +78,13 @@ class Clusters {
         Vec3 x{};
         for (int j = 0; j < 3; ++j) {
             x[static_cast<std::size_t>(j)] =
-                gather_bits(tree_.nio[component.leaf].morton >> j) * tree_.cell_size();
+                gather_bits(tree_.nio[component.leaf].morton >> j) * tree_.finest_edge();
         }
         return x;
+    }
+
+    double edge(const Component& component) const {
+        return octree::Octree::edge_of(tree_.level_of(tree_.nio[component.leaf].morton));
     }
 
     /// Where a component goes on beyond face f of its leaf: in components of the next leaf, or in what that
@@ -89,25 +93,31 @@ class Clusters {
         Component& component = components_[i];
         const auto touches = [f](std::uint16_t piece) { return on_face(piece, f); };
         if (std::none_of(component.pieces.begin(), component.pieces.end(), touches)) return;
-        std::uint32_t at[3];
         const std::uint64_t own = tree_.nio[component.leaf].morton;
-        for (int j = 0; j < 3; ++j) at[j] = gather_bits(own >> j);
-        at[f / 2] += (f & 1) != 0 ? 1u : 0xffffffffu;
-        if (at[f / 2] >= (1u << tree_.level)) return;
-        const std::uint64_t other = morton_encode(at[0], at[1], at[2]);
-        const bool nio = tree_.is_nio(other);
-        const std::uint32_t leaf = nio ? tree_.nio_index(other) : 0;
+        const Tree tree = tree_.view();
+        const int level = leaf_level(&tree, own);
+        const double size = octree::Octree::edge_of(level);
+        i32 direction[3] = {0, 0, 0};
+        direction[f / 2] = (f & 1) != 0 ? 1 : -1;
+        const Leaf beyond = leaf_beside(&tree, own, level, direction);
+        if (beyond.code == kNoOwner) return;
+        // A larger leaf, or smaller ones of which this is the first, may be joined only where it is meshed.
+        const bool alike = beyond.level == level;
+        const bool nio = beyond.kind == kLeafNio;
+        const std::uint32_t leaf = beyond.index;
+        Vec3 low = corner(component);
+        low[static_cast<std::size_t>(f / 2)] += direction[f / 2] * size;
         const auto begin = std::lower_bound(components_.begin(), components_.end(), leaf,
                                             [](const Component& c, std::uint32_t l) { return c.leaf < l; });
         for (const std::uint16_t piece : component.pieces) {
             if (!touches(piece)) continue;
             if (!nio) {
-                if (tree_.is_in(other) == (component.region != 0)) component.open.push_back(piece);
+                if ((beyond.kind == kLeafIn) == (component.region != 0)) component.open.push_back(piece);
                 continue;
             }
             const std::uint16_t next = across(piece, f);
             bool missed = false;
-            for (auto c = begin; c != components_.end() && c->leaf == leaf; ++c) {
+            for (auto c = begin; alike && c != components_.end() && c->leaf == leaf; ++c) {
                 if (!holds(*c, next)) continue;
                 missed = true;
                 if (c->region != component.region) continue;
@@ -115,17 +125,18 @@ class Clusters {
                 parent_[std::max(root(i), root(k))] = std::min(root(i), root(k));
                 joined_[i].push_back(piece);
             }
-            if (!missed && probe_.region_at(tree_.nio[leaf], middle(at, next)) == component.region)
+            if (!missed && probe_.region_at(tree_.nio[leaf], middle(low, size, next)) == component.region)
                 component.open.push_back(piece);
         }
         component.attached = component.attached || !component.open.empty();
     }
 
-    Vec3 middle(const std::uint32_t* at, std::uint16_t piece) const {
+    /// Middle of a piece of the leaf with this corner and edge.
+    static Vec3 middle(const Vec3& low, double size, std::uint16_t piece) {
         Vec3 x{};
         for (std::size_t j = 0; j < 3; ++j) {
             const int k = (piece >> (kDepth * static_cast<int>(j))) & (kSide - 1);
-            x[j] = (at[j] + (k + 0.5) / kSide) * tree_.cell_size();
+            x[j] = low[j] + (k + 0.5) / kSide * size;
         }
         return x;
     }
@@ -168,11 +179,12 @@ class Clusters {
             attached = attached || component.attached;
             if (component.depth > components_[deepest].depth) deepest = i;
             const Vec3 from = corner(component);
+            const double size = edge(component);
             for (const std::uint16_t piece : component.pieces) {
                 for (std::size_t j = 0; j < 3; ++j) {
                     const int k = (piece >> (kDepth * static_cast<int>(j))) & (kSide - 1);
-                    low[j] = std::min(low[j], from[j] + tree_.cell_size() * k / kSide);
-                    high[j] = std::max(high[j], from[j] + tree_.cell_size() * (k + 1) / kSide);
+                    low[j] = std::min(low[j], from[j] + size * k / kSide);
+                    high[j] = std::max(high[j], from[j] + size * (k + 1) / kSide);
                 }
             }
         }
@@ -187,7 +199,7 @@ class Clusters {
             feature.position[j] = model_.origin[j] + model_.side * main.point[j];
             size = std::max(size, high[j] - low[j]);
         }
-        if (main.thickness < kThinnest * tree_.cell_size()) return;
+        if (main.thickness < kThinnest * edge(main)) return;
         feature.thickness = model_.side * main.thickness;
         feature.size = std::max(feature.thickness, model_.side * size);
         feature.material = main.region != 0;
@@ -197,8 +209,8 @@ class Clusters {
             const Vec3 from = corner(main);
             Apex apex{tree_.nio[main.leaf].morton, {}};
             for (std::size_t j = 0; j < 3; ++j) {
-                apex.at[j] = static_cast<std::int32_t>(
-                    std::rint((main.point[j] - from[j]) / tree_.cell_size() * kCellUnits));
+                apex.at[j] =
+                    static_cast<std::int32_t>(std::rint((main.point[j] - from[j]) / edge(main) * kCellUnits));
             }
             out.apexes.push_back(apex);
             out.leaves.push_back(main.leaf);

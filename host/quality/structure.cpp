@@ -86,7 +86,7 @@ bool check_structure(const Mesh& mesh, DefectLog& log) {
         const std::size_t nodes = static_cast<std::size_t>(kElementNodes[static_cast<std::size_t>(t)]);
         check_index(block.nodes, mesh.node_count(), DefectKind::kElementNodeRange, name, "node", nodes, log);
         check_range(block.region, regions, true, DefectKind::kElementRegion, name, "region", 1, log);
-        constexpr std::uint64_t last_kind = static_cast<std::uint64_t>(ElementKind::kCnio);
+        constexpr std::uint64_t last_kind = static_cast<std::uint64_t>(ElementKind::kTransition);
         check_range(block.kind, last_kind, false, DefectKind::kElementKind, name, "kind", 1, log);
     }
     const FacetBlock& facets = mesh.facets;

@@ -1,9 +1,6 @@
 #include "host/snio/classify.hpp"
 
-#include <iterator>
 #include <utility>
-
-#include "kernels/shared/tape.h"
 
 namespace mortise::snio {
 namespace {
@@ -21,8 +18,8 @@ class Classifier {
     Classification run(bool templates) {
         if (!templates && !on_device_.local_formulas) return all_complex();
         candidates_ = device_.allocate(count() * sizeof(SnioCandidate));
-        device_.launch(device_.kernel("snio/classify.cl", "classify"), count(), on_device_.nio,
-                       on_device_.tapes, on_device_.surfaces, on_device_.ops, candidates_, level(), snap_);
+        launch("snio/classify.cl", "classify", count(), on_device_.nio, on_device_.tapes, on_device_.surfaces,
+               on_device_.ops, candidates_, snap_);
         if (!complex_.empty()) {
             const Buffer leaves = device_.upload(complex_);
             device_.launch(device_.kernel("snio/classify.cl", "leave_to_certificate"), complex_.size(),
@@ -32,54 +29,56 @@ class Classifier {
         if (snap_ != 0 || on_device_.local_formulas) promote();
         if (!templates) return all_complex();
         if (on_device_.local_formulas) drop_misfits();  // promoted leaves, too
-        device_.launch(device_.kernel("snio/snap.cl", "test_subsets"), count(), on_device_.nio,
-                       on_device_.surfaces, on_device_.ops, candidates_, level(), snap_);
+        launch("snio/snap.cl", "test_subsets", count(), on_device_.nio, on_device_.surfaces, on_device_.ops,
+               candidates_, snap_);
         moved_ = device_.allocate(count() * sizeof(std::uint8_t));
-        device_.launch(device_.kernel("snio/snap.cl", "decide"), count(), on_device_.in_bits,
-                       on_device_.nio_bits, on_device_.nio_rank, on_device_.nio, candidates_, moved_,
-                       level());
+        launch("snio/snap.cl", "decide", count(), on_device_.nio, candidates_, moved_);
         return fill();
     }
 
   private:
     std::size_t count() const { return tree_.nio.size(); }
-    std::int32_t level() const { return tree_.level; }
+
+    template <class... Arguments>
+    void launch(const char* file, const char* entry, std::size_t items, const Arguments&... arguments) {
+        octree::launch_on(device_, on_device_, device_.kernel(file, entry), items, arguments...);
+    }
 
     /// Leaves that do not fit their neighbours go to the certificate.
     void drop_misfits() {
         Buffer misfit = device_.allocate(count() * sizeof(std::uint8_t));
-        device_.launch(device_.kernel("snio/classify.cl", "find_misfits"), count(), on_device_.nio,
-                       on_device_.tapes, on_device_.in_bits, on_device_.nio_bits, on_device_.nio_rank,
-                       candidates_, misfit, level());
+        launch("snio/classify.cl", "find_misfits", count(), on_device_.nio, on_device_.tapes, candidates_,
+               misfit);
         device_.launch(device_.kernel("snio/classify.cl", "drop_misfits"), count(), misfit, candidates_);
     }
 
     /// IN leaves with a corner on the surface join the NIO leaves, here and on the device.
     void promote() {
         const std::size_t words = tree_.words();
+        const std::size_t bytes = words * sizeof(std::uint32_t);
         Buffer near = device_.allocate(count() * sizeof(std::uint8_t));
-        Buffer promoted = device_.allocate(words * sizeof(std::uint32_t));
+        Buffer promoted = device_.allocate(bytes);
         device_.fill_zero(promoted);
-        device_.launch(device_.kernel("snio/snap.cl", "mark_vertices"), count(), on_device_.in_bits,
-                       on_device_.nio_bits, on_device_.nio_rank, on_device_.nio, candidates_, near, promoted,
-                       level());
-        if (on_device_.local_formulas) {
-            device_.launch(device_.kernel("snio/classify.cl", "mark_exposed"), words, on_device_.in_bits,
-                           on_device_.nio_bits, promoted, level());
-        }
-        Buffer old_nio_bits = device_.allocate(words * sizeof(std::uint32_t));
+        launch("snio/snap.cl", "mark_vertices", count(), on_device_.nio, candidates_, near, promoted);
+        if (on_device_.local_formulas) launch("snio/classify.cl", "mark_exposed", words, promoted);
+        Buffer in_bits = device_.allocate(bytes);
+        Buffer nio_bits = device_.allocate(bytes);
+        Buffer in_rank;
+        Buffer nio_rank;
         device_.launch(device_.kernel("snio/snap.cl", "promote_words"), words, on_device_.in_bits,
-                       on_device_.nio_bits, old_nio_bits, promoted);
-        const Buffer old_nio_rank = std::move(on_device_.nio_rank);
-        tree_.in_count = octree::make_rank(device_, on_device_.in_bits, words, on_device_.in_rank);
-        const std::uint64_t all = octree::make_rank(device_, on_device_.nio_bits, words, on_device_.nio_rank);
+                       on_device_.nio_bits, promoted, in_bits, nio_bits);
+        tree_.in_count = octree::make_rank(device_, in_bits, words, in_rank);
+        const std::uint64_t all = octree::make_rank(device_, nio_bits, words, nio_rank);
         Buffer nio = device_.allocate(all * sizeof(TreeNode));
         Buffer candidates = device_.allocate(all * sizeof(SnioCandidate));
-        device_.launch(device_.kernel("snio/snap.cl", "promote_leaves"), words, on_device_.nio_bits,
-                       on_device_.nio_rank, old_nio_bits, old_nio_rank, on_device_.nio, candidates_, near,
-                       nio, candidates, level());
+        launch("snio/snap.cl", "promote_leaves", words, nio_bits, nio_rank, on_device_.nio, candidates_, near,
+               nio, candidates);
         device_.finish();
         on_device_.nio = std::move(nio);
+        on_device_.in_bits = std::move(in_bits);
+        on_device_.nio_bits = std::move(nio_bits);
+        on_device_.in_rank = std::move(in_rank);
+        on_device_.nio_rank = std::move(nio_rank);
         candidates_ = std::move(candidates);
         tree_.nio = device_.download<TreeNode>(on_device_.nio, all);
         tree_.in_bits = device_.download<std::uint32_t>(on_device_.in_bits, words);
@@ -106,10 +105,8 @@ class Classifier {
         Buffer used = device_.allocate(count() * sizeof(std::uint32_t));
         Buffer counts = device_.allocate(kElementTypes * count() * sizeof(std::uint32_t));
         Buffer facets = device_.allocate(count() * sizeof(std::uint32_t));
-        device_.launch(device_.kernel("snio/fill.cl", "fill"), count(), on_device_.in_bits,
-                       on_device_.nio_bits, on_device_.nio_rank, on_device_.nio, candidates_, moved_,
-                       on_device_.surfaces, on_device_.ops, leaves, used, counts, facets,
-                       static_cast<std::uint32_t>(count()), level(), snap_);
+        launch("snio/fill.cl", "fill", count(), on_device_.nio, candidates_, moved_, on_device_.surfaces,
+               on_device_.ops, leaves, used, counts, facets, static_cast<std::uint32_t>(count()), snap_);
         result.leaves = device_.download<SnioLeaf>(leaves, count());
         result.used = device_.download<std::uint32_t>(used, count());
         result.facets = device_.download<std::uint32_t>(facets, count());
@@ -128,26 +125,13 @@ class Classifier {
     Buffer moved_;
 };
 
-/// A promoted leaf that the certificate gets needs words that say its region: (p or not p) of any surface.
-void give_tape(octree::Octree& tree, std::uint32_t leaf) {
-    TreeNode& node = tree.nio[leaf];
-    const std::int32_t region = octree::in_region(tree, node.morton);
-    const std::uint32_t words[] = {make_literal(0, 0), make_literal(0, 1), make_operation(kTapeOr, 0, 0),
-                                   make_operation(kTapeSelectConst, region, 0)};
-    node.tape_offset = static_cast<std::uint32_t>(tree.tapes.size());
-    node.tape_length = 4;
-    tree.tapes.insert(tree.tapes.end(), std::begin(words), std::end(words));
-}
-
 }  // namespace
 
 Classification classify(Device& device, octree::Octree& tree, octree::DeviceTree& on_device, bool templates,
                         bool snap, const std::vector<std::uint32_t>& complex) {
     Classification result = Classifier(device, tree, on_device, templates && snap, complex).run(templates);
     for (std::uint32_t i = 0; i < tree.nio.size(); ++i) {
-        if (result.leaves[i].pattern != kPatternCnio) continue;
-        result.cnio.push_back(i);
-        if (tree.nio[i].tape_length == 0) give_tape(tree, i);
+        if (result.leaves[i].pattern == kPatternCnio) result.cnio.push_back(i);
     }
     return result;
 }

@@ -9,6 +9,7 @@ namespace mortise::tape {
 void LocalTape::load(const std::uint32_t* words, std::size_t length,
                      const std::vector<std::uint32_t>& surfaces) {
     words_.clear();
+    constant_ = kNotConstant;
     surface_count_ = surfaces.size();
     std::size_t selects = 0;
     for (std::size_t i = 0; i < length; ++i) {
@@ -27,6 +28,12 @@ void LocalTape::load(const std::uint32_t* words, std::size_t length,
         words_.push_back(word);
     }
     one_region_ = selects == 1 && words_.back().operation == kTapeSelectConst;
+}
+
+void LocalTape::load_constant(std::int32_t region) {
+    words_.clear();
+    surface_count_ = 0;
+    constant_ = region;
 }
 
 std::int32_t LocalTape::evaluate(const std::int8_t* signs) const {
@@ -76,6 +83,7 @@ std::int32_t LocalTape::resolve_in_parallel(const std::int8_t* signs, const std:
 }
 
 std::int32_t LocalTape::resolve(const std::int8_t* signs) const {
+    if (constant_ != kNotConstant) return constant_;
     const std::int32_t direct = evaluate(signs);
     if (direct != kUnknown) return direct;
     std::size_t open[kMaxCases];

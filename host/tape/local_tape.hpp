@@ -11,6 +11,9 @@ class LocalTape {
     /// `surfaces`: ascending, holds every surface of the tape.
     void load(const std::uint32_t* words, std::size_t length, const std::vector<std::uint32_t>& surfaces);
 
+    /// A cell that lies in one region: no surfaces.
+    void load_constant(std::int32_t region);
+
     /// Value for signs (-1, 0 unknown, +1) parallel to the surfaces, in three-valued logic, then by cases
     /// over up to kMaxCases unknown signs (p ∨ ¬p holds); kUnknown if neither tells.
     std::int32_t resolve(const std::int8_t* signs) const;
@@ -31,6 +34,8 @@ class LocalTape {
 
     std::vector<Word> words_;
     std::size_t surface_count_ = 0;
+    std::int32_t constant_ = kNotConstant;
+    static constexpr std::int32_t kNotConstant = -2;
     bool one_region_ = true;  ///< the tape ends with its only select
 };
 

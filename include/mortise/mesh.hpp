@@ -18,9 +18,10 @@ inline constexpr std::array<int, kElementTypes> kElementNodes = {8, 6, 5, 4};
 
 /// How an element was made: the cell array `kind` of output files. Append-only.
 enum class ElementKind : std::uint8_t {
-    kIn = 0,    ///< an IN cell
-    kSnio = 1,  ///< a template of a cell with one simple surface
-    kCnio = 2,  ///< the certificate of a complex cell
+    kIn = 0,          ///< an IN cell
+    kSnio = 1,        ///< a template of a cell with one simple surface
+    kCnio = 2,        ///< the certificate of a complex cell
+    kTransition = 3,  ///< a cone between leaves of different sizes
 };
 
 /// All elements of one type. Order: Morton order of the leaf that made them.

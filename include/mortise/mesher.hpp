@@ -19,6 +19,7 @@ inline constexpr int kMaxLevel = 18;
 struct MeshOptions {
     int level = 0;            ///< root box split `level` times; 0: from `size`, or the default of 6
     double size = 0;          ///< edge length of a cell in model units; 0: from `level`
+    int interior_coarsening = 0;  ///< levels by which IN cells away from the boundary may be larger
     std::optional<Box3> box;  ///< cuts the solid; its faces become boundaries box_xmin, ...
     bool templates = true;    ///< false: every NIO cell by the certificate
     bool snap = true;         ///< vertices near a smooth surface move onto it; needs `templates`

@@ -18,24 +18,24 @@
 __constant uchar kHexahedronCorner[8] = {0, 1, 3, 2, 4, 5, 7, 6};
 
 // Mask of the nodes that a leaf owns among those it uses.
-uint owned_mask(__global const uint* in_bits, __global const uint* nio_bits, __global const uint* nio_rank,
-                __global const uint* used, int level, ulong morton, uint mask) {
-    const uint x = gather_bits(morton);
-    const uint y = gather_bits(morton >> 1);
-    const uint z = gather_bits(morton >> 2);
+uint owned_mask(const Tree* tree, __global const uint* used, ulong code, int level, uint mask) {
+    const uint edge = leaf_edge(tree, level);
+    const uint x = gather_bits(code);
+    const uint y = gather_bits(code >> 1);
+    const uint z = gather_bits(code >> 2);
     uint owned = mask & (1u << kInteriorNodeBit);
     uint bit;
     for (uint c = 0; c < 8; ++c) {
-        if (((mask >> c) & 1) && vertex_owner(in_bits, nio_bits, nio_rank, used, level, x + (c & 1),
-                                              y + ((c >> 1) & 1), z + (c >> 2), &bit) == morton) {
+        if (((mask >> c) & 1) && vertex_owner(tree, used, x + (c & 1) * edge, y + ((c >> 1) & 1) * edge,
+                                              z + (c >> 2) * edge, &bit) == code) {
             owned |= 1u << c;
         }
     }
     for (uint e = 0; e < 12; ++e) {
         if ((mask >> (8 + e)) & 1) {
             const uint c = kEdgeCorners[e][0];
-            if (edge_owner(in_bits, nio_bits, nio_rank, used, level, e / 4, x + (c & 1), y + ((c >> 1) & 1),
-                           z + (c >> 2), &bit) == morton) {
+            if (edge_owner(tree, used, level, e / 4, x + (c & 1) * edge, y + ((c >> 1) & 1) * edge,
+                           z + (c >> 2) * edge, &bit) == code) {
                 owned |= 1u << (8 + e);
             }
         }
@@ -46,15 +46,13 @@ uint owned_mask(__global const uint* in_bits, __global const uint* nio_bits, __g
 // Owned masks and node counts of all meshed leaves.
 //
 // Reads the tree, used, extra_counts (owned extra nodes per NIO leaf); writes owned and counts by meshed
-// rank. One work-item handles the 32 cells of one word of the bitmaps.
-MORTISE_KERNEL void own_nodes(__global const uint* in_bits, __global const uint* nio_bits,
-                              __global const uint* in_rank, __global const uint* nio_rank,
-                              __global const uint* used, __global const uint* extra_counts,
-                              __global uint* owned, __global uint* counts, int level, uint first,
-                              uint items) {
+// rank. One work-item handles the leaves of one word of the bitmaps.
+MORTISE_KERNEL void own_nodes(TREE_PARAMETERS, __global const uint* used, __global const uint* extra_counts,
+                              __global uint* owned, __global uint* counts, uint first, uint items) {
     const uint word = get_global_id(0) + first;
     if (get_global_id(0) >= items) return;
     {
+        const Tree tree = TREE_OF_PARAMETERS;
         const uint in = in_bits[word];
         uint rest = in | nio_bits[word];
         uint nio = nio_rank[word];
@@ -62,9 +60,9 @@ MORTISE_KERNEL void own_nodes(__global const uint* in_bits, __global const uint*
         while (rest != 0) {
             const uint bit = popcount((rest & -rest) - 1u);
             const int is_in = (in >> bit) & 1;
-            const ulong morton = ((ulong)word << 5) | bit;
+            const int level = shape.graded ? leaf_levels[rank] : shape.level;
             const uint mask =
-                owned_mask(in_bits, nio_bits, nio_rank, used, level, morton, is_in ? 0xffu : used[nio]);
+                owned_mask(&tree, used, word_code(&tree, word) | bit, level, is_in ? 0xffu : used[nio]);
             owned[rank] = mask;
             counts[rank] = popcount(mask) + (is_in ? 0 : extra_counts[nio]);
             nio += !is_in;
@@ -87,17 +85,14 @@ void store_point(__global double* points, uint id, double4 origin_side, double x
 //
 // Reads the tree, nio, leaves, surfaces, ops, owned, base; writes points (three doubles per node). The host
 // writes the other nodes of CNIO leaves. One work-item handles one word of the bitmaps.
-MORTISE_KERNEL void place_nodes(__global const uint* in_bits, __global const uint* nio_bits,
-                                __global const uint* in_rank, __global const uint* nio_rank,
-                                __global const SnioLeaf* leaves, __global const Surface* surfaces,
-                                __global const ExpressionOp* ops, __global const uint* owned,
-                                __global const uint* base, __global double* points, double4 origin_side,
-                                int level, uint first, uint items) {
+MORTISE_KERNEL void place_nodes(TREE_PARAMETERS, __global const SnioLeaf* leaves,
+                                __global const Surface* surfaces, __global const ExpressionOp* ops,
+                                __global const uint* owned, __global const uint* base,
+                                __global double* points, double4 origin_side, uint first, uint items) {
     const uint word = get_global_id(0) + first;
     if (get_global_id(0) >= items) return;
     {
-        const double cell = 1.0 / (double)(1u << level);
-        const double unit = cell / (double)kCellUnits;
+        const Tree tree = TREE_OF_PARAMETERS;
         const uint in = in_bits[word];
         uint rest = in | nio_bits[word];
         uint nio = nio_rank[word];
@@ -105,10 +100,14 @@ MORTISE_KERNEL void place_nodes(__global const uint* in_bits, __global const uin
         for (; rest != 0; rest &= rest - 1, ++rank) {
             const uint bit = popcount((rest & -rest) - 1u);
             const int is_in = (in >> bit) & 1;
-            const ulong morton = ((ulong)word << 5) | bit;
-            const uint x = gather_bits(morton);
-            const uint y = gather_bits(morton >> 1);
-            const uint z = gather_bits(morton >> 2);
+            const ulong morton = word_code(&tree, word) | bit;
+            const int level = shape.graded ? leaf_levels[rank] : shape.level;
+            const uint edge = leaf_edge(&tree, level);
+            const uint x = gather_bits(morton) / edge;
+            const uint y = gather_bits(morton >> 1) / edge;
+            const uint z = gather_bits(morton >> 2) / edge;
+            const double cell = 1.0 / (double)(1u << level);
+            const double unit = cell / (double)kCellUnits;
             const uint mask = owned[rank];
             uint id = base[rank];
             SnioLeaf leaf;
@@ -150,8 +149,7 @@ MORTISE_KERNEL void place_nodes(__global const uint* in_bits, __global const uin
 }
 
 // Number of the node that `owner` has as `bit`.
-uint node_id(__global const uint* in_bits, __global const uint* nio_bits, __global const uint* in_rank,
-             __global const uint* nio_rank, __global const uint* owned, __global const uint* base,
+uint node_id(const Tree* tree, __global const uint* owned, __global const uint* base,
              __global const ulong* foreign, PieceRange range, ulong owner, uint bit) {
     if (owner < range.begin || owner >= range.end) {
         const ulong key = node_key(owner, bit);
@@ -168,48 +166,47 @@ uint node_id(__global const uint* in_bits, __global const uint* nio_bits, __glob
         return range.nodes + low;
     }
     {
-        const uint rank = rank_of(in_bits, in_rank, owner) + rank_of(nio_bits, nio_rank, owner);
+        const uint rank = meshed_rank(tree, owner);
         return base[rank] + mask_rank(owned[rank], bit);
     }
 }
 
-// Number of grid vertex (x, y, z).
-uint vertex_id(__global const uint* in_bits, __global const uint* nio_bits, __global const uint* in_rank,
-               __global const uint* nio_rank, __global const uint* used, __global const uint* owned,
-               __global const uint* base, __global const ulong* foreign, PieceRange range, int level, uint x,
-               uint y, uint z) {
+// Number of grid vertex (x, y, z), in finest cells.
+uint vertex_id(const Tree* tree, __global const uint* used, __global const uint* owned,
+               __global const uint* base, __global const ulong* foreign, PieceRange range, uint x, uint y,
+               uint z) {
     uint bit = 0;
-    const ulong owner = vertex_owner(in_bits, nio_bits, nio_rank, used, level, x, y, z, &bit);
-    return node_id(in_bits, nio_bits, in_rank, nio_rank, owned, base, foreign, range, owner, bit);
+    const ulong owner = vertex_owner(tree, used, x, y, z, &bit);
+    return node_id(tree, owned, base, foreign, range, owner, bit);
 }
 
 // Hexahedra of IN leaves, eight node numbers each, in Morton order among the hexahedra of NIO leaves.
 //
 // Reads the tree, used, owned, base, hexahedron_offsets (scan of hexahedra per NIO leaf); writes hexahedra.
 // One work-item handles one word of the bitmaps.
-MORTISE_KERNEL void write_hexahedra(__global const uint* in_bits, __global const uint* nio_bits,
-                                    __global const uint* in_rank, __global const uint* nio_rank,
-                                    __global const uint* used, __global const uint* owned,
+MORTISE_KERNEL void write_hexahedra(TREE_PARAMETERS, __global const uint* used, __global const uint* owned,
                                     __global const uint* base, __global const uint* hexahedron_offsets,
                                     __global const ulong* foreign, __global uint* hexahedra, PieceRange range,
-                                    uint in_first, int level, uint first, uint items) {
+                                    uint in_first, uint first, uint items) {
     const uint word = get_global_id(0) + first;
     if (get_global_id(0) >= items) return;
     {
+        const Tree tree = TREE_OF_PARAMETERS;
         uint rest = in_bits[word];
         uint rank = in_rank[word];
         for (; rest != 0; rest &= rest - 1, ++rank) {
             const uint bit = popcount((rest & -rest) - 1u);
-            const ulong morton = ((ulong)word << 5) | bit;
+            const ulong morton = word_code(&tree, word) | bit;
             const uint nio = nio_rank[word] + popcount(nio_bits[word] & ((1u << bit) - 1u));
+            const uint edge = leaf_edge(&tree, shape.graded ? leaf_levels[nio + rank] : shape.level);
             const uint x = gather_bits(morton);
             const uint y = gather_bits(morton >> 1);
             const uint z = gather_bits(morton >> 2);
             __global uint* out = hexahedra + 8 * (ulong)(rank - in_first + hexahedron_offsets[nio]);
             for (uint i = 0; i < 8; ++i) {
                 const uint c = kHexahedronCorner[i];
-                out[i] = vertex_id(in_bits, nio_bits, in_rank, nio_rank, used, owned, base, foreign, range,
-                                   level, x + (c & 1), y + ((c >> 1) & 1), z + (c >> 2));
+                out[i] = vertex_id(&tree, used, owned, base, foreign, range, x + (c & 1) * edge,
+                                   y + ((c >> 1) & 1) * edge, z + (c >> 2) * edge);
             }
         }
     }
@@ -220,51 +217,56 @@ MORTISE_KERNEL void write_hexahedra(__global const uint* in_bits, __global const
 // Reads the tree, nio, leaves, used, owned, base, offsets[t * stride + i] of elements of type t before leaf i
 // and facet_offsets; writes the node numbers of each type and of the facets. One work-item handles one NIO
 // leaf.
-MORTISE_KERNEL void write_templates(__global const uint* in_bits, __global const uint* nio_bits,
-                                    __global const uint* in_rank, __global const uint* nio_rank,
-                                    __global const TreeNode* nio, __global const SnioLeaf* leaves,
-                                    __global const uint* used, __global const uint* owned,
-                                    __global const uint* base, __global const uint* offsets,
-                                    __global const uint* facet_offsets, __global const ulong* foreign,
-                                    __global uint* hexahedra, __global uint* wedges, __global uint* pyramids,
-                                    __global uint* tetrahedra, __global uint* facets, PieceRange range,
-                                    uint in_first, uint stride, int level, uint first, uint items) {
+MORTISE_KERNEL void write_templates(TREE_PARAMETERS, __global const TreeNode* nio,
+                                    __global const SnioLeaf* leaves, __global const uint* used,
+                                    __global const uint* owned, __global const uint* base,
+                                    __global const uint* offsets, __global const uint* facet_offsets,
+                                    __global const ulong* foreign, __global uint* hexahedra,
+                                    __global uint* wedges, __global uint* pyramids, __global uint* tetrahedra,
+                                    __global uint* facets, PieceRange range, uint in_first, uint stride,
+                                    uint first, uint items) {
     const uint item = get_global_id(0) + first;
     if (get_global_id(0) >= items) return;
     {
+        const Tree tree = TREE_OF_PARAMETERS;
         const SnioLeaf leaf = leaves[item];
         const ulong morton = nio[item].morton;
         const uint x = gather_bits(morton);
         const uint y = gather_bits(morton >> 1);
         const uint z = gather_bits(morton >> 2);
         const uint mask = used[item];
+        uint in_before;
+        uint edge;
+        int level;
         uint ids[21];
         if (leaf.pattern == kPatternCnio || leaf.method == kMethodNothing) return;
+        level = leaf_level(&tree, morton);
+        edge = leaf_edge(&tree, level);
+        in_before = count_before(&tree, in_bits, in_rank, morton);
         for (uint c = 0; c < 8; ++c) {
             if ((mask >> c) & 1) {
-                ids[c] = vertex_id(in_bits, nio_bits, in_rank, nio_rank, used, owned, base, foreign, range,
-                                   level, x + (c & 1), y + ((c >> 1) & 1), z + (c >> 2));
+                ids[c] = vertex_id(&tree, used, owned, base, foreign, range, x + (c & 1) * edge,
+                                   y + ((c >> 1) & 1) * edge, z + (c >> 2) * edge);
             }
         }
         for (uint e = 0; e < 12; ++e) {
             if ((mask >> (8 + e)) & 1) {
                 const uint c = kEdgeCorners[e][0];
                 uint bit = 0;
-                const ulong owner = edge_owner(in_bits, nio_bits, nio_rank, used, level, e / 4, x + (c & 1),
-                                               y + ((c >> 1) & 1), z + (c >> 2), &bit);
-                ids[8 + e] =
-                    node_id(in_bits, nio_bits, in_rank, nio_rank, owned, base, foreign, range, owner, bit);
+                const ulong owner = edge_owner(&tree, used, level, e / 4, x + (c & 1) * edge,
+                                               y + ((c >> 1) & 1) * edge, z + (c >> 2) * edge, &bit);
+                ids[8 + e] = node_id(&tree, owned, base, foreign, range, owner, bit);
             }
         }
         if ((mask >> kInteriorNodeBit) & 1) {
-            const uint rank = rank_of(in_bits, in_rank, morton) + item;
+            const uint rank = in_before + item;
             ids[kInteriorNodeBit] = base[rank] + mask_rank(owned[rank], kInteriorNodeBit);
         }
         {
             __global uint* out[4];
             const uint sizes[4] = {8, 6, 5, 4};
             __global uint* facet_out = facets + 4 * (ulong)facet_offsets[item];
-            out[0] = hexahedra + 8 * (ulong)(rank_of(in_bits, in_rank, morton) - in_first + offsets[item]);
+            out[0] = hexahedra + 8 * (ulong)(in_before - in_first + offsets[item]);
             out[1] = wedges + 6 * (ulong)offsets[stride + item];
             out[2] = pyramids + 5 * (ulong)offsets[2 * stride + item];
             out[3] = tetrahedra + 4 * (ulong)offsets[3 * stride + item];

@@ -1,11 +1,17 @@
-// Leaves of a uniform tree as bitmaps over Morton codes, and the ownership rule that numbers nodes.
+// Leaves of a tree as bitmaps over Morton codes, and the ownership rule that numbers nodes.
 //
-// in_bits and nio_bits hold one bit per finest cell in Morton order; *_rank[w] is the number of set bits
-// before word w, so the index of a leaf among its kind is a rank. A leaf is meshed if it is IN or NIO.
+// The code of a leaf is the Morton code of its first finest cell. in_bits and nio_bits hold one bit per code;
+// *_rank[w] is the number of set bits before word w, so the index of a leaf among its kind is a rank. A leaf
+// is meshed if it is IN or NIO.
 //
-// Ownership (algorithms.md §2): a grid vertex, or the single root on a grid edge, belongs to the Morton-first
-// leaf that uses it. IN leaves use their eight corners; NIO leaves use what their mask says: bits 0–7
-// corners, bits 8–19 edges, bit 20 the template's interior node. The mask is all that a leaf tells others.
+// In a uniform tree all leaves have the finest level, and word w holds the codes from 32 w on. A graded tree
+// (2:1 across faces, edges and corners, algorithms.md §6) stores only words that are not empty: word_codes
+// tells which, ascending, and leaf_levels the level of each meshed leaf in Morton order.
+//
+// Ownership (algorithms.md §2): a grid vertex, or the single root on a leaf's edge, belongs to the
+// Morton-first of the finest leaves that use it. IN leaves use their eight corners; NIO leaves use what their
+// mask says: bits 0–7 corners, bits 8–19 edges, bit 20 the template's interior node. The mask is all that a
+// leaf tells others. Vertices in the middle of a leaf's edge or face do not count as its own.
 #ifndef MORTISE_SHARED_TREE_H
 #define MORTISE_SHARED_TREE_H
 
@@ -13,6 +19,68 @@
 
 #define kInteriorNodeBit 20
 #define kNoOwner 0xffffffffffffffffUL
+
+#define kLeafNone 0  // OUT, or beyond the root box
+#define kLeafIn 1
+#define kLeafNio 2
+
+typedef struct TreeShape {
+    i32 level;   // of the finest leaves: their edge is the unit of all coordinates
+    i32 graded;  // 0: uniform
+    u32 words;   // of the bitmaps
+    u32 padding;
+} TreeShape;
+
+typedef struct Tree {
+    MORTISE_GLOBAL u32* in_bits;
+    MORTISE_GLOBAL u32* nio_bits;
+    MORTISE_GLOBAL u32* in_rank;
+    MORTISE_GLOBAL u32* nio_rank;
+    MORTISE_GLOBAL u64* word_codes;
+    MORTISE_GLOBAL u8* leaf_levels;
+    TreeShape shape;
+} Tree;
+
+// How kernels take a tree, and make one of what they took.
+#define TREE_PARAMETERS                                                                               \
+    __global const u32 *in_bits, __global const u32 *nio_bits, __global const u32 *in_rank,           \
+        __global const u32 *nio_rank, __global const u64 *word_codes, __global const u8 *leaf_levels, \
+        TreeShape shape
+#define TREE_OF_PARAMETERS make_tree(in_bits, nio_bits, in_rank, nio_rank, word_codes, leaf_levels, shape)
+
+MORTISE_FUNCTION Tree make_tree(MORTISE_GLOBAL u32* in_bits, MORTISE_GLOBAL u32* nio_bits,
+                                MORTISE_GLOBAL u32* in_rank, MORTISE_GLOBAL u32* nio_rank,
+                                MORTISE_GLOBAL u64* word_codes, MORTISE_GLOBAL u8* leaf_levels,
+                                TreeShape shape) {
+    Tree tree;
+    tree.in_bits = in_bits;
+    tree.nio_bits = nio_bits;
+    tree.in_rank = in_rank;
+    tree.nio_rank = nio_rank;
+    tree.word_codes = word_codes;
+    tree.leaf_levels = leaf_levels;
+    tree.shape = shape;
+    return tree;
+}
+
+// A meshed leaf; kind kLeafNone: there is none.
+typedef struct Leaf {
+    u64 code;
+    i32 kind;
+    i32 level;
+    u32 index;  // among the leaves of its kind
+    u32 word;   // of the bitmaps
+} Leaf;
+
+MORTISE_FUNCTION Leaf no_leaf(i32 level) {
+    Leaf leaf;
+    leaf.code = kNoOwner;
+    leaf.kind = kLeafNone;
+    leaf.level = level;
+    leaf.index = 0;
+    leaf.word = 0;
+    return leaf;
+}
 
 MORTISE_FUNCTION u32 count_bits(u32 x) {
 #if defined(__OPENCL_VERSION__) || defined(__OPENCL_C_VERSION__)
@@ -22,65 +90,175 @@ MORTISE_FUNCTION u32 count_bits(u32 x) {
 #endif
 }
 
-MORTISE_FUNCTION u32 test_bit(MORTISE_GLOBAL u32* bits, u64 morton) {
-    return (bits[morton >> 5] >> (morton & 31)) & 1u;
+MORTISE_FUNCTION u32 highest_bit(u32 x) {
+#if defined(__OPENCL_VERSION__) || defined(__OPENCL_C_VERSION__)
+    return 31u - clz(x);
+#else
+    return 31u - (u32)__builtin_clz(x);
+#endif
 }
 
-MORTISE_FUNCTION u32 rank_of(MORTISE_GLOBAL u32* bits, MORTISE_GLOBAL u32* rank, u64 morton) {
-    const u64 word = morton >> 5;
-    return rank[word] + count_bits(bits[word] & ((1u << (morton & 31)) - 1u));
+MORTISE_FUNCTION u32 test_bit(MORTISE_GLOBAL u32* bits, u64 code) {
+    return (bits[code >> 5] >> (code & 31)) & 1u;
 }
 
-// Whether the leaf with this code uses its node `bit`. Cells outside the root box have no code: test before.
-MORTISE_FUNCTION u32 leaf_uses(MORTISE_GLOBAL u32* in_bits, MORTISE_GLOBAL u32* nio_bits,
-                               MORTISE_GLOBAL u32* nio_rank, MORTISE_GLOBAL u32* used, u64 morton, u32 bit) {
-    if (test_bit(in_bits, morton)) return bit < 8;
-    if (!test_bit(nio_bits, morton)) return 0;
-    return (used[rank_of(nio_bits, nio_rank, morton)] >> bit) & 1u;
+// Code of bit 0 of a word.
+MORTISE_FUNCTION u64 word_code(const Tree* tree, u32 word) {
+    return (tree->shape.graded ? tree->word_codes[word] : (u64)word) << 5;
 }
 
-// Owner of grid vertex (x, y, z), 0 <= x <= 2^level: its Morton code, and the vertex's bit in the owner's
-// mask.
-MORTISE_FUNCTION u64 vertex_owner(MORTISE_GLOBAL u32* in_bits, MORTISE_GLOBAL u32* nio_bits,
-                                  MORTISE_GLOBAL u32* nio_rank, MORTISE_GLOBAL u32* used, i32 level, u32 x,
-                                  u32 y, u32 z, u32* bit) {
-    const u32 size = 1u << level;
+// Number of a graded tree's words before the one for `code`.
+MORTISE_FUNCTION u32 words_before(const Tree* tree, u64 code) {
+    const u64 wanted = code >> 5;
+    u32 low = 0;
+    u32 high = tree->shape.words;
+    while (low < high) {
+        const u32 middle = (low + high) / 2;
+        if (tree->word_codes[middle] < wanted) {
+            low = middle + 1;
+        } else {
+            high = middle;
+        }
+    }
+    return low;
+}
+
+// Number of leaves of a kind with codes below `code`; bits and rank of that kind.
+MORTISE_FUNCTION u32 count_before(const Tree* tree, MORTISE_GLOBAL u32* bits, MORTISE_GLOBAL u32* rank,
+                                  u64 code) {
+    u32 word = (u32)(code >> 5);
+    if (tree->shape.graded) {
+        word = words_before(tree, code);
+        if (word == tree->shape.words || tree->word_codes[word] != code >> 5) return rank[word];
+    }
+    return rank[word] + count_bits(bits[word] & ((1u << (code & 31)) - 1u));
+}
+
+// Number of meshed leaves with codes below `code`: the place of the leaf with this code among them.
+MORTISE_FUNCTION u32 meshed_rank(const Tree* tree, u64 code) {
+    u32 word = (u32)(code >> 5);
+    if (tree->shape.graded) {
+        word = words_before(tree, code);
+        if (word == tree->shape.words || tree->word_codes[word] != code >> 5) {
+            return tree->in_rank[word] + tree->nio_rank[word];
+        }
+    }
+    return tree->in_rank[word] + tree->nio_rank[word] +
+           count_bits((tree->in_bits[word] | tree->nio_bits[word]) & ((1u << (code & 31)) - 1u));
+}
+
+// The meshed leaf that holds finest cell `code`.
+MORTISE_FUNCTION Leaf leaf_at(const Tree* tree, u64 code) {
+    Leaf leaf = no_leaf(tree->shape.level);
+    u32 word = (u32)(code >> 5);
+    u32 bit = (u32)(code & 31);
+    leaf.code = code;
+    if (tree->shape.graded) {
+        u32 bits = 0;
+        word = words_before(tree, code);
+        if (word < tree->shape.words && tree->word_codes[word] == code >> 5) {
+            bits = (tree->in_bits[word] | tree->nio_bits[word]) & (0xffffffffu >> (31 - bit));
+        }
+        if (bits == 0) {
+            if (word == 0) return leaf;
+            --word;
+            bits = tree->in_bits[word] | tree->nio_bits[word];
+        }
+        bit = highest_bit(bits);
+        leaf.code = (tree->word_codes[word] << 5) | bit;
+        leaf.level = tree->leaf_levels[tree->in_rank[word] + tree->nio_rank[word] + count_bits(bits) - 1];
+        if (((leaf.code ^ code) >> (3 * (tree->shape.level - leaf.level))) != 0) return leaf;
+    }
+    {
+        const u32 below = (1u << bit) - 1u;
+        leaf.word = word;
+        if ((tree->in_bits[word] >> bit) & 1) {
+            leaf.kind = kLeafIn;
+            leaf.index = tree->in_rank[word] + count_bits(tree->in_bits[word] & below);
+        } else if ((tree->nio_bits[word] >> bit) & 1) {
+            leaf.kind = kLeafNio;
+            leaf.index = tree->nio_rank[word] + count_bits(tree->nio_bits[word] & below);
+        }
+    }
+    return leaf;
+}
+
+// Level of the leaf with this code.
+MORTISE_FUNCTION i32 leaf_level(const Tree* tree, u64 code) {
+    return tree->shape.graded ? tree->leaf_levels[meshed_rank(tree, code)] : tree->shape.level;
+}
+
+// Edge of a leaf of this level, in finest cells.
+MORTISE_FUNCTION u32 leaf_edge(const Tree* tree, i32 level) { return 1u << (tree->shape.level - level); }
+
+// Code of the cell at (x, y, z), in finest cells; kNoOwner beyond the root box, where sums have wrapped.
+MORTISE_FUNCTION u64 code_at(const Tree* tree, u32 x, u32 y, u32 z) {
+    const u32 size = 1u << tree->shape.level;
+    return x < size && y < size && z < size ? morton_encode(x, y, z) : kNoOwner;
+}
+
+// The leaf that holds the first cell of the place beside a leaf: the place has the leaf's own size and lies
+// one step along each axis of `direction`. In a graded tree that leaf may be larger, or one of several
+// smaller ones.
+MORTISE_FUNCTION Leaf leaf_beside(const Tree* tree, u64 code, i32 level, const i32* direction) {
+    const u32 edge = leaf_edge(tree, level);
+    const u64 other = code_at(tree, gather_bits(code) + edge * (u32)direction[0],
+                              gather_bits(code >> 1) + edge * (u32)direction[1],
+                              gather_bits(code >> 2) + edge * (u32)direction[2]);
+    return other != kNoOwner ? leaf_at(tree, other) : no_leaf(level);
+}
+
+// Leaf d of those around grid vertex (x, y, z), in finest cells: it lies behind the vertex along each axis
+// whose bit of d is clear. If it has the vertex as a corner, that is corner 7 - d.
+MORTISE_FUNCTION Leaf leaf_at_vertex(const Tree* tree, u32 x, u32 y, u32 z, u32 d) {
+    const u64 code = code_at(tree, x - 1 + (d & 1), y - 1 + ((d >> 1) & 1), z - 1 + (d >> 2));
+    return code != kNoOwner ? leaf_at(tree, code) : no_leaf(tree->shape.level);
+}
+
+// Whether a leaf uses its node `bit`; `used` are the masks of NIO leaves.
+MORTISE_FUNCTION u32 leaf_uses(MORTISE_GLOBAL u32* used, const Leaf leaf, u32 bit) {
+    if (leaf.kind == kLeafIn) return bit < 8;
+    return leaf.kind == kLeafNio ? (used[leaf.index] >> bit) & 1u : 0;
+}
+
+// Owner of grid vertex (x, y, z), in finest cells: its code, and the vertex's bit in the owner's mask.
+MORTISE_FUNCTION u64 vertex_owner(const Tree* tree, MORTISE_GLOBAL u32* used, u32 x, u32 y, u32 z, u32* bit) {
     u64 owner = kNoOwner;
+    i32 level = 0;
     for (u32 d = 0; d < 8; ++d) {
-        // Wraps below zero, so one comparison tests both ends.
-        const u32 cx = x - 1 + (d & 1);
-        const u32 cy = y - 1 + ((d >> 1) & 1);
-        const u32 cz = z - 1 + (d >> 2);
-        if (cx < size && cy < size && cz < size) {
-            const u64 code = morton_encode(cx, cy, cz);
-            if (code < owner && leaf_uses(in_bits, nio_bits, nio_rank, used, code, 7 - d)) {
-                owner = code;
-                *bit = 7 - d;
-                // The cell behind in all three directions precedes all others.
-                if (d == 0) return owner;
-            }
+        const Leaf leaf = leaf_at_vertex(tree, x, y, z, d);
+        if (leaf.kind == kLeafNone || leaf.level < level) continue;
+        if (((x | y | z) & (leaf_edge(tree, leaf.level) - 1)) != 0) continue;
+        if ((leaf.level > level || leaf.code < owner) && leaf_uses(used, leaf, 7 - d)) {
+            owner = leaf.code;
+            level = leaf.level;
+            *bit = 7 - d;
+            // In a uniform tree the cell behind in all three directions precedes all others.
+            if (d == 0 && !tree->shape.graded) return owner;
         }
     }
     return owner;
 }
 
-// Owner of the single root on the grid edge along `axis` from vertex (x, y, z).
-MORTISE_FUNCTION u64 edge_owner(MORTISE_GLOBAL u32* in_bits, MORTISE_GLOBAL u32* nio_bits,
-                                MORTISE_GLOBAL u32* nio_rank, MORTISE_GLOBAL u32* used, i32 level, u32 axis,
-                                u32 x, u32 y, u32 z, u32* bit) {
-    const u32 size = 1u << level;
+// Owner of the single root on the edge of leaves of `edge_level` along `axis` from vertex (x, y, z), in
+// finest cells.
+MORTISE_FUNCTION u64 edge_owner(const Tree* tree, MORTISE_GLOBAL u32* used, i32 edge_level, u32 axis, u32 x,
+                                u32 y, u32 z, u32* bit) {
+    const u32 edge = leaf_edge(tree, edge_level);
     u64 owner = kNoOwner;
     for (u32 d = 0; d < 4; ++d) {
-        // d counts the two other axes in increasing order; the edge is number 3 - d of its axis in the cell.
-        const u32 first = (d & 1) - 1;
-        const u32 second = (d >> 1) - 1;
-        const u32 cx = axis == 0 ? x : x + first;
-        const u32 cy = axis == 1 ? y : axis == 0 ? y + first : y + second;
-        const u32 cz = axis == 2 ? z : z + second;
-        if (cx < size && cy < size && cz < size) {
-            const u64 code = morton_encode(cx, cy, cz);
-            const u32 edge_bit = 8 + 4 * axis + (3 - d);
-            if (code < owner && leaf_uses(in_bits, nio_bits, nio_rank, used, code, edge_bit)) {
+        // d counts the two other axes in increasing order; the edge is number 3 - d of its axis in the leaf.
+        const u32 first = edge * ((d & 1) - 1);
+        const u32 second = edge * ((d >> 1) - 1);
+        const u64 code = code_at(tree, axis == 0 ? x : x + first,
+                                 axis == 1   ? y
+                                 : axis == 0 ? y + first
+                                             : y + second,
+                                 axis == 2 ? z : z + second);
+        const u32 edge_bit = 8 + 4 * axis + (3 - d);
+        if (code < owner) {
+            const Leaf leaf = leaf_at(tree, code);
+            if (leaf.level == edge_level && leaf_uses(used, leaf, edge_bit)) {
                 owner = code;
                 *bit = edge_bit;
             }
@@ -89,8 +267,8 @@ MORTISE_FUNCTION u64 edge_owner(MORTISE_GLOBAL u32* in_bits, MORTISE_GLOBAL u32*
     return owner;
 }
 
-// What numbers the nodes of one piece of a mesh: the leaves in [begin, end), which own `nodes` nodes. Nodes
-// of other owners follow, by their place in a sorted list of foreign_count keys (node_key).
+// What numbers the nodes of one piece of a mesh: the leaves with codes in [begin, end), which own `nodes`
+// nodes. Nodes of other owners follow, by their place in a sorted list of foreign_count keys (node_key).
 typedef struct PieceRange {
     u64 begin;
     u64 end;

@@ -56,21 +56,23 @@ int face_is_simple(uint inside, uint zero, int f) {
     return zeros == 2 && changes == 2;
 }
 
-// Reads   nio (leaves), tapes, surfaces, ops.
+// Reads   the tree, nio (leaves), tapes, surfaces, ops.
 // Writes  candidates[i]; `near` only if `snap` is set, and corners of sign 0 make a leaf complex if it is
 // not. One work-item handles one leaf.
-MORTISE_KERNEL void classify(__global const TreeNode* nio, __global const uint* tapes,
+MORTISE_KERNEL void classify(TREE_PARAMETERS, __global const TreeNode* nio, __global const uint* tapes,
                              __global const Surface* surfaces, __global const ExpressionOp* ops,
-                             __global SnioCandidate* candidates, int level, int snap, uint items) {
+                             __global SnioCandidate* candidates, int snap, uint items) {
     const uint item = get_global_id(0);
     if (item >= items) return;
     {
+        const Tree tree = TREE_OF_PARAMETERS;
         const TreeNode node = nio[item];
         __global const uint* tape = tapes + node.tape_offset;
-        const double cell = 1.0 / (double)(1u << level);
-        const double x = (double)gather_bits(node.morton) * cell;
-        const double y = (double)gather_bits(node.morton >> 1) * cell;
-        const double z = (double)gather_bits(node.morton >> 2) * cell;
+        const double finest = 1.0 / (double)(1u << shape.level);
+        const double cell = 1.0 / (double)(1u << leaf_level(&tree, node.morton));
+        const double x = (double)gather_bits(node.morton) * finest;
+        const double y = (double)gather_bits(node.morton >> 1) * finest;
+        const double z = (double)gather_bits(node.morton >> 2) * finest;
         __global const Surface* surface = surfaces;
         SnioCandidate candidate;
         int simple = 1;
@@ -158,15 +160,6 @@ MORTISE_KERNEL void leave_to_certificate(__global const uint* leaves, __global S
     candidates[leaves[item]].flags = 0;
 }
 
-// Code of the cell beside another one; kNoOwner beyond the root box.
-ulong code_beside(ulong morton, const int* direction, int level) {
-    const uint size = 1u << level;  // sums wrap below zero
-    const uint x = gather_bits(morton) + (uint)direction[0];
-    const uint y = gather_bits(morton >> 1) + (uint)direction[1];
-    const uint z = gather_bits(morton >> 2) + (uint)direction[2];
-    return x < size && y < size && z < size ? morton_encode(x, y, z) : kNoOwner;
-}
-
 // Whether the surface is active in an NIO leaf.
 int depends_on(__global const uint* tapes, const TreeNode node, uint surface) {
     for (uint i = 0; i < node.tape_length; ++i) {
@@ -181,19 +174,19 @@ int depends_on(__global const uint* tapes, const TreeNode node, uint surface) {
 // template would not fit there; the certificate makes facets where its cell and the next one differ.
 
 // Marks IN leaves beside OUT leaves to be promoted. One work-item handles one word of the bitmaps.
-MORTISE_KERNEL void mark_exposed(__global const uint* in_bits, __global const uint* nio_bits,
-                                 __global uint* promoted, int level, uint items) {
+MORTISE_KERNEL void mark_exposed(TREE_PARAMETERS, __global uint* promoted, uint items) {
     const uint word = get_global_id(0);
     if (word >= items) return;
-    for (uint rest = in_bits[word]; rest != 0; rest &= rest - 1) {
-        const uint bit = popcount((rest & -rest) - 1u);
-        for (int f = 0; f < 6; ++f) {
-            int direction[3] = {0, 0, 0};
-            ulong code;
-            direction[f >> 1] = (f & 1) ? 1 : -1;
-            code = code_beside(((ulong)word << 5) | bit, direction, level);
-            if (code == kNoOwner || (!test_bit(in_bits, code) && !test_bit(nio_bits, code))) {
-                promoted[word] |= 1u << bit;
+    {
+        const Tree tree = TREE_OF_PARAMETERS;
+        for (uint rest = in_bits[word]; rest != 0; rest &= rest - 1) {
+            const uint bit = popcount((rest & -rest) - 1u);
+            const ulong code = word_code(&tree, word) | bit;
+            const int level = leaf_level(&tree, code);
+            for (int f = 0; f < 6; ++f) {
+                int direction[3] = {0, 0, 0};
+                direction[f >> 1] = (f & 1) ? 1 : -1;
+                if (leaf_beside(&tree, code, level, direction).kind == kLeafNone) promoted[word] |= 1u << bit;
             }
         }
     }
@@ -201,29 +194,25 @@ MORTISE_KERNEL void mark_exposed(__global const uint* in_bits, __global const ui
 
 // Whether a candidate's face fits what lies beyond: a cut face needs the surface there, a whole one the same
 // side.
-int face_fits(__global const TreeNode* nio, __global const uint* tapes, __global const uint* in_bits,
-              __global const uint* nio_bits, __global const uint* nio_rank,
-              __global const SnioCandidate* candidates, const SnioCandidate candidate, ulong morton, int f,
-              int level) {
+int face_fits(const Tree* tree, __global const TreeNode* nio, __global const uint* tapes,
+              __global const SnioCandidate* candidates, const SnioCandidate candidate, ulong code, int level,
+              int f) {
     const int axis = f >> 1;
     int direction[3] = {0, 0, 0};
     uint corners = 0;
-    uint index;
     uint inside;
     uint outside;
-    ulong code;
+    Leaf beyond;
     for (int i = 0; i < 4; ++i) corners |= 1u << kFaceCorners[f][i];
     inside = corners & candidate.inside & ~(uint)candidate.zero;
     outside = corners & ~(uint)candidate.inside & ~(uint)candidate.zero;
     direction[axis] = (f & 1) ? 1 : -1;
-    code = code_beside(morton, direction, level);
-    if (code == kNoOwner) return inside == 0;
-    if (test_bit(in_bits, code)) return outside == 0;
-    if (!test_bit(nio_bits, code)) return inside == 0;
-    index = rank_of(nio_bits, nio_rank, code);
-    if (inside && outside && !depends_on(tapes, nio[index], candidate.surface)) return 0;
+    beyond = leaf_beside(tree, code, level, direction);
+    if (beyond.kind == kLeafIn) return outside == 0;
+    if (beyond.kind == kLeafNone) return inside == 0;
+    if (inside && outside && !depends_on(tapes, nio[beyond.index], candidate.surface)) return 0;
     {
-        const SnioCandidate other = candidates[index];
+        const SnioCandidate other = candidates[beyond.index];
         if (!(other.flags & kCandidateSimple)) return 1;
         for (int i = 0; i < 4; ++i) {
             const uint here = kFaceCorners[f][i];
@@ -238,35 +227,35 @@ int face_fits(__global const TreeNode* nio, __global const uint* tapes, __global
 
 // Finds the candidates that do not fit the leaves around them: misfit[i].
 //
-// Reads   nio, tapes, in_bits, nio_bits, nio_rank, candidates. One work-item handles one leaf.
-MORTISE_KERNEL void find_misfits(__global const TreeNode* nio, __global const uint* tapes,
-                                 __global const uint* in_bits, __global const uint* nio_bits,
-                                 __global const uint* nio_rank, __global const SnioCandidate* candidates,
-                                 __global uchar* misfit, int level, uint items) {
+// Reads   the tree, nio, tapes, candidates. One work-item handles one leaf.
+MORTISE_KERNEL void find_misfits(TREE_PARAMETERS, __global const TreeNode* nio, __global const uint* tapes,
+                                 __global const SnioCandidate* candidates, __global uchar* misfit,
+                                 uint items) {
     const uint item = get_global_id(0);
     if (item >= items) return;
     {
+        const Tree tree = TREE_OF_PARAMETERS;
         const SnioCandidate candidate = candidates[item];
-        const ulong morton = nio[item].morton;
+        const ulong code = nio[item].morton;
+        const int level = leaf_level(&tree, code);
         const uint inside = candidate.inside & ~(uint)candidate.zero;
         const uint outside = ~(uint)candidate.inside & ~(uint)candidate.zero;
         int fits = 1;
         for (int f = 0; f < 6 && fits; ++f) {
-            fits =
-                face_fits(nio, tapes, in_bits, nio_bits, nio_rank, candidates, candidate, morton, f, level);
+            fits = face_fits(&tree, nio, tapes, candidates, candidate, code, level, f);
         }
         for (int e = 0; e < 12 && fits; ++e) {
             const uint low = 1u << kEdgeCorners[e][0];
             const uint high = 1u << kEdgeCorners[e][1];
             const int axis = e >> 2;
             int direction[3] = {0, 0, 0};
-            ulong code;
             if (!((inside & low) && (outside & high)) && !((inside & high) && (outside & low))) continue;
             direction[axis == 0 ? 1 : 0] = (e & 1) ? 1 : -1;
             direction[axis == 2 ? 1 : 2] = (e & 2) ? 1 : -1;
-            code = code_beside(morton, direction, level);
-            fits = code != kNoOwner && test_bit(nio_bits, code) &&
-                   depends_on(tapes, nio[rank_of(nio_bits, nio_rank, code)], candidate.surface);
+            {
+                const Leaf beyond = leaf_beside(&tree, code, level, direction);
+                fits = beyond.kind == kLeafNio && depends_on(tapes, nio[beyond.index], candidate.surface);
+            }
         }
         misfit[item] = (uchar)!fits;
     }

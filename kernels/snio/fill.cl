@@ -4,48 +4,41 @@
 
 // Neighbour of a leaf across a face: what it means for facets on that face.
 //   0: no volume there, and no certificate; 1: volume, or the certificate, which lists facets itself.
-int has_volume(__global const uint* in_bits, __global const uint* nio_bits, __global const uint* nio_rank,
-               __global const SnioCandidate* candidates, __global const uchar* moved, int level, ulong morton,
-               int f) {
-    const uint size = 1u << level;
-    uint at[3];
-    at[0] = gather_bits(morton);
-    at[1] = gather_bits(morton >> 1);
-    at[2] = gather_bits(morton >> 2);
-    at[f / 2] += (f & 1) ? 1 : -1;
-    if (at[f / 2] >= size) return 0;
+int has_volume(const Tree* tree, __global const SnioCandidate* candidates, __global const uchar* moved,
+               int level, ulong morton, int f) {
+    int direction[3] = {0, 0, 0};
+    Leaf beyond;
+    direction[f / 2] = (f & 1) ? 1 : -1;
+    beyond = leaf_beside(tree, morton, level, direction);
+    if (beyond.kind != kLeafNio) return beyond.kind == kLeafIn;
     {
-        const ulong other = morton_encode(at[0], at[1], at[2]);
-        if (test_bit(in_bits, other)) return 1;
-        if (!test_bit(nio_bits, other)) return 0;
-        {
-            const uint index = rank_of(nio_bits, nio_rank, other);
-            const SnioCandidate candidate = candidates[index];
-            if ((candidate.flags & kCandidateSimple) == 0 || (candidate.flags & kCandidatePromoted) != 0) {
-                return 1;
-            }
-            return (candidate.inside & ~(candidate.zero | moved[index])) != 0;
+        const SnioCandidate candidate = candidates[beyond.index];
+        if ((candidate.flags & kCandidateSimple) == 0 || (candidate.flags & kCandidatePromoted) != 0) {
+            return 1;
         }
+        return (candidate.inside & ~(candidate.zero | moved[beyond.index])) != 0;
     }
 }
 
 // Reads the tree, nio, candidates, moved, surfaces, ops; writes leaves[i], used[i] (the node mask of
 // shared/tree.h), counts[t * stride + i] elements of type t and facet_counts[i], all zero for CNIO leaves.
 // One work-item handles one leaf.
-MORTISE_KERNEL void fill(__global const uint* in_bits, __global const uint* nio_bits,
-                         __global const uint* nio_rank, __global const TreeNode* nio,
+MORTISE_KERNEL void fill(TREE_PARAMETERS, __global const TreeNode* nio,
                          __global const SnioCandidate* candidates, __global const uchar* moved,
                          __global const Surface* surfaces, __global const ExpressionOp* ops,
                          __global SnioLeaf* leaves, __global uint* used, __global uint* counts,
-                         __global uint* facet_counts, uint stride, int level, int snap, uint items) {
+                         __global uint* facet_counts, uint stride, int snap, uint items) {
     const uint item = get_global_id(0);
     if (item >= items) return;
     {
+        const Tree tree = TREE_OF_PARAMETERS;
         const SnioCandidate candidate = candidates[item];
         const ulong morton = nio[item].morton;
-        const uint x = gather_bits(morton);
-        const uint y = gather_bits(morton >> 1);
-        const uint z = gather_bits(morton >> 2);
+        const int level = leaf_level(&tree, morton);
+        const uint edge = leaf_edge(&tree, level);
+        const uint x = gather_bits(morton) / edge;
+        const uint y = gather_bits(morton >> 1) / edge;
+        const uint z = gather_bits(morton >> 2) / edge;
         const double cell = 1.0 / (double)(1u << level);
         const uint displaced = moved[item];
         const uint on = candidate.zero | displaced;
@@ -71,7 +64,7 @@ MORTISE_KERNEL void fill(__global const uint* in_bits, __global const uint* nio_
             uint on_face = 0;
             for (int i = 0; i < 4; ++i) on_face += (on >> kFaceCorners[f][i]) & 1;
             if (on_face < 3) continue;
-            if (has_volume(in_bits, nio_bits, nio_rank, candidates, moved, level, morton, f)) {
+            if (has_volume(&tree, candidates, moved, level, morton, f)) {
                 facing |= 1u << f;
             } else if (on_face == 4) {
                 leaf.boundary |= (uchar)(1u << f);

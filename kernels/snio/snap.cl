@@ -12,53 +12,39 @@
 
 #define NO_LEAF 0xffffffffu
 
-// Leaves around grid vertex (x, y, z) in the order of d of vertex_owner (tree.h): leaf d has it as corner 7 -
-// d. kind: 0 OUT or beyond the root box, 1 IN, 2 NIO; `index`: of the NIO leaf.
-int leaf_at_vertex(__global const uint* in_bits, __global const uint* nio_bits, __global const uint* nio_rank,
-                   int level, uint x, uint y, uint z, uint d, ulong* morton, uint* index) {
-    const uint size = 1u << level;
-    const uint cx = x - 1 + (d & 1);
-    const uint cy = y - 1 + ((d >> 1) & 1);
-    const uint cz = z - 1 + (d >> 2);
-    if (cx >= size || cy >= size || cz >= size) return 0;
-    *morton = morton_encode(cx, cy, cz);
-    if (test_bit(in_bits, *morton)) return 1;
-    if (!test_bit(nio_bits, *morton)) return 0;
-    *index = rank_of(nio_bits, nio_rank, *morton);
-    return 2;
-}
-
-// Takes those corners out of `near` that may not move for what their leaves are, and marks IN leaves to be
-// promoted.
+// Takes those corners out of `near` that may not move for what the leaves around them are, and marks IN
+// leaves to be promoted. A vertex between leaves of different levels does not move.
 //
 // Reads the tree and candidates; writes near[i] and sets bits of `promoted` (atomics, order does not matter).
 // One work-item handles one NIO leaf.
-MORTISE_KERNEL void mark_vertices(__global const uint* in_bits, __global const uint* nio_bits,
-                                  __global const uint* nio_rank, __global const TreeNode* nio,
+MORTISE_KERNEL void mark_vertices(TREE_PARAMETERS, __global const TreeNode* nio,
                                   __global const SnioCandidate* candidates, __global uchar* near,
-                                  __global uint* promoted, int level, uint items) {
+                                  __global uint* promoted, uint items) {
     const uint item = get_global_id(0);
     if (item >= items) return;
     {
+        const Tree tree = TREE_OF_PARAMETERS;
         const SnioCandidate candidate = candidates[item];
         const ulong own = nio[item].morton;
+        const int level = leaf_level(&tree, own);
+        const uint edge = leaf_edge(&tree, level);
         const uint corners = (candidate.flags & kCandidateSimple) ? candidate.near | candidate.zero : 0;
         uint kept = candidate.near;
         for (uint c = 0; c < 8; ++c) {
-            ulong in_leaves[8];
+            Leaf in_leaves[8];
             uint in_count = 0;
             int allowed = 1;
             if (((corners >> c) & 1) == 0) continue;
             for (uint d = 0; d < 8; ++d) {
-                ulong morton;
-                uint index;
-                const int kind =
-                    leaf_at_vertex(in_bits, nio_bits, nio_rank, level, gather_bits(own) + (c & 1),
-                                   gather_bits(own >> 1) + ((c >> 1) & 1), gather_bits(own >> 2) + (c >> 2),
-                                   d, &morton, &index);
-                if (kind == 1) in_leaves[in_count++] = morton;
-                if (kind == 2) {
-                    const SnioCandidate other = candidates[index];
+                const Leaf leaf = leaf_at_vertex(&tree, gather_bits(own) + (c & 1) * edge,
+                                                 gather_bits(own >> 1) + ((c >> 1) & 1) * edge,
+                                                 gather_bits(own >> 2) + (c >> 2) * edge, d);
+                if (leaf.kind != kLeafNone && leaf.level != level) {
+                    allowed = 0;
+                } else if (leaf.kind == kLeafIn) {
+                    in_leaves[in_count++] = leaf;
+                } else if (leaf.kind == kLeafNio) {
+                    const SnioCandidate other = candidates[leaf.index];
                     allowed = allowed && (other.flags & kCandidateSimple) != 0 &&
                               other.surface == candidate.surface && other.region == candidate.region;
                 }
@@ -66,50 +52,52 @@ MORTISE_KERNEL void mark_vertices(__global const uint* in_bits, __global const u
             if (!allowed) kept &= ~(1u << c);
             if (!allowed && ((candidate.zero >> c) & 1) == 0) continue;
             for (uint i = 0; i < in_count; ++i) {
-                atomic_or(promoted + (in_leaves[i] >> 5), 1u << (in_leaves[i] & 31));
+                atomic_or(promoted + in_leaves[i].word, 1u << (uint)(in_leaves[i].code & 31));
             }
         }
         near[item] = (uchar)kept;
     }
 }
 
-// Moves promoted leaves from the IN to the NIO bitmap; old_nio_bits keeps what NIO was.
-// One work-item handles one word.
-MORTISE_KERNEL void promote_words(__global uint* in_bits, __global uint* nio_bits,
-                                  __global uint* old_nio_bits, __global const uint* promoted, uint items) {
+// The bitmaps with promoted leaves moved from IN to NIO. One work-item handles one word.
+MORTISE_KERNEL void promote_words(__global const uint* in_bits, __global const uint* nio_bits,
+                                  __global const uint* promoted, __global uint* new_in_bits,
+                                  __global uint* new_nio_bits, uint items) {
     const uint word = get_global_id(0);
     if (word >= items) return;
-    old_nio_bits[word] = nio_bits[word];
-    nio_bits[word] |= promoted[word];
-    in_bits[word] &= ~promoted[word];
+    new_nio_bits[word] = nio_bits[word] | promoted[word];
+    new_in_bits[word] = in_bits[word] & ~promoted[word];
 }
 
 // Leaves and candidates of the new NIO bitmap, in Morton order.
 //
-// Reads the old lists and `near`; writes new_nio and new_candidates. A promoted leaf takes surface, region
-// and the states of its corners from the old leaves around it; if these are not of one surface it is not
-// simple, and keeps its corners. One work-item handles one word.
-MORTISE_KERNEL void promote_leaves(__global const uint* nio_bits, __global const uint* nio_rank,
-                                   __global const uint* old_nio_bits, __global const uint* old_nio_rank,
-                                   __global const TreeNode* nio, __global const SnioCandidate* candidates,
-                                   __global const uchar* near, __global TreeNode* new_nio,
-                                   __global SnioCandidate* new_candidates, int level, uint items) {
+// Reads the tree as it was (its NIO bitmap and rank; IN leaves are not looked at), the new bitmap and rank,
+// the old lists and `near`; writes new_nio and new_candidates. A promoted leaf takes surface, region and the
+// states of its corners from the old leaves around it; if these are not of one surface it is not simple, and
+// keeps its corners. One work-item handles one word.
+MORTISE_KERNEL void promote_leaves(TREE_PARAMETERS, __global const uint* new_nio_bits,
+                                   __global const uint* new_nio_rank, __global const TreeNode* nio,
+                                   __global const SnioCandidate* candidates, __global const uchar* near,
+                                   __global TreeNode* new_nio, __global SnioCandidate* new_candidates,
+                                   uint items) {
     const uint word = get_global_id(0);
     if (word >= items) return;
     {
-        uint to = nio_rank[word];
-        for (uint rest = nio_bits[word]; rest != 0; rest &= rest - 1, ++to) {
+        const Tree tree = TREE_OF_PARAMETERS;
+        uint to = new_nio_rank[word];
+        for (uint rest = new_nio_bits[word]; rest != 0; rest &= rest - 1, ++to) {
             const uint bit = popcount((rest & -rest) - 1u);
-            const ulong own = ((ulong)word << 5) | bit;
+            const ulong own = word_code(&tree, word) | bit;
             TreeNode node;
             SnioCandidate candidate;
             int mixed = 0;
-            if ((old_nio_bits[word] >> bit) & 1) {
-                const uint from = rank_of(old_nio_bits, old_nio_rank, own);
+            if ((nio_bits[word] >> bit) & 1) {
+                const uint from = count_before(&tree, nio_bits, nio_rank, own);
                 node = nio[from];
                 candidate = candidates[from];
                 candidate.near = near[from];
             } else {
+                const uint edge = leaf_edge(&tree, leaf_level(&tree, own));
                 node.morton = own;
                 node.tape_offset = 0;
                 node.tape_length = 0;
@@ -123,25 +111,21 @@ MORTISE_KERNEL void promote_leaves(__global const uint* nio_bits, __global const
                 candidate.padding[1] = 0;
                 for (uint c = 0; c < 8; ++c) {
                     for (uint d = 0; d < 8; ++d) {
-                        ulong morton;
-                        uint index;
+                        const Leaf leaf = leaf_at_vertex(&tree, gather_bits(own) + (c & 1) * edge,
+                                                         gather_bits(own >> 1) + ((c >> 1) & 1) * edge,
+                                                         gather_bits(own >> 2) + (c >> 2) * edge, d);
                         SnioCandidate other;
-                        if (leaf_at_vertex(old_nio_bits, old_nio_bits, old_nio_rank, level,
-                                           gather_bits(own) + (c & 1), gather_bits(own >> 1) + ((c >> 1) & 1),
-                                           gather_bits(own >> 2) + (c >> 2), d, &morton, &index) == 0) {
-                            continue;
-                        }
-                        index = rank_of(old_nio_bits, old_nio_rank, morton);
-                        other = candidates[index];
+                        if (leaf.kind != kLeafNio || leaf_edge(&tree, leaf.level) != edge) continue;
+                        other = candidates[leaf.index];
                         if ((other.flags & kCandidateSimple) == 0) continue;
-                        if ((((other.zero | near[index]) >> (7 - d)) & 1) == 0) continue;
+                        if ((((other.zero | near[leaf.index]) >> (7 - d)) & 1) == 0) continue;
                         if (candidate.surface == NO_LEAF) {
                             candidate.surface = other.surface;
                             candidate.region = other.region;
                         }
                         if (candidate.surface != other.surface) mixed = 1;
                         candidate.zero |= ((other.zero >> (7 - d)) & 1u) << c;
-                        candidate.near |= ((near[index] >> (7 - d)) & 1u) << c;
+                        candidate.near |= ((near[leaf.index] >> (7 - d)) & 1u) << c;
                     }
                 }
                 candidate.inside = (uchar)(0xff & ~candidate.zero);
@@ -155,17 +139,20 @@ MORTISE_KERNEL void promote_leaves(__global const uint* nio_bits, __global const
 
 // Whether a leaf has a template as it is (kCandidateSimple stays), and whichever of its near corners move
 // (kCandidateSafe). One work-item handles one leaf.
-MORTISE_KERNEL void test_subsets(__global const TreeNode* nio, __global const Surface* surfaces,
-                                 __global const ExpressionOp* ops, __global SnioCandidate* candidates,
-                                 int level, int snap, uint items) {
+MORTISE_KERNEL void test_subsets(TREE_PARAMETERS, __global const TreeNode* nio,
+                                 __global const Surface* surfaces, __global const ExpressionOp* ops,
+                                 __global SnioCandidate* candidates, int snap, uint items) {
     const uint item = get_global_id(0);
     if (item >= items) return;
     {
+        const Tree tree = TREE_OF_PARAMETERS;
         const SnioCandidate candidate = candidates[item];
         const ulong morton = nio[item].morton;
-        const uint x = gather_bits(morton);
-        const uint y = gather_bits(morton >> 1);
-        const uint z = gather_bits(morton >> 2);
+        const int level = leaf_level(&tree, morton);
+        const uint edge = leaf_edge(&tree, level);
+        const uint x = gather_bits(morton) / edge;
+        const uint y = gather_bits(morton >> 1) / edge;
+        const uint z = gather_bits(morton >> 2) / edge;
         const double cell = 1.0 / (double)(1u << level);
         const uint near = candidate.near;
         double p[kCellNodes][3];
@@ -211,26 +198,25 @@ MORTISE_KERNEL void test_subsets(__global const TreeNode* nio, __global const Su
 // Final states: the corners that move.
 //
 // Reads the tree and candidates; writes moved[i]. One work-item handles one NIO leaf.
-MORTISE_KERNEL void decide(__global const uint* in_bits, __global const uint* nio_bits,
-                           __global const uint* nio_rank, __global const TreeNode* nio,
-                           __global const SnioCandidate* candidates, __global uchar* moved, int level,
-                           uint items) {
+MORTISE_KERNEL void decide(TREE_PARAMETERS, __global const TreeNode* nio,
+                           __global const SnioCandidate* candidates, __global uchar* moved, uint items) {
     const uint item = get_global_id(0);
     if (item >= items) return;
     {
+        const Tree tree = TREE_OF_PARAMETERS;
         const SnioCandidate candidate = candidates[item];
         const ulong own = nio[item].morton;
         uint kept = (candidate.flags & kCandidateSafe) ? candidate.near : 0;
         for (uint c = 0; c < 8; ++c) {
+            const uint edge = kept != 0 ? leaf_edge(&tree, leaf_level(&tree, own)) : 0;
             if (((kept >> c) & 1) == 0) continue;
             for (uint d = 0; d < 8; ++d) {
-                ulong morton;
-                uint index;
-                const int kind =
-                    leaf_at_vertex(in_bits, nio_bits, nio_rank, level, gather_bits(own) + (c & 1),
-                                   gather_bits(own >> 1) + ((c >> 1) & 1), gather_bits(own >> 2) + (c >> 2),
-                                   d, &morton, &index);
-                if (kind == 2 && (candidates[index].flags & kCandidateSafe) == 0) kept &= ~(1u << c);
+                const Leaf leaf = leaf_at_vertex(&tree, gather_bits(own) + (c & 1) * edge,
+                                                 gather_bits(own >> 1) + ((c >> 1) & 1) * edge,
+                                                 gather_bits(own >> 2) + (c >> 2) * edge, d);
+                if (leaf.kind == kLeafNio && (candidates[leaf.index].flags & kCandidateSafe) == 0) {
+                    kept &= ~(1u << c);
+                }
             }
         }
         moved[item] = (uchar)kept;

@@ -89,8 +89,8 @@ Exact enclosed(const MeshedTree& mesh, const CellMesh& cell, std::uint16_t regio
         // The face's frame is right-handed about +axis, except for y.
         const int outward = ((f & 1) != 0) == (f / 2 != 1) ? 1 : -1;
         const auto face = static_cast<std::size_t>(f);
-        for (std::uint32_t i = cell.record.first_face_facet[face]; i < cell.record.first_face_facet[face + 1];
-             ++i) {
+        for (std::uint32_t i = cell.record.first_face_facet[4 * face];
+             i < cell.record.first_face_facet[4 * face + 1]; ++i) {
             if (mesh.arena.face_facets[i].region == region) add(mesh.arena.face_facets[i].node, outward);
         }
     }
@@ -134,7 +134,7 @@ FaceCounts check_faces(const MeshedTree& mesh) {
     const std::int64_t size = std::int64_t{1} << mesh.tree.level;
     for (const CellMesh& cell : mesh.cells) {
         for (int f = 0; f < 6; ++f) {
-            const auto face = static_cast<std::size_t>(f);
+            const auto face = static_cast<std::size_t>(4 * f);  // whole faces have their first patch only
             const std::uint32_t first = cell.record.first_face_facet[face];
             const std::uint32_t last = cell.record.first_face_facet[face + 1];
             std::int64_t at[3];
@@ -157,8 +157,8 @@ FaceCounts check_faces(const MeshedTree& mesh) {
             }
             if ((f & 1) == 0) continue;  // each pair once
             const CellMesh& other = mesh.cells[mesh.tree.nio_index(code)];
-            const std::uint32_t other_first = other.record.first_face_facet[face - 1];
-            REQUIRE(other.record.first_face_facet[face] - other_first == last - first);
+            const std::uint32_t other_first = other.record.first_face_facet[face - 4];
+            REQUIRE(other.record.first_face_facet[face - 3] - other_first == last - first);
             for (std::uint32_t i = 0; i < last - first; ++i) {
                 const cnio::FaceFacet& a = mesh.arena.face_facets[first + i];
                 const cnio::FaceFacet& b = mesh.arena.face_facets[other_first + i];
@@ -190,7 +190,7 @@ FaceCounts check_faces(const MeshedTree& mesh) {
 /// Elements' volume of every cell against the exact one; returns the largest error in cell volumes.
 double check_volumes(const Model& source, int level, double tolerance) {
     const MeshedTree mesh(shared_device(), source, level);
-    const double size = mesh.tree.cell_size();
+    const double size = mesh.tree.finest_edge();
     double worst = 0;
     for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
         const CellMesh& cell = mesh.cells[c];
@@ -349,8 +349,8 @@ TEST_CASE("templates cover on each face of their cell what the certificate cover
             }
             for (std::size_t f = 0; f < 6; ++f) {
                 std::set<std::vector<std::uint16_t>> found;
-                for (std::uint32_t i = cell.record.first_face_facet[f];
-                     i < cell.record.first_face_facet[f + 1]; ++i) {
+                for (std::uint32_t i = cell.record.first_face_facet[4 * f];
+                     i < cell.record.first_face_facet[4 * f + 1]; ++i) {
                     const cnio::FaceFacet& facet = mesh.arena.face_facets[i];
                     if (facet.region == 0) continue;
                     CHECK(facet.region == bins.leaves[c].region);

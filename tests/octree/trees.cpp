@@ -104,7 +104,7 @@ void check_bitmaps(const octree::Octree& tree) {
 void check_decided(const octree::Octree& tree, const Model& source, const tape::BoundModel& model,
                    RandomSource& random, int points) {
     const auto regions = leaf_regions(tree);
-    const double size = tree.cell_size();
+    const double size = tree.finest_edge();
     for (std::size_t cell = 0; cell < regions.size(); ++cell) {
         if (regions[cell] == kUnknown) continue;
         const Vec3 corner = corner_of(cell, tree.level);
@@ -128,7 +128,7 @@ void check_tapes(const octree::Octree& tree, const tape::BoundModel& model, Rand
         const std::uint32_t* words = tree.tapes.data() + leaf.tape_offset;
         const Vec3 corner = corner_of(leaf.morton, tree.level);
         for (int k = 0; k < points; ++k) {
-            const auto inside = halves_at(model, point_in(random, corner, tree.cell_size()));
+            const auto inside = halves_at(model, point_in(random, corner, tree.finest_edge()));
             REQUIRE(run_tape(words, leaf.tape_length, inside) ==
                     run_tape(model.tape.data(), model.tape.size(), inside));
         }

@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <array>
 #include <set>
 #include <vector>
 
@@ -98,72 +99,152 @@ TEST_CASE("faces list their corners and edges in the frame of the two other axes
     }
 }
 
-TEST_CASE("the owner of a vertex or edge root is the first leaf in Morton order that uses it") {
-    RandomSource random(3);
-    constexpr i32 kLevel = 3;
-    constexpr u32 kSize = 1u << kLevel;
-    constexpr u32 kCells = kSize * kSize * kSize;
-    for (int trial = 0; trial < 12; ++trial) {
-        std::vector<u32> in(kCells / 32, 0);
-        std::vector<u32> nio(kCells / 32, 0);
-        std::vector<u32> rank(kCells / 32 + 1, 0);
-        std::vector<u32> used;
-        std::vector<u32> mask(kCells, 0);  // by cell: what it uses
-        for (u32 cell = 0; cell < kCells; ++cell) {
-            const int kind = random.integer(0, 2);
-            if (kind == 1) {
-                in[cell / 32] |= 1u << (cell % 32);
-                mask[cell] = 0xff;
-            } else if (kind == 2) {
-                nio[cell / 32] |= 1u << (cell % 32);
-                mask[cell] = static_cast<u32>(random.next()) & 0xfffffu;
-                used.push_back(mask[cell]);
+namespace {
+
+/// Leaves of a random tree of two levels, and what they use.
+struct RandomLeaves {
+    static constexpr i32 kLevel = 3;
+    static constexpr u32 kSize = 1u << kLevel;
+
+    struct Entry {
+        u64 code;
+        i32 level;
+        int kind;  ///< kLeafNone …
+        u32 mask;
+    };
+    std::vector<Entry> entries;  ///< in Morton order
+    std::vector<u32> in, nio, in_rank, nio_rank, used;
+    std::vector<u64> word_codes;
+    std::vector<u8> levels;
+    bool graded;
+
+    /// Of one level if `coarse` is 0, else with that share of larger leaves in percent; `sparse`: stored as a
+    /// graded tree.
+    RandomLeaves(RandomSource& random, int coarse, bool sparse) : graded(sparse) {
+        for (u64 parent = 0; parent < kSize * kSize * kSize / 8; ++parent) {
+            const bool is_coarse = random.integer(1, 100) <= coarse;
+            for (u64 child = 0; child < (is_coarse ? 1 : 8); ++child) {
+                const int kind = random.integer(0, 2);
+                const u32 mask = kind == kLeafIn    ? 0xffu
+                                 : kind == kLeafNio ? static_cast<u32>(random.next()) & 0xfffffu
+                                                    : 0u;
+                entries.push_back({8 * parent + child, is_coarse ? kLevel - 1 : kLevel, kind, mask});
             }
         }
-        for (std::size_t w = 0; w < nio.size(); ++w) {
-            rank[w + 1] = rank[w];
-            for (int bit = 0; bit < 32; ++bit) rank[w + 1] += (nio[w] >> bit) & 1;
+        if (!sparse) {
+            in.assign(kSize * kSize * kSize / 32, 0);
+            nio = in;
         }
-        for (u32 cell = 0, index = 0; cell < kCells; ++cell) {
-            if (test_bit(nio.data(), cell) == 0) continue;
-            REQUIRE(rank_of(nio.data(), rank.data(), cell) == index);
-            ++index;
+        for (const Entry& entry : entries) {
+            if (entry.kind == kLeafNone) continue;
+            std::size_t word = entry.code / 32;
+            if (sparse) {
+                if (word_codes.empty() || word_codes.back() != entry.code / 32) {
+                    word_codes.push_back(entry.code / 32);
+                    in.push_back(0);
+                    nio.push_back(0);
+                }
+                word = word_codes.size() - 1;
+                levels.push_back(static_cast<u8>(entry.level));
+            }
+            (entry.kind == kLeafIn ? in : nio)[word] |= 1u << (entry.code % 32);
+            if (entry.kind == kLeafNio) used.push_back(entry.mask);
         }
-        // First leaf of each vertex and edge, cell by cell in Morton order.
-        for (u32 x = 0; x <= kSize; ++x) {
-            for (u32 y = 0; y <= kSize; ++y) {
-                for (u32 z = 0; z <= kSize; ++z) {
-                    for (int axis = -1; axis < 3; ++axis) {
-                        u64 expected = kNoOwner;
-                        u32 expected_bit = 0;
-                        for (u32 cell = 0; cell < kCells && expected == kNoOwner; ++cell) {
-                            const u32 at[3] = {gather_bits(cell), gather_bits(cell >> 1),
-                                               gather_bits(cell >> 2)};
-                            const u32 d[3] = {x - at[0], y - at[1], z - at[2]};
-                            if (d[0] > 1 || d[1] > 1 || d[2] > 1) continue;
-                            u32 bit = d[0] + 2 * d[1] + 4 * d[2];
-                            if (axis >= 0) {
-                                if (d[axis] != 0) continue;
-                                for (u32 e = 0; e < 12; ++e) {
-                                    if (kEdgeCorners[e][0] == bit && static_cast<int>(e / 4) == axis) {
-                                        bit = 8 + e;
-                                        break;
-                                    }
-                                }
-                            }
-                            if (((mask[cell] >> bit) & 1) == 0) continue;
-                            expected = cell;
-                            expected_bit = bit;
-                        }
-                        u32 bit = 0;
-                        const u64 owner = axis < 0
-                                              ? vertex_owner(in.data(), nio.data(), rank.data(), used.data(),
-                                                             kLevel, x, y, z, &bit)
-                                              : edge_owner(in.data(), nio.data(), rank.data(), used.data(),
-                                                           kLevel, static_cast<u32>(axis), x, y, z, &bit);
-                        REQUIRE(owner == expected);
-                        if (owner != kNoOwner) REQUIRE(bit == expected_bit);
-                    }
+        in_rank = ranks(in);
+        nio_rank = ranks(nio);
+    }
+
+    static std::vector<u32> ranks(const std::vector<u32>& bits) {
+        std::vector<u32> result = {0};
+        for (const u32 word : bits) result.push_back(result.back() + count_bits(word));
+        return result;
+    }
+
+    Tree tree() const {
+        return make_tree(in.data(), nio.data(), in_rank.data(), nio_rank.data(), word_codes.data(),
+                         levels.data(), {kLevel, graded ? 1 : 0, static_cast<u32>(in.size()), 0});
+    }
+
+    /// The first of the finest leaves that use the vertex, or the root on the edge from it along `axis` of
+    /// leaves of `edge_level`.
+    const Entry* owner(const std::array<u32, 3>& vertex, int axis, i32 edge_level, u32& owner_bit) const {
+        const Entry* best = nullptr;
+        for (const Entry& entry : entries) {
+            const u32 edge = 1u << (kLevel - entry.level);
+            u32 bit = 0;
+            bool touches = true;
+            for (int j = 0; j < 3; ++j) {
+                const u32 d = vertex[static_cast<std::size_t>(j)] - gather_bits(entry.code >> j);
+                touches = touches && (d == 0 || (d == edge && j != axis));
+                if (d == edge) bit |= 1u << j;
+            }
+            if (axis >= 0) {
+                touches = touches && entry.level == edge_level;
+                for (u32 e = 0; e < 12 && touches; ++e) {
+                    if (kEdgeCorners[e][0] != bit || static_cast<int>(e / 4) != axis) continue;
+                    bit = 8 + e;
+                    break;
+                }
+            }
+            if (!touches || ((entry.mask >> bit) & 1) == 0) continue;
+            if (best != nullptr && best->level >= entry.level) continue;
+            best = &entry;
+            owner_bit = bit;
+        }
+        return best;
+    }
+};
+
+}  // namespace
+
+TEST_CASE("leaves of uniform and graded trees are found by their cells") {
+    RandomSource random(7);
+    for (int trial = 0; trial < 30; ++trial) {
+        const RandomLeaves leaves(random, 40 * (trial % 3), trial % 3 != 0 || trial % 2 == 0);
+        const Tree tree = leaves.tree();
+        u32 in = 0;
+        u32 nio = 0;
+        for (const auto& entry : leaves.entries) {
+            const u64 cells = u64{1} << (3 * (leaves.kLevel - entry.level));
+            for (u64 cell = entry.code; cell < entry.code + cells; ++cell) {
+                const Leaf leaf = leaf_at(&tree, cell);
+                REQUIRE(leaf.kind == entry.kind);
+                if (leaf.kind == kLeafNone) continue;
+                REQUIRE(leaf.code == entry.code);
+                REQUIRE(leaf.level == entry.level);
+                REQUIRE(leaf.index == (entry.kind == kLeafIn ? in : nio));
+            }
+            REQUIRE(meshed_rank(&tree, entry.code) == in + nio);
+            REQUIRE(count_before(&tree, leaves.nio.data(), leaves.nio_rank.data(), entry.code) == nio);
+            if (entry.kind != kLeafNone) REQUIRE(leaf_level(&tree, entry.code) == entry.level);
+            in += entry.kind == kLeafIn ? 1 : 0;
+            nio += entry.kind == kLeafNio ? 1 : 0;
+        }
+    }
+}
+
+TEST_CASE("a vertex or edge root belongs to the first in Morton order of the finest leaves that use it") {
+    RandomSource random(3);
+    for (int trial = 0; trial < 18; ++trial) {
+        const RandomLeaves leaves(random, 40 * (trial % 3), trial % 3 != 0 || trial % 2 == 0);
+        const Tree tree = leaves.tree();
+        const u32 size = RandomLeaves::kSize;
+        for (u32 k = 0; k < (size + 1) * (size + 1) * (size + 1); ++k) {
+            const std::array<u32, 3> v = {k % (size + 1), k / (size + 1) % (size + 1),
+                                          k / (size + 1) / (size + 1)};
+            for (int axis = -1; axis < 3; ++axis) {
+                for (i32 level = leaves.kLevel - 1; level <= leaves.kLevel; ++level) {
+                    const u32 edge = leaf_edge(&tree, level);
+                    if (axis >= 0 && ((v[0] | v[1] | v[2]) & (edge - 1)) != 0) continue;
+                    u32 expected_bit = 0;
+                    u32 bit = 0;
+                    const auto* expected = leaves.owner(v, axis, level, expected_bit);
+                    const u64 owner = axis < 0
+                                          ? vertex_owner(&tree, leaves.used.data(), v[0], v[1], v[2], &bit)
+                                          : edge_owner(&tree, leaves.used.data(), level,
+                                                       static_cast<u32>(axis), v[0], v[1], v[2], &bit);
+                    REQUIRE(owner == (expected != nullptr ? expected->code : kNoOwner));
+                    if (owner != kNoOwner) REQUIRE(bit == expected_bit);
                 }
             }
         }
