@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "host/probe/variation.hpp"
+#include "host/tape/variation.hpp"
 #include "kernels/shared/surface.h"
 
 namespace mortise::probe {
@@ -84,7 +84,7 @@ bool LeafProbe::load(const TreeNode& leaf) {
         last = tape_surface(words[i]);
         ++curved;
     }
-    if (curved == 0 || (curved == 1 && has_small_variation(model_, last, whole))) return false;
+    if (curved == 0 || (curved == 1 && tape::has_small_variation(model_, last, whole))) return false;
     load_tape(leaf);
     hidden_.clear();
     hidden_sign_.clear();
@@ -94,7 +94,7 @@ bool LeafProbe::load(const TreeNode& leaf) {
         if (tape::classify_surface(model_, surfaces_[s], whole) != 0) continue;
         const std::int8_t sign = sample_sign(surfaces_[s]);
         if (sign == 0) continue;
-        steady = steady && has_small_variation(model_, surfaces_[s], whole);
+        steady = steady && tape::has_small_variation(model_, surfaces_[s], whole);
         hidden_.push_back(s);
         hidden_sign_.push_back(sign);
     }

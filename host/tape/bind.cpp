@@ -143,13 +143,19 @@ BoundModel bind(const CompiledModel& compiled, const Vec3& origin, double side) 
             flipped[i] = equal < 0 ? 1 : 0;
         }
         target[i] = static_cast<std::uint32_t>(found);
-        if (found < bound.surfaces.size()) continue;
+        const double size = compiled.surface_size[i] / side;
+        if (found < bound.surfaces.size()) {
+            bound.surface_size[found] = std::min(bound.surface_size[found], size);
+            continue;
+        }
         bound.surfaces.push_back(local);
         bound.bounds.push_back(make_bounds(local));
         bound.surface_name.push_back(compiled.surfaces[i].name);
+        bound.surface_size.push_back(size);
         signatures.push_back(mine);
         by_offset.emplace(offset, found);
     }
+    for (const double size : compiled.region_size) bound.region_size.push_back(size / side);
     bound.tape = compiled.tape;
     for (std::uint32_t& word : bound.tape) {
         if (tape_operation(word) != kTapeLiteral) continue;

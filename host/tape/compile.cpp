@@ -78,6 +78,7 @@ class Compiler {
             if (clip != nullptr) parts.push_back(box_term(*clip));
             roots.push_back(add_operation(Term::Type::kAnd, std::move(parts)));
             out_.region_names.push_back(region.name);
+            out_.region_size.push_back(region_size(region));
         }
         compute_needs();
         compute_bounds(roots);
@@ -106,6 +107,7 @@ class Compiler {
         Map map;
         bool negate;
         const std::string* name;
+        double size;  ///< the smallest wanted on the surfaces below
         std::size_t next = 0;
         std::vector<std::uint32_t> terms;
     };
@@ -142,14 +144,15 @@ class Compiler {
     std::uint32_t expand(std::uint32_t root) {
         static const std::string kNoName;
         std::vector<Frame> stack;
-        stack.push_back({root, Map{}, false, &kNoName, 0, {}});
+        stack.push_back({root, Map{}, false, &kNoName, kInfinity, 0, {}});
         for (;;) {
             Frame& frame = stack.back();
             const CsgNode& node = model_.nodes[frame.node];
             if (!node.name.empty()) frame.name = &node.name;
+            if (node.max_size > 0) frame.size = std::min(frame.size, node.max_size);
             if (node.op != CsgNode::Op::kPrimitive && frame.next < node.children.size()) {
                 const std::size_t i = frame.next++;
-                Frame child{node.children[i], frame.map, frame.negate, frame.name, 0, {}};
+                Frame child{node.children[i], frame.map, frame.negate, frame.name, frame.size, 0, {}};
                 if (node.op == CsgNode::Op::kTransform) child.map = compose(frame.map, to_map(node.map));
                 if (node.op == CsgNode::Op::kComplement) child.negate = !frame.negate;
                 if (node.op == CsgNode::Op::kDifference && i > 0) child.negate = !frame.negate;
@@ -167,6 +170,30 @@ class Compiler {
             if (stack.empty()) return term;
             stack.back().terms.push_back(term);
         }
+    }
+
+    /// The smallest size of the region and of the solids that hold all of it. What a size on a part of the
+    /// region asks for inside that part is not told: its surfaces have it.
+    double region_size(const Region& region) const {
+        double size = region.max_size > 0 ? region.max_size : kInfinity;
+        std::vector<std::uint32_t> open = {region.root};
+        std::vector<char> seen(model_.nodes.size(), 0);
+        while (!open.empty()) {
+            const std::uint32_t index = open.back();
+            open.pop_back();
+            if (seen[index] != 0) continue;
+            seen[index] = 1;
+            const CsgNode& node = model_.nodes[index];
+            if (node.max_size > 0) size = std::min(size, node.max_size);
+            if (node.children.empty()) continue;
+            const bool one = node.op == CsgNode::Op::kUnion && node.children.size() == 1;
+            if (node.op == CsgNode::Op::kIntersection) {
+                open.insert(open.end(), node.children.begin(), node.children.end());
+            } else if (one || node.op == CsgNode::Op::kDifference || node.op == CsgNode::Op::kTransform) {
+                open.push_back(node.children[0]);
+            }
+        }
+        return size;
     }
 
     std::uint32_t finish(Frame& frame, const CsgNode& node) {
@@ -225,7 +252,7 @@ class Compiler {
                 for (int j = 0; j < 3; ++j) s.map[j] = normal[j] / length;
                 s.map[3] = (glm::dot(local, offset) - plane.offset) / length;
                 const std::string name = plane.name.empty() ? base : base + "_" + plane.name;
-                faces.push_back(literal(add_surface(s, name), frame.negate));
+                faces.push_back(literal(add_surface(s, name, frame.size), frame.negate));
             }
             return add_operation(frame.negate ? Term::Type::kOr : Term::Type::kAnd, std::move(faces));
         }
@@ -266,7 +293,7 @@ class Compiler {
                 break;
             default: return formula(p, s, base, frame);
         }
-        return literal(add_surface(s, base), frame.negate);
+        return literal(add_surface(s, base, frame.size), frame.negate);
     }
 
     /// Its surfaces; their formulas depend on the cell (kernels/shared/spatial.h).
@@ -279,11 +306,14 @@ class Compiler {
                 make_polyhedron(transformed(*p.triangles, affine), p.sharp_angle, out_.expression_ops);
             std::vector<std::uint32_t> place;
             for (std::size_t i = 0; i < parts.surfaces.size(); ++i) {
-                place.push_back(add_surface(parts.surfaces[i], base + parts.suffixes[i]));
+                place.push_back(add_surface(parts.surfaces[i], base + parts.suffixes[i], frame.size));
             }
             for (std::uint32_t& surface : parts.world.surface) surface = place[surface];
             found = polyhedra_.emplace(key, static_cast<std::uint32_t>(out_.polyhedra.size())).first;
             out_.polyhedra.push_back(std::move(parts.world));
+        }
+        for (const std::uint32_t surface : out_.polyhedra[found->second].surface) {
+            out_.surface_size[surface] = std::min(out_.surface_size[surface], frame.size);
         }
         const TriangleSurface& shape = out_.polyhedra[found->second].shape;
         if (shape.triangles.empty()) return add_constant(frame.negate);
@@ -319,18 +349,19 @@ class Compiler {
                 } catch (const Error& error) {
                     throw Error(error.code(), model_.source + ": " + error.what());
                 }
-                entry->second = add_surface(s, base);
+                entry->second = add_surface(s, base, at.size);
             }
             terms.push_back(literal(entry->second, (node.negated && !own) != at.negate));
         }
         return terms.back();
     }
 
-    std::uint32_t add_surface(const Surface& surface, const std::string& name) {
+    std::uint32_t add_surface(const Surface& surface, const std::string& name, double size) {
         const auto [entry, is_new] =
             name_index_.try_emplace(name, static_cast<std::uint32_t>(out_.surface_names.size()));
         if (is_new) out_.surface_names.push_back(name);
         out_.surfaces.push_back({surface, entry->second});
+        out_.surface_size.push_back(size);
         for (int i = 0; i < 12; ++i) {
             if (!std::isfinite(surface.map[i])) {
                 throw Error(ExitCode::kInput,
@@ -356,7 +387,7 @@ class Compiler {
             s.kind = kSurfacePlane;
             s.map[axis] = sign;
             s.map[3] = -sign * (face % 2 == 0 ? box.min : box.max)[static_cast<std::size_t>(axis)];
-            faces.push_back(literal(add_surface(s, kSides[face]), false));
+            faces.push_back(literal(add_surface(s, kSides[face], kInfinity), false));
         }
         return add_operation(Term::Type::kAnd, std::move(faces));
     }

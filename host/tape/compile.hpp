@@ -36,8 +36,10 @@ struct CompiledModel {
     std::vector<WorldPolyhedron> polyhedra;
     std::vector<std::string> surface_names;
     std::vector<std::string> region_names;
-    Box3 bounds{};     ///< holds the solid; components may be infinite
-    double scale = 1;  ///< a length that is large compared with every number in the model
+    std::vector<double> surface_size;  ///< per surface: element size wanted on it; infinity: none
+    std::vector<double> region_size;   ///< per region: element size wanted in it; infinity: none
+    Box3 bounds{};                     ///< holds the solid; components may be infinite
+    double scale = 1;                  ///< a length that is large compared with every number in the model
 };
 
 /// A polyhedron in box-local coordinates, on surfaces that may be shared with other solids.
@@ -56,6 +58,8 @@ struct BoundModel {
     std::vector<std::uint32_t> spatial;       ///< kernels/shared/spatial.h; empty: polyhedra are not divided
     std::vector<BoundPolyhedron> polyhedra;   ///< spatial words hold their index until they are divided
     std::vector<std::uint32_t> surface_name;  ///< per surface, index into CompiledModel::surface_names
+    std::vector<double> surface_size;         ///< per surface, as in CompiledModel, but box-local
+    std::vector<double> region_size;          ///< per region, likewise
     Vec3 origin{};                            ///< model coordinates of the cube's minimum corner
     double side = 1;
 };

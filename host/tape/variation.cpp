@@ -1,14 +1,16 @@
-#include "host/probe/variation.hpp"
+#include "host/tape/variation.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "kernels/shared/expression_bounds.h"
 
-namespace mortise::probe {
+namespace mortise::tape {
 namespace {
 
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kSlack = 1e-9;  ///< relative: far above the rounding of the sums below
 
 struct Range {
@@ -27,17 +29,6 @@ Range square(Range a) {
 }
 
 using Gradient = std::array<Range, 3>;
-
-/// Whether the inner product of any two vectors of the box is positive. Ends that are not numbers: no.
-bool keeps_direction(const Gradient& g) {
-    double low = 0;
-    double size = 0;
-    for (const Range& c : g) {
-        low += (c * c).low;
-        size += std::max(c.low * c.low, c.high * c.high);
-    }
-    return low > kSlack * size;
-}
 
 /// From the surface's own frame to box-local coordinates: the transpose of its map.
 Gradient to_local(const Surface& s, const Gradient& d) {
@@ -194,9 +185,27 @@ Gradient expression_gradient(const ExpressionOp* ops, std::uint32_t count, const
 
 }  // namespace
 
-bool has_small_variation(const tape::BoundModel& model, std::uint32_t surface, const tape::Cell& cell) {
+bool keeps_direction(const GradientBox& box) {
+    double low = 0;
+    double size = 0;
+    for (int j = 0; j < 3; ++j) {
+        const Range c = {box.low[j], box.high[j]};
+        low += (c * c).low;
+        size += std::max(c.low * c.low, c.high * c.high);
+    }
+    return low > kSlack * size;
+}
+
+bool gradient_box(const BoundModel& model, std::uint32_t surface, const Cell& cell, GradientBox& box) {
     const Surface& s = model.surfaces[surface];
-    if (s.kind == kSurfacePlane || s.kind == kSurfacePatch) return true;  // patches are not searched
+    if (s.kind == kSurfacePlane || s.kind == kSurfacePatch) return false;
+    const auto store = [&box](const Gradient& g) {
+        for (std::size_t j = 0; j < 3; ++j) {
+            box.low[j] = g[j].low;
+            box.high[j] = g[j].high;
+        }
+        return true;
+    };
     double centre[3];
     surface_frame(&s, cell.centre[0], cell.centre[1], cell.centre[2], centre);
     if (s.kind == kSurfaceQuadric) {
@@ -214,7 +223,7 @@ bool has_small_variation(const tape::BoundModel& model, std::uint32_t surface, c
             }
             g[j] = {value - width, value + width};
         }
-        return keeps_direction(g);
+        return store(g);
     }
     Range u[3];
     for (std::size_t i = 0; i < 3; ++i) {
@@ -226,11 +235,14 @@ bool has_small_variation(const tape::BoundModel& model, std::uint32_t surface, c
         Interval x[3];
         for (int i = 0; i < 3; ++i)
             x[i] = make_interval(static_cast<float>(u[i].low), static_cast<float>(u[i].high));
-        return keeps_direction(
+        return store(
             to_local(s, expression_gradient(model.expression_ops.data() + s.first_op, s.op_count, x)));
     }
     const Range squared = square(u[0]) + square(u[1]);
-    if (!(squared.low > 0)) return false;  // the axis
+    if (!(squared.low > 0)) {  // the axis
+        const Range anything = {-kInfinity, kInfinity};
+        return store({anything, anything, anything});
+    }
     const Range radial = {std::sqrt(squared.low), std::sqrt(squared.high)};
     const Range inverse = {1 / radial.high, 1 / radial.low};
     Gradient d = {u[0] * inverse, u[1] * inverse, Range{1, 1}};
@@ -239,7 +251,12 @@ bool has_small_variation(const tape::BoundModel& model, std::uint32_t surface, c
         const Range twice = {2 * (radial.low - s.form[0]), 2 * (radial.high - s.form[0])};
         d = {d[0] * twice, d[1] * twice, u[2] * Range{2, 2}};
     }
-    return keeps_direction(to_local(s, d));
+    return store(to_local(s, d));
 }
 
-}  // namespace mortise::probe
+bool has_small_variation(const BoundModel& model, std::uint32_t surface, const Cell& cell) {
+    GradientBox box;
+    return !gradient_box(model, surface, cell, box) || keeps_direction(box);  // patches are not searched
+}
+
+}  // namespace mortise::tape

@@ -1,0 +1,66 @@
+// The surfaces of a node's tape that pass through the node, with what tells how they lie there.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "host/tape/compile.hpp"
+#include "host/tape/reference.hpp"
+
+namespace mortise::sizing {
+
+/// One smooth surface in a node.
+struct Sheet {
+    static constexpr std::size_t kSamples = 9;  ///< the node's corners, a little drawn in, and its centre
+    std::uint32_t surface = 0;                  ///< index into BoundModel::surfaces
+    bool flat = false;                          ///< a plane
+    /// No two normals in the node are 90° or more apart: the surface is a graph there (variation.hpp).
+    bool steady = false;
+    bool has_apex = false;                    ///< its singular point is in the node or within two edges of it
+    Vec3 apex{};                              ///< if has_apex
+    Vec3 foot{};                              ///< point of the surface next to the centre
+    Vec3 normal{};                            ///< unit gradient there
+    std::array<double, kSamples> distance{};  ///< signed, to first order near the surface
+    int orientation = 0;  ///< +1: the solid is where f < 0, -1: where f > 0, 0: both, or not known
+};
+
+/// Finds the sheets of one node after the other; keeps its scratch memory.
+class SheetFinder {
+  public:
+    explicit SheetFinder(const tape::BoundModel& model) : model_(model) {}
+
+    /// Fills sheets() and other_sign().
+    void run(const std::uint32_t* words, std::size_t length, const tape::Cell& cell);
+
+    /// By surface, ascending. A surface that touches only the node's boundary is none.
+    std::vector<Sheet>& sheets() { return sheets_; }
+    /// All surfaces of the tape, ascending; signs of those that are no sheet, 0 for sheets.
+    const std::vector<std::uint32_t>& surfaces() const { return surfaces_; }
+    const std::vector<std::int8_t>& signs() const { return signs_; }
+
+  private:
+    bool make_sheet(std::uint32_t surface, const tape::Cell& cell, Sheet& sheet, double& at_centre) const;
+    bool make_patch(const tape::Cell& cell, Sheet& sheet, double& at_centre) const;
+    bool passes(std::uint32_t surface, const tape::Cell& cell, int depth) const;
+    bool is_far(std::uint32_t surface, const tape::Cell& cell) const;
+
+    const tape::BoundModel& model_;
+    std::vector<Sheet> sheets_;
+    std::vector<std::uint32_t> surfaces_;
+    std::vector<std::int8_t> signs_;
+};
+
+/// Sample point of a cell: a corner drawn in, or the centre.
+Vec3 sample_point(const tape::Cell& cell, std::size_t index);
+
+/// Newton's method along the gradient; false if it does not end on the surface. `reach`: longest step.
+bool project(const tape::BoundModel& model, std::uint32_t surface, double reach, Vec3& x, Vec3& unit_normal,
+             double& slope);
+
+/// Whether a point lies in the cell, whose half edge is stretched by a factor.
+bool is_within(const Vec3& x, const tape::Cell& cell, double factor);
+
+double dot(const Vec3& a, const Vec3& b);
+
+}  // namespace mortise::sizing

@@ -1,0 +1,110 @@
+#include "host/sizing/sizing.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "host/common/parallel.hpp"
+#include "host/sizing/topology.hpp"
+#include "kernels/shared/tape.h"
+
+namespace mortise::sizing {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kTwoPi = 6.283185307179586;
+constexpr double kRounding = 1e-9;  ///< relative: a size that is an edge of a level is met by that level
+
+std::uint32_t every_third_bit(std::uint64_t morton) {
+    std::uint32_t bits = 0;
+    for (int i = 0; i < 21; ++i) bits |= static_cast<std::uint32_t>((morton >> (3 * i)) & 1) << i;
+    return bits;
+}
+
+double wish(const std::vector<double>& sizes, std::size_t index) {
+    return index < sizes.size() ? sizes[index] : kInfinity;
+}
+
+}  // namespace
+
+SizeField size_field(const tape::BoundModel& model) {
+    SizeField field;
+    field.surface = model.surface_size;
+    field.region = model.region_size;
+    return field;
+}
+
+tape::Cell cell_of(std::uint64_t morton, int level) {
+    tape::Cell cell{};
+    cell.half = std::ldexp(0.5, -level);
+    for (int j = 0; j < 3; ++j) cell.centre[j] = (2.0 * every_third_bit(morton >> j) + 1) * cell.half;
+    return cell;
+}
+
+Sizer::Sizer(const tape::BoundModel& model, const SizeField& field) : model_(model), field_(field) {}
+
+double Sizer::size_in(const tape::Cell& cell) const {
+    double size = field_.everywhere;
+    for (const SizeField::Source& source : field_.sources) {
+        double square = 0;
+        for (std::size_t j = 0; j < 3; ++j) {
+            const double off = std::max(0.0, std::fabs(source.at[j] - cell.centre[j]) - cell.half);
+            square += off * off;
+        }
+        size = std::min(size, source.size + source.grading * std::sqrt(square));
+    }
+    return size;
+}
+
+double Sizer::in_size(std::uint64_t morton, int level, std::uint16_t region) const {
+    const double size = size_in(cell_of(morton, level));
+    return region == 0 ? size : std::min(size, wish(field_.region, region - std::size_t{1}));
+}
+
+/// By sizes alone.
+bool Sizer::is_too_large(const std::uint32_t* words, std::size_t length, const tape::Cell& cell) const {
+    double size = size_in(cell);
+    const auto add_region = [&](std::int32_t region) {
+        if (region > 0) size = std::min(size, wish(field_.region, static_cast<std::size_t>(region) - 1));
+    };
+    for (std::size_t i = 0; i < length; ++i) {
+        const std::uint32_t word = words[i];
+        switch (tape_operation(word)) {
+            case kTapeLiteral: size = std::min(size, wish(field_.surface, tape_surface(word))); break;
+            case kTapeSelectConst: add_region(tape_otherwise(word)); [[fallthrough]];
+            case kTapeSelect: add_region(tape_region(word)); break;
+            default: break;
+        }
+    }
+    return 2 * cell.half > size * (1 + kRounding);
+}
+
+std::vector<std::uint8_t> Sizer::split_undecided(const std::vector<TreeNode>& nodes,
+                                                 const std::vector<std::uint32_t>& tapes, int level,
+                                                 int threads) const {
+    constexpr std::size_t kChunk = 256;
+    std::vector<std::uint8_t> which(nodes.size(), 0);
+    const bool curved = field_.curvature_elements > 0;
+    std::vector<Topology> views(static_cast<std::size_t>(thread_count(threads)),
+                                Topology(model_, field_.finest));
+    parallel_chunks(nodes.size(), kChunk, threads, [&](std::size_t begin, std::size_t end, int thread) {
+        Topology& view = views[static_cast<std::size_t>(thread)];
+        for (std::size_t i = begin; i < end; ++i) {
+            const std::uint32_t* words = tapes.data() + nodes[i].tape_offset;
+            const std::size_t length = nodes[i].tape_length;
+            const tape::Cell cell = cell_of(nodes[i].morton, level);
+            const bool undivided = std::any_of(words, words + length, [](std::uint32_t word) {
+                return tape_operation(word) == kTapeSpatial;
+            });
+            bool split = undivided || is_too_large(words, length, cell);
+            if (!split && (curved || field_.features)) {
+                view.load(words, length, cell);
+                split = (field_.features && !view.is_simple()) ||
+                        (curved && view.turn() > kTwoPi / field_.curvature_elements);
+            }
+            which[i] = split ? 1 : 0;
+        }
+    });
+    return which;
+}
+
+}  // namespace mortise::sizing
