@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/sizing/patch_normals.hpp"
 #include "host/tape/singular_point.hpp"
 #include "host/tape/variation.hpp"
 
@@ -19,13 +20,31 @@ tape::Cell child_of(const tape::Cell& cell, int child) {
     return result;
 }
 
-SurfaceSample sample_at(const tape::BoundModel& model, std::uint32_t surface, const Vec3& x) {
-    return surface_sample(&model.surfaces[surface], model.expression_ops.data(), x[0], x[1], x[2]);
-}
-
 }  // namespace
 
 double dot(const Vec3& a, const Vec3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+Sampled sample_at(const tape::BoundModel& model, std::uint32_t surface, const Vec3& x) {
+    constexpr double kStep = 1e-6;
+    const Surface& of = model.surfaces[surface];
+    const ExpressionOp* ops = model.expression_ops.data();
+    const SurfaceSample s = surface_sample(&of, ops, x[0], x[1], x[2]);
+    Sampled result = {s.value, {s.gradient[0], s.gradient[1], s.gradient[2]}, 0};
+    result.slope = std::sqrt(dot(result.gradient, result.gradient));
+    if (of.kind != kSurfaceExpression || std::isfinite(result.slope) || !std::isfinite(s.value))
+        return result;
+    for (std::size_t j = 0; j < 3; ++j) {
+        Vec3 low = x;
+        Vec3 high = x;
+        low[j] -= kStep;
+        high[j] += kStep;
+        result.gradient[j] = (surface_value(&of, ops, high[0], high[1], high[2]) -
+                              surface_value(&of, ops, low[0], low[1], low[2])) /
+                             (2 * kStep);
+    }
+    result.slope = std::sqrt(dot(result.gradient, result.gradient));
+    return result;
+}
 
 bool is_within(const Vec3& x, const tape::Cell& cell, double factor) {
     bool within = true;
@@ -46,9 +65,8 @@ bool project(const tape::BoundModel& model, std::uint32_t surface, double reach,
     constexpr int kSteps = 10;
     constexpr double kClose = 1e-3;  // of the reach
     for (int step = 0;; ++step) {
-        const SurfaceSample s = sample_at(model, surface, x);
-        slope = std::sqrt(s.gradient[0] * s.gradient[0] + s.gradient[1] * s.gradient[1] +
-                          s.gradient[2] * s.gradient[2]);
+        const Sampled s = sample_at(model, surface, x);
+        slope = s.slope;
         if (!(slope > 0) || !std::isfinite(slope) || !std::isfinite(s.value)) return false;
         for (std::size_t j = 0; j < 3; ++j) unit_normal[j] = s.gradient[j] / slope;
         const double distance = s.value / slope;
@@ -73,51 +91,41 @@ bool SheetFinder::passes(std::uint32_t surface, const tape::Cell& cell, int dept
 bool SheetFinder::is_far(std::uint32_t surface, const tape::Cell& cell) const {
     constexpr double kFar = 1.3;  // of half an edge: no point of the node is farther than 0.87 from a sample
     for (std::size_t i = 0; i < Sheet::kSamples; ++i) {
-        const SurfaceSample s = sample_at(model_, surface, sample_point(cell, i));
-        const Vec3 gradient = {s.gradient[0], s.gradient[1], s.gradient[2]};
-        if (!(std::fabs(s.value) > kFar * cell.half * std::sqrt(dot(gradient, gradient)))) return false;
+        const Sampled s = sample_at(model_, surface, sample_point(cell, i));
+        if (!(std::fabs(s.value) > kFar * cell.half * s.slope)) return false;
     }
     return true;
 }
 
-/// By the closest points of the samples: bounds of a patch's gradient are not known.
+/// Bounds of long formulas are so loose that nodes would split without end. So gradients at 3³ points do, if
+/// they turn by no more than 60°: what is hidden between them shows in the gradients around it.
+bool SheetFinder::looks_steady(std::uint32_t surface, const tape::Cell& cell) const {
+    constexpr int kSide = 3;
+    constexpr double kNear = 0.866;  // cosine of 30°
+    const Sampled centre = sample_at(model_, surface, sample_point(cell, 8));
+    for (int i = 0; i < kSide * kSide * kSide; ++i) {
+        Vec3 x{};
+        int rest = i;
+        for (std::size_t j = 0; j < 3; ++j, rest /= kSide)
+            x[j] = cell.centre[j] + cell.half * (2.0 * (rest % kSide) / (kSide - 1) - 1);
+        const Sampled s = sample_at(model_, surface, x);
+        if (!(dot(s.gradient, centre.gradient) > kNear * s.slope * centre.slope)) return false;
+    }
+    return true;
+}
+
+/// By its triangles: bounds of its gradient are not known, and where they are not, it is only an extension.
 bool SheetFinder::make_patch(const tape::Cell& cell, Sheet& sheet, double& at_centre) const {
-    constexpr double kMargin = 1.05;
-    constexpr double kTurned = 1e-6;
-    std::array<Vec3, Sheet::kSamples> normals;
-    std::size_t found = 0;
-    double nearest = 4 * cell.half;
-    bool below = false;
-    bool above = false;
-    for (std::size_t i = 0; i < Sheet::kSamples; ++i) {
-        const Vec3 x = sample_point(cell, i);
-        const SurfaceSample s = sample_at(model_, sheet.surface, x);
-        sheet.distance[i] = s.value;
-        (s.value < 0 ? below : above) = true;
-        Vec3 closest;
-        for (std::size_t j = 0; j < 3; ++j) closest[j] = x[j] - s.value * s.gradient[j];
-        if (!is_within(closest, cell, kMargin)) continue;
-        normals[found++] = {s.gradient[0], s.gradient[1], s.gradient[2]};
-        const double off =
-            std::hypot(closest[0] - cell.centre[0], closest[1] - cell.centre[1], closest[2] - cell.centre[2]);
-        if (off >= nearest) continue;
-        nearest = off;
-        sheet.foot = closest;
-        sheet.normal = normals[found - 1];
-    }
-    at_centre = sheet.distance[8];
-    sheet.steady = true;
-    for (std::size_t i = 0; i < found; ++i) {
-        for (std::size_t k = 0; k < i; ++k)
-            sheet.steady = sheet.steady && dot(normals[i], normals[k]) > kTurned;
-    }
-    if (found > 0) return true;
-    if (!below || !above) return false;
-    const SurfaceSample s = sample_at(model_, sheet.surface, sample_point(cell, 8));
-    for (std::size_t j = 0; j < 3; ++j) {
-        sheet.normal[j] = s.gradient[j];
-        sheet.foot[j] = cell.centre[j] - s.value * s.gradient[j];
-    }
+    const Sampled centre = sample_at(model_, sheet.surface, sample_point(cell, 8));
+    at_centre = centre.value;
+    const PatchState state = patch_in(model_, sheet.surface, cell);
+    if (state == PatchState::kAbsent) return false;
+    sheet.steady = state == PatchState::kSteady;
+    sheet.normal = centre.gradient;
+    for (std::size_t j = 0; j < 3; ++j) sheet.foot[j] = cell.centre[j] - centre.value * centre.gradient[j];
+    sheet.distance[8] = centre.value;
+    for (std::size_t i = 0; i < 8; ++i)
+        sheet.distance[i] = sample_at(model_, sheet.surface, sample_point(cell, i)).value;
     return true;
 }
 
@@ -167,7 +175,8 @@ bool SheetFinder::make_sheet(std::uint32_t surface, const tape::Cell& cell, Shee
         }
         if (first && !changes) return false;
     }
-    sheet.steady = tape::keeps_direction(box);
+    sheet.steady =
+        tape::keeps_direction(box) || (s.kind == kSurfaceExpression && looks_steady(surface, cell));
     if (!sheet.steady && !changes && is_far(surface, cell)) return false;
     if (!sheet.steady) {
         double apex[3];

@@ -43,6 +43,7 @@ class SheetFinder {
     bool make_sheet(std::uint32_t surface, const tape::Cell& cell, Sheet& sheet, double& at_centre) const;
     bool make_patch(const tape::Cell& cell, Sheet& sheet, double& at_centre) const;
     bool passes(std::uint32_t surface, const tape::Cell& cell, int depth) const;
+    bool looks_steady(std::uint32_t surface, const tape::Cell& cell) const;
     bool is_far(std::uint32_t surface, const tape::Cell& cell) const;
 
     const tape::BoundModel& model_;
@@ -53,6 +54,16 @@ class SheetFinder {
 
 /// Sample point of a cell: a corner drawn in, or the centre.
 Vec3 sample_point(const tape::Cell& cell, std::size_t index);
+
+struct Sampled {
+    double value;
+    Vec3 gradient;
+    double slope;  ///< length of the gradient
+};
+
+/// Value and gradient at a point; where a formula's gradient is no number though its values are (√x² at 0),
+/// by differences.
+Sampled sample_at(const tape::BoundModel& model, std::uint32_t surface, const Vec3& x);
 
 /// Newton's method along the gradient; false if it does not end on the surface. `reach`: longest step.
 bool project(const tape::BoundModel& model, std::uint32_t surface, double reach, Vec3& x, Vec3& unit_normal,

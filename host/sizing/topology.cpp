@@ -121,10 +121,9 @@ Topology::Meeting Topology::meet(const std::vector<const Sheet*>& sheets, double
         Vec3 right{};
         double farthest = 0;
         for (const Sheet* sheet : sheets) {
-            const SurfaceSample s = surface_sample(&model_.surfaces[sheet->surface],
-                                                   model_.expression_ops.data(), at[0], at[1], at[2]);
-            const Vec3 g = {s.gradient[0], s.gradient[1], s.gradient[2]};
-            const double slope = std::sqrt(dot(g, g));
+            const Sampled s = sample_at(model_, sheet->surface, at);
+            const Vec3& g = s.gradient;
+            const double slope = s.slope;
             const double distance = s.value / slope;
             if (!(slope > 0) || !std::isfinite(distance)) return Meeting::kNone;
             farthest = std::max(farthest, std::fabs(distance));
@@ -156,11 +155,9 @@ bool Topology::bound_solid(const std::vector<const Sheet*>& sheets, const Vec3& 
     std::size_t next = 0;
     std::size_t free = 0;
     for (const std::uint32_t surface : root_surfaces_) {
-        const SurfaceSample s =
-            surface_sample(&model_.surfaces[surface], model_.expression_ops.data(), at[0], at[1], at[2]);
-        const Vec3 g = {s.gradient[0], s.gradient[1], s.gradient[2]};
+        const Sampled s = sample_at(model_, surface, at);
         const bool is_asked = next < sheets.size() && sheets[next]->surface == surface;
-        const bool is_free = is_asked || std::fabs(s.value) <= 2 * touching() * std::sqrt(dot(g, g));
+        const bool is_free = is_asked || std::fabs(s.value) <= 2 * touching() * s.slope;
         if (is_asked) asked_.push_back(free);
         next += is_asked ? 1U : 0U;
         free += is_free ? 1U : 0U;
@@ -223,11 +220,8 @@ bool Topology::groups_meet() {
 bool Topology::is_apex(const Sheet& cone) const {
     return cone.has_apex && std::all_of(sheets_.begin(), sheets_.end(), [&](const Sheet& sheet) {
                if (&sheet == &cone) return true;
-               const SurfaceSample s =
-                   surface_sample(&model_.surfaces[sheet.surface], model_.expression_ops.data(), cone.apex[0],
-                                  cone.apex[1], cone.apex[2]);
-               const Vec3 g = {s.gradient[0], s.gradient[1], s.gradient[2]};
-               return std::fabs(s.value) <= touching() * std::sqrt(dot(g, g));
+               const Sampled s = sample_at(model_, sheet.surface, cone.apex);
+               return std::fabs(s.value) <= touching() * s.slope;
            });
 }
 
@@ -260,11 +254,9 @@ double Topology::bend(const Sheet& sheet) const {
         for (const double side : {-1.0, 1.0}) {
             Vec3 x = sheet.foot;
             for (std::size_t j = 0; j < 3; ++j) x[j] += side * kStep * 2 * cell_.half * direction[j];
-            const SurfaceSample s = surface_sample(&model_.surfaces[sheet.surface],
-                                                   model_.expression_ops.data(), x[0], x[1], x[2]);
-            const Vec3 g = {s.gradient[0], s.gradient[1], s.gradient[2]};
-            const double slope = std::sqrt(dot(g, g));
-            for (std::size_t j = 0; j < 3; ++j) result[j] += side * g[j] / slope / (4 * kStep * cell_.half);
+            const Sampled s = sample_at(model_, sheet.surface, x);
+            for (std::size_t j = 0; j < 3; ++j)
+                result[j] += side * s.gradient[j] / s.slope / (4 * kStep * cell_.half);
         }
         return result;
     };
@@ -280,7 +272,7 @@ double Topology::bend(const Sheet& sheet) const {
 double Topology::turn() const {
     constexpr double kWithin = 1.2;
     constexpr double kNearby = 2.5;  // a surface that cuts off a corner of the node has its foot outside
-    constexpr double kApart = 0.3;  // edges
+    constexpr double kApart = 0.3;   // edges
     double largest = 0;
     const double edge = 2 * cell_.half;
     for (const Sheet& sheet : sheets_) {

@@ -30,6 +30,8 @@ class Topology {
     /// Finds the sheets that count. Then ask the others.
     void load(const std::uint32_t* words, std::size_t length, const tape::Cell& cell);
     bool is_simple();
+    /// Those that count; the region in the node is a function of their signs.
+    const std::vector<Sheet>& sheets() const { return sheets_; }
     /// Largest angle by which a surface's normal turns along an edge's length.
     double turn() const;
 

@@ -4,9 +4,11 @@
 #include <cmath>
 
 #include "host/sizing/topology.hpp"
+#include "host/triangles/divide.hpp"
 #include "tests/mesher/solids.hpp"
 #include "tests/sizing/descent.hpp"
 #include "tests/tape/bound_models.hpp"
+#include "tests/triangles/shapes.hpp"
 
 using namespace mortise;
 using namespace mortise::test;
@@ -245,6 +247,26 @@ TEST_CASE("features below the finest leaf are not worth a split") {
     CHECK(count_split(sizing::Sizer(bound, field).split_undecided(nodes.nodes, nodes.tapes, kLevel, 1)) > 0);
     field.finest = std::ldexp(1.0, -kLevel - 3);  // an eighth of a cell
     CHECK(count_split(sizing::Sizer(bound, field).split_undecided(nodes.nodes, nodes.tapes, kLevel, 1)) == 0);
+}
+
+TEST_CASE("patches of triangles: by the normals of those in the node") {
+    const auto bind_triangles = [](const TriangleSurface& surface, double sharp_angle, const Affine& map) {
+        tape::BoundModel bound = bind_fixed(solid_of(surface, sharp_angle, map));
+        triangles::divide(bound, kLevel, 2);
+        return bound;
+    };
+    const double radius = 3.3 * kCell;
+    CHECK(feature_splits(bind_triangles(unit_sphere(4), 30, scaling({radius, radius, radius})), kLevel) ==
+          kNone);
+    // A lens: two sheets of one patch.
+    const double thin = 0.3 * kCell;
+    const tape::BoundModel lens =
+        bind_triangles(unit_sphere(4), 179, compose(rotation({0.3, 1, 0.4}, 0.7), scaling({0.7, 0.7, thin})));
+    CHECK(feature_splits(lens, kLevel, 1).front() > 50);
+    // Facets as planes.
+    CHECK(feature_splits(
+              bind_triangles(l_block(), 0, compose(rotation({0.3, 1, 0.4}, 0.7), scaling({0.2, 0.2, 0.2}))),
+              kLevel) == kNone);
 }
 
 TEST_CASE("arrangements: which surfaces bound the solid") {
