@@ -90,8 +90,10 @@ int parse_integer(const std::string& option, const std::string& text, int smalle
 
 /// The words as CLI11 leaves them.
 struct Words {
-    std::string level, size, coarsening, elements, extrude, floor, threads, work_group, facets;
-    std::vector<std::string> box;
+    std::string level, size, elements, extrude, floor, threads, work_group, facets;
+    std::string refine, curvature, size_min, coarsening;
+    std::vector<std::string> box, size_at;
+    bool no_model_sizes = false;
     bool no_templates = false;
     bool no_snap = false;
     bool no_improve = false;
@@ -120,9 +122,21 @@ void add_mesh_options(CLI::App& app, Arguments& arguments, Words& words) {
     app.add_option("--size", words.size, "edge length of a cell in model units, instead of --level")
         ->option_text("LENGTH")
         ->excludes(level);
-    app.add_option("--interior-coarsening", words.coarsening,
-                   "let cells inside the solid be up to K levels larger than at its boundary")
-        ->option_text("K");
+    app.add_option("--refine", words.refine, "up to N levels smaller cells where features are small (0)")
+        ->option_text("N");
+    CLI::Option* curvature = app.add_option("--curvature-elements", words.curvature,
+                                            "and where a full turn of a surface has less than N cells")
+                                 ->option_text("N");
+    curvature->needs(app.get_option("--refine"));
+    app.add_option("--size-at", words.size_at, "X Y Z H G: cells of at most H + G × distance (repeatable)")
+        ->option_text("PLACE")
+        ->type_size(5)
+        ->expected(-1);
+    app.add_option("--size-min", words.size_min, "no cell smaller than this, whatever asks for it")
+        ->option_text("LENGTH");
+    app.add_option("--interior-coarsening", words.coarsening, "up to N levels larger cells inside (0)")
+        ->option_text("N");
+    app.add_flag("--no-model-sizes", words.no_model_sizes, "ignore element sizes in the file (-maxh)");
     app.add_option("--box", words.box, "X0 Y0 Z0 X1 Y1 Z1: cut the solid there; required if it is infinite")
         ->option_text("CORNERS")
         ->type_size(6)
@@ -172,17 +186,49 @@ void read_extrude(const std::string& word, Arguments& arguments) {
     if (!(arguments.read.extrude > 0)) refuse("--extrude '" + word + "': expected a positive length");
 }
 
+double parse_length(const std::string& option, const std::string& word) {
+    const double length = parse_number(option, word);
+    if (length <= 0) refuse(option + " '" + word + "': expected a positive length");
+    return length;
+}
+
+int parse_levels(const std::string& option, const std::string& word) {
+    if (word.empty()) return 0;
+    const int levels = parse_integer(option, word, 0, " to 18");
+    if (levels > kMaxLevel) refuse(option + " '" + word + "': expected a whole number from 0 to 18");
+    return levels;
+}
+
+/// Options that make cells of several sizes.
+void read_size_words(const Words& words, MeshOptions& options) {
+    options.refine = parse_levels("--refine", words.refine);
+    options.interior_coarsening = parse_levels("--interior-coarsening", words.coarsening);
+    options.model_sizes = !words.no_model_sizes;
+    if (!words.curvature.empty()) {
+        options.curvature_elements = parse_number("--curvature-elements", words.curvature);
+        if (options.curvature_elements < 3) {
+            refuse("--curvature-elements '" + words.curvature + "': expected a number from 3");
+        }
+    }
+    if (!words.size_min.empty()) options.size_min = parse_length("--size-min", words.size_min);
+    for (std::size_t i = 0; i + 4 < words.size_at.size(); i += 5) {
+        SizeSource source;
+        for (std::size_t j = 0; j < 3; ++j) source.at[j] = parse_number("--size-at", words.size_at[i + j]);
+        source.size = parse_length("--size-at", words.size_at[i + 3]);
+        source.grading = parse_number("--size-at", words.size_at[i + 4]);
+        if (source.grading < 0) {
+            refuse("--size-at '" + words.size_at[i + 4] + "': expected a growth of 0 or more");
+        }
+        options.sizes.push_back(source);
+    }
+}
+
 void read_mesh_words(const Words& words, Arguments& arguments) {
     MeshOptions& options = arguments.options;
     read_extrude(words.extrude, arguments);
     if (!words.level.empty()) options.level = parse_integer("--level", words.level, 1, "; the default is 6");
-    if (!words.size.empty()) {
-        options.size = parse_number("--size", words.size);
-        if (options.size <= 0) refuse("--size '" + words.size + "': expected a positive length");
-    }
-    if (!words.coarsening.empty()) {
-        options.interior_coarsening = parse_integer("--interior-coarsening", words.coarsening, 0, "");
-    }
+    if (!words.size.empty()) options.size = parse_length("--size", words.size);
+    read_size_words(words, options);
     if (!words.box.empty()) {
         Box3 box;
         for (std::size_t i = 0; i < 6; ++i) {

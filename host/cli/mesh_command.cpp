@@ -37,11 +37,23 @@ void timed(const char* stage, std::vector<StageTime>& stages, std::uint64_t item
                       static_cast<double>(std::clock() - cpu) / static_cast<double>(CLOCKS_PER_SEC), items});
 }
 
+/// "1200 at level 5, 340 at level 6"
+std::string list_levels(const std::vector<std::uint64_t>& leaves) {
+    std::string text;
+    for (std::size_t level = 0; level < leaves.size(); ++level) {
+        if (leaves[level] == 0) continue;
+        text +=
+            (text.empty() ? "" : ", ") + std::to_string(leaves[level]) + " at level " + std::to_string(level);
+    }
+    return text;
+}
+
 std::string summary(const Arguments& arguments, const Mesh& mesh, const MeshReport& report,
                     const MeshFigures& figures) {
     std::string text = arguments.file + ": " + std::to_string(mesh.element_count()) + " elements, " +
                        std::to_string(mesh.node_count()) + " nodes; level " + std::to_string(report.level) +
                        ", cell size " + short_number(report.cell_size) + "\n";
+    if (!report.leaves.empty()) text += "  cells      " + list_levels(report.leaves) + "\n";
     text += "  elements   " + list_elements(figures.elements) + "\n";
     text += "  worst      scaled Jacobian " + list_jacobians(figures.elements, figures.min_scaled_jacobian) +
             "\n";

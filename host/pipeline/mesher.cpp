@@ -13,6 +13,7 @@
 #include "host/features/features.hpp"
 #include "host/improve/improve.hpp"
 #include "host/octree/octree.hpp"
+#include "host/pipeline/grading.hpp"
 #include "host/probe/probe.hpp"
 #include "host/report/report.hpp"
 #include "host/snio/classify.hpp"
@@ -95,9 +96,9 @@ std::string number(double value) {
 
 /// Model coordinates must tell apart the lattice steps that keep simplices from being flat (cnio::kMinHeight,
 /// 6e-8 of a cell): farther from the origin, double precision would turn valid elements over.
-void check_precision(const Root& root, const std::string& source) {
+void check_precision(const Root& root, int finest_level, const std::string& source) {
     constexpr double kMostCells = 2.5e8;
-    const double cell = std::ldexp(root.side, -root.level);
+    const double cell = std::ldexp(root.side, -finest_level);
     double reach = 0;
     for (std::size_t j = 0; j < 3; ++j) {
         reach = std::max({reach, std::fabs(root.origin[j]), std::fabs(root.origin[j] + root.side)});
@@ -106,18 +107,6 @@ void check_precision(const Root& root, const std::string& source) {
     throw Error(ExitCode::kInput, source + ": coordinates up to " + number(reach) +
                                       " are too far from the origin for cells of " + number(cell) +
                                       "; move the model to the origin");
-}
-
-/// What the model asks for and this version does not do.
-void add_warnings(const Model& model, MeshReport& report) {
-    report.warnings.insert(report.warnings.begin(), model.warnings.begin(), model.warnings.end());
-    bool sizes = false;
-    for (const Region& region : model.regions) sizes = sizes || region.max_size > 0;
-    for (const CsgNode& node : model.nodes) sizes = sizes || node.max_size > 0;
-    if (sizes) {
-        report.warnings.push_back(
-            model.source + ": element sizes in the file (-maxh) are not used yet; choose --size or --level");
-    }
 }
 
 /// One line on the features smaller than a cell: how many, the largest, and which cells would show them all.
@@ -163,6 +152,19 @@ void check_options(const MeshOptions& options) {
         throw Error(ExitCode::kUsage,
                     "pieces " + std::to_string(options.pieces) + " is out of range; use 1 to 4096");
     }
+    if (options.refine < 0 || options.refine > kMaxLevel || options.interior_coarsening < 0) {
+        throw Error(ExitCode::kUsage, "refinement by " + std::to_string(options.refine) +
+                                          " and coarsening by " +
+                                          std::to_string(options.interior_coarsening) +
+                                          " levels is out of range; use 0 to " + std::to_string(kMaxLevel));
+    }
+    bool positive = options.size_min >= 0 && options.curvature_elements >= 0 &&
+                    std::isfinite(options.size_min) && std::isfinite(options.curvature_elements);
+    for (const SizeSource& source : options.sizes) {
+        positive = positive && source.size > 0 && source.grading >= 0 && std::isfinite(source.size) &&
+                   std::isfinite(source.grading) && std::isfinite(source.at[0] + source.at[1] + source.at[2]);
+    }
+    if (!positive) throw Error(ExitCode::kUsage, "cell sizes must be positive and finite");
     if (!options.box) return;
     for (std::size_t j = 0; j < 3; ++j) {
         if (!(options.box->min[j] < options.box->max[j]) ||
@@ -260,13 +262,14 @@ Mesh generate_mesh(const Model& model, const MeshOptions& options, MeshReport* r
                                           std::to_string(octree::kMaxUniformLevel) +
                                           " yet; use larger cells");
     }
-    check_precision(root, model.source);
     tape::BoundModel bound = tape::bind(compiled, root.origin, root.side);
+    const pipeline::Levels levels = pipeline::plan_levels(options, bound, root.level);
+    check_precision(root, levels.finest(), model.source);
     stages.end(bound.surfaces.size());
     triangles::Division division;
     if (!bound.polyhedra.empty()) {
         stages.begin("polyhedra", 0.01);
-        division = triangles::divide(bound, root.level, options.threads);
+        division = triangles::divide(bound, levels.base, levels.finest(), options.threads);
         stages.end(division.nodes);
     }
     if (division.crowded > 0) {
@@ -286,16 +289,7 @@ Mesh generate_mesh(const Model& model, const MeshOptions& options, MeshReport* r
 
     stages.begin("octree", 0.05);
     octree::DeviceTree on_device;
-    octree::Octree tree;
-    if (options.interior_coarsening > 0) {
-        octree::Grading grading;
-        grading.coarsest = root.level;
-        grading.finest = root.level;
-        grading.coarsest_in = std::max(1, root.level - options.interior_coarsening);
-        tree = octree::build_graded(device, bound, grading, options.threads, &on_device);
-    } else {
-        tree = octree::build(device, bound, root.level, &on_device);
-    }
+    octree::Octree tree = pipeline::build_tree(device, options, bound, levels, &on_device);
     stages.end(tree.cells_evaluated);
 
     stages.begin("probe", 0.28);
@@ -339,6 +333,11 @@ Mesh generate_mesh(const Model& model, const MeshOptions& options, MeshReport* r
 
     out.level = root.level;
     out.cell_size = std::ldexp(root.side, -root.level);
+    out.finest_level = tree.level;
+    if (tree.graded) {
+        out.leaves.assign(static_cast<std::size_t>(tree.level) + 1, 0);
+        for (const std::uint8_t leaf_level : tree.leaf_levels) ++out.leaves[leaf_level];
+    }
     out.root = {root.origin,
                 {root.origin[0] + root.side, root.origin[1] + root.side, root.origin[2] + root.side}};
     out.cells_evaluated = tree.cells_evaluated;
@@ -347,7 +346,7 @@ Mesh generate_mesh(const Model& model, const MeshOptions& options, MeshReport* r
     out.refused_splits = extracted.counters.refused;
     out.unresolved = extracted.counters.unresolved;
     out.dropped_features = extracted.troubled;
-    add_warnings(model, out);
+    out.warnings.insert(out.warnings.begin(), model.warnings.begin(), model.warnings.end());
     if (!out.missed.empty()) out.warnings.push_back(describe_missed(out.missed, root));
     if (extracted.troubled > 0) {
         const std::string text = std::to_string(extracted.troubled) + " of " +

@@ -17,6 +17,7 @@ namespace {
 // descent prunes costs its length.
 constexpr std::size_t kFewFaces = 6;
 constexpr std::size_t kShortFormula = 24;
+constexpr std::size_t kFewInLeaf = 3;   ///< in a leaf that could be split
 constexpr std::size_t kMostFaces = 16;  ///< in a finest cell
 // A cell's formula holds a little beyond the cell, in finest cells. Then neighbours know the same surfaces
 // where two of these cross close to their common edge, and what each makes of the edge agrees: three-valued
@@ -44,10 +45,12 @@ struct Entry {
 
 class Divider {
   public:
-    Divider(const tape::BoundModel& model, const tape::BoundPolyhedron& polyhedron, int level, int threads)
+    Divider(const tape::BoundModel& model, const tape::BoundPolyhedron& polyhedron, int base, int level,
+            int threads)
         : model_(model),
           polyhedron_(polyhedron),
           winding_(polyhedron.shape),
+          base_(base),
           level_(level),
           threads_(threads) {}
 
@@ -126,7 +129,8 @@ class Divider {
         const double size = std::ldexp(1.0, -level);
         glm::dvec3 centre;
         for (int j = 0; j < 3; ++j) centre[j] = (at[static_cast<std::size_t>(j)] + 0.5) * size;
-        const double half = 0.5 * size + kMargin * std::ldexp(1.0, -level_);
+        // Of the largest leaf that the formula may serve.
+        const double half = 0.5 * size + kMargin * std::ldexp(1.0, -std::max(level, base_));
         std::vector<std::uint32_t> inside;
         cut_triangles(node.triangles, centre, half, pieces, inside);
         if (pieces.empty()) {
@@ -142,8 +146,9 @@ class Divider {
         }
         const bool finest = level == level_;
         std::size_t faces = count_faces(pieces, kFewFaces + 1);
-        // Patches are bounded by nothing but the cell: they stay with the finest ones.
-        if (finest || (faces <= kFewFaces && all_flat(pieces))) {
+        // A cell that may be a leaf. Patches are bounded by nothing but the cell: they stay with such.
+        const bool leaf = finest || (level >= base_ && faces <= kFewInLeaf);
+        if (leaf || (faces <= kFewFaces && all_flat(pieces))) {
             if (finest && faces > kFewFaces) faces = count_faces(pieces, kMostFaces + 1);
             if (faces > kMostFaces) {
                 entry.crowded = true;
@@ -159,7 +164,7 @@ class Divider {
                 entry.solid = formula.value();
                 return;
             }
-            if (finest) {
+            if (leaf && formula.stack() <= kSpatialStack) {
                 prune(formula.words(), {{centre[0], centre[1], centre[2]}, (0.5 + kTouching) * size}, entry);
                 return;
             }
@@ -264,18 +269,19 @@ class Divider {
     const tape::BoundModel& model_;
     const tape::BoundPolyhedron& polyhedron_;
     WindingNumber winding_;
+    int base_;
     int level_;
     int threads_;
 };
 
 }  // namespace
 
-Division divide(tape::BoundModel& model, int level, int threads) {
+Division divide(tape::BoundModel& model, int base, int finest, int threads) {
     Division division;
     model.spatial.assign(8, 0);  // places 0 and 1 mean OUT and IN
     std::vector<std::uint32_t> roots;
     for (const tape::BoundPolyhedron& polyhedron : model.polyhedra) {
-        roots.push_back(Divider(model, polyhedron, level, threads).run(model.spatial, division));
+        roots.push_back(Divider(model, polyhedron, base, finest, threads).run(model.spatial, division));
     }
     for (std::uint32_t& word : model.tape) {
         if (tape_operation(word) == kTapeSpatial)

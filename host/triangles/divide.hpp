@@ -12,9 +12,10 @@ struct Division {
         0;  ///< finest cells with more faces than a formula holds: small ones were left out
 };
 
-/// Fills model.spatial for a tree of `level` >= 1 and makes the tape's spatial words point into it. What a
-/// finest cell holds of a polyhedron is exact, but for crowded cells. The result does not depend on `threads`
-/// (0: all cores).
-Division divide(tape::BoundModel& model, int level, int threads);
+/// Fills model.spatial for a tree whose leaves have levels from `base` >= 1 to `finest`, and makes the tape's
+/// spatial words point into it. What a finest cell holds of a polyhedron is exact, but for crowded cells;
+/// larger cells are left undivided, so that they must be split, if they hold more than a few faces. The
+/// result does not depend on `threads` (0: all cores).
+Division divide(tape::BoundModel& model, int base, int finest, int threads);
 
 }  // namespace mortise::triangles

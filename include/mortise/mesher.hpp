@@ -16,16 +16,30 @@ namespace mortise {
 /// Largest resolution level: 3 × 19 bits of coordinate, 5 of level and 2 of axis fill a 64-bit key.
 inline constexpr int kMaxLevel = 18;
 
+/// A wish for small cells around a point: at distance d from it none is larger than size + grading × d.
+struct SizeSource {
+    Vec3 at{};
+    double size = 0;     ///< edge of a cell in model units
+    double grading = 1;  ///< growth of the edge per unit of distance; 0: everywhere
+};
+
 struct MeshOptions {
-    int level = 0;            ///< root box split `level` times; 0: from `size`, or the default of 6
-    double size = 0;          ///< edge length of a cell in model units; 0: from `level`
-    int interior_coarsening = 0;  ///< levels by which IN cells away from the boundary may be larger
-    std::optional<Box3> box;  ///< cuts the solid; its faces become boundaries box_xmin, ...
-    bool templates = true;    ///< false: every NIO cell by the certificate
-    bool snap = true;         ///< vertices near a smooth surface move onto it; needs `templates`
-    bool improve = true;      ///< false: elements stay as templates and certificate make them
-    int smooth = 4;           ///< rounds of node repositioning; 0: nodes move only onto the model
-    bool tetrahedra = false;  ///< split everything into tetrahedra
+    int level = 0;    ///< root box split `level` times; 0: from `size`, or the default of 6
+    double size = 0;  ///< edge length of a cell in model units; 0: from `level`
+    // What follows makes cells of several sizes, in steps of two, and `level` or `size` those at a boundary
+    // that asks for nothing else.
+    int refine = 0;                 ///< levels by which cells may be smaller where features ask for it
+    double curvature_elements = 0;  ///< cells per full turn of a curved surface, within `refine`; 0: any
+    bool model_sizes = true;        ///< follow the sizes in the model's file
+    std::vector<SizeSource> sizes;  ///< smaller cells around points
+    double size_min = 0;            ///< no cell is smaller, if positive
+    int interior_coarsening = 0;    ///< levels by which IN cells away from the boundary may be larger
+    std::optional<Box3> box;        ///< cuts the solid; its faces become boundaries box_xmin, ...
+    bool templates = true;          ///< false: every NIO cell by the certificate
+    bool snap = true;               ///< vertices near a smooth surface move onto it; needs `templates`
+    bool improve = true;            ///< false: elements stay as templates and certificate make them
+    int smooth = 4;                 ///< rounds of node repositioning; 0: nodes move only onto the model
+    bool tetrahedra = false;        ///< split everything into tetrahedra
     int pieces = 1;           ///< parts of the Morton range that are meshed apart and merged: the same mesh
     bool quality = false;     ///< also make MeshReport::quality
     bool strict = false;      ///< Error(kMeshing) if the mesh is not known to show every feature of the model
@@ -59,7 +73,9 @@ struct MeshReport {
     std::string device;
     int level = 0;
     double cell_size = 0;
-    Box3 root{};  ///< the root box, a cube
+    int finest_level = 0;               ///< of the smallest cells
+    std::vector<std::uint64_t> leaves;  ///< cells that are not OUT, by level; empty: all have `level`
+    Box3 root{};                        ///< the root box, a cube
     std::uint64_t cells_evaluated = 0;
     std::uint64_t in_cells = 0;
     std::uint64_t nio_cells = 0;

@@ -8,7 +8,7 @@
 #include <optional>
 #include <set>
 
-#include "tests/mesher/membership_scan.hpp"
+#include "tests/mesher/against_model.hpp"
 #include "tests/mesher/meshed.hpp"
 #include "tests/mesher/random_models.hpp"
 
@@ -16,45 +16,6 @@ namespace mortise::test {
 namespace {
 
 constexpr int kLevel = 5;
-constexpr int kLines = 32;  ///< columns per direction: about one sample per cell
-
-/// Nothing if the solid is empty; any other error is a failure of the test.
-std::optional<Meshed> mesh_unless_empty(const Model& model, const MeshOptions& options) {
-    try {
-        return mesh_and_check(model, options);
-    } catch (const Error& error) {
-        const bool is_empty =
-            error.code() == ExitCode::kInput && std::string(error.what()).find("empty") != std::string::npos;
-        if (!is_empty) FAIL_CHECK(error.what());
-        return std::nullopt;
-    }
-}
-
-/// The volume between the true surface and the mesh's, per area and cell size, that chords and unresolved
-/// cells may cost. Over 2000 seeds the largest was 0.08, for bodies a few cells thick.
-constexpr double kSurfaceShare = 0.1;
-
-void compare_with_model(const Model& model, const Meshed& meshed) {
-    const MeshReport& report = meshed.report;
-    const ScanResult scan = scan_membership(model, meshed.mesh, report.root, report.cell_size, kLines);
-    CAPTURE(scan.first_far);
-    CHECK(scan.wrong_far == 0);
-    double area = 0;
-    for (std::size_t r = 0; r <= model.regions.size(); ++r) {
-        for (std::size_t s = r + 1; s <= model.regions.size(); ++s) area += facet_area(meshed.mesh, r, s);
-    }
-    const double noise = 6 * scan.sample_volume * std::sqrt(static_cast<double>(scan.wrong) + 1);
-    CHECK(scan.wrong_volume <= kSurfaceShare * area * report.cell_size + noise);
-    // Samples are jittered one per box, so only boxes that the boundary cuts add noise: about area / step².
-    const double step = std::cbrt(scan.sample_volume);
-    const double spread = 0.5 * scan.sample_volume * std::sqrt(area / (step * step) + 1);
-    for (std::size_t r = 0; r < model.regions.size(); ++r) {
-        const double volume = r < meshed.check.region_volume.size() ? meshed.check.region_volume[r] : 0;
-        CHECK(std::fabs(volume - scan.model_volume[r]) <= scan.wrong_volume + 6 * spread);
-        CHECK(enclosed_volume(meshed.mesh, r + 1) ==
-              doctest::Approx(volume).epsilon(1e-7).scale(report.cell_size));
-    }
-}
 
 /// Boundary nodes on the planes of the cell grid: what a template and the certificate must agree on.
 std::set<Vec3> nodes_on_cell_faces(const Meshed& meshed) {

@@ -252,7 +252,7 @@ TEST_CASE("features below the finest leaf are not worth a split") {
 TEST_CASE("patches of triangles: by the normals of those in the node") {
     const auto bind_triangles = [](const TriangleSurface& surface, double sharp_angle, const Affine& map) {
         tape::BoundModel bound = bind_fixed(solid_of(surface, sharp_angle, map));
-        triangles::divide(bound, kLevel, 2);
+        triangles::divide(bound, kLevel, kLevel, 2);
         return bound;
     };
     const double radius = 3.3 * kCell;

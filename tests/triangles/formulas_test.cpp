@@ -19,7 +19,7 @@ namespace {
 /// of the oracle's answer do not count.
 int count_differences(const Model& model, int level, int points, double margin, std::uint64_t seed) {
     tape::BoundModel bound = bind_model(model, level);
-    triangles::divide(bound, level, 2);
+    triangles::divide(bound, level, level, 2);
     RandomSource random(seed);
     int differences = 0;
     for (int i = 0; i < points; ++i) {
@@ -108,13 +108,13 @@ TEST_CASE("the division does not depend on threads, and pays no heed to what is 
     const Model model = solid_of(random_star(5, 2, 0.7, 1.3), 0);
     tape::BoundModel one = bind_model(model, 5);
     tape::BoundModel four = one;
-    triangles::divide(one, 5, 1);
-    triangles::divide(four, 5, 4);
+    triangles::divide(one, 5, 5, 1);
+    triangles::divide(four, 5, 5, 4);
     CHECK(one.spatial == four.spatial);
     CHECK(one.tape == four.tape);
     // A cube's few planes are one formula at the root: eight entries, no node below.
     tape::BoundModel cube = bind_model(solid_of(prism({{0, 0}, {1, 0}, {1, 1}, {0, 1}}, 1), 0), 6);
-    CHECK(triangles::divide(cube, 6, 1).nodes == 1);
+    CHECK(triangles::divide(cube, 6, 6, 1).nodes == 1);
 }
 
 TEST_CASE("bounds beside polyhedra are found where surfaces do not tell") {

@@ -1,0 +1,28 @@
+// Cells of several sizes: which levels a run needs, and who asks for smaller cells.
+#pragma once
+
+#include "host/octree/octree.hpp"
+#include "host/tape/compile.hpp"
+#include "mortise/mesher.hpp"
+
+namespace mortise::pipeline {
+
+/// Levels of a tree. Boundary cells have level `base` unless something asks for smaller ones.
+struct Levels {
+    int base = 6;
+    int features = 6;     ///< finest that features and curvature may ask for
+    int sizes = 6;        ///< finest that sizes ask for
+    int coarsest_in = 6;  ///< of cells inside the solid
+
+    int finest() const { return features > sizes ? features : sizes; }
+    bool is_uniform() const { return finest() == base && coarsest_in == base; }
+};
+
+/// Levels for a model bound to its root box. Throws Error(kUsage) if sizes ask for more than kMaxLevel.
+Levels plan_levels(const MeshOptions& options, const tape::BoundModel& model, int base);
+
+/// The tree, uniform if all levels are one.
+octree::Octree build_tree(device::Device& device, const MeshOptions& options, const tape::BoundModel& model,
+                          const Levels& levels, octree::DeviceTree* on_device);
+
+}  // namespace mortise::pipeline
