@@ -1,6 +1,7 @@
 #include "host/improve/block.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace mortise::improve {
 namespace {
@@ -36,6 +37,9 @@ void Block::load(const Zone& zone, const std::vector<std::uint32_t>& tetrahedra,
                  std::vector<std::uint32_t>& place) {
     zone_node_.clear();
     points_.clear();
+    size_.clear();
+    unit_ = zone.unit;
+    rounding_ = zone.rounding;
     free_.clear();
     joined_.clear();
     strata_.clear();
@@ -48,6 +52,7 @@ void Block::load(const Zone& zone, const std::vector<std::uint32_t>& tetrahedra,
             place[n] = static_cast<Local>(zone_node_.size());
             zone_node_.push_back(n);
             points_.push_back(zone.points[n]);
+            size_.push_back(std::ldexp(1.0, zone.size_class[n]));
             free_.push_back(free[n]);
             joined_.push_back(zone.joined[n]);
             strata_.emplace_back(zone.surfaces(n), zone.surfaces(n) + zone.stratum_size(n));
@@ -108,7 +113,7 @@ std::vector<Tetrahedron> Block::store(std::vector<Point>& points) const {
 }
 
 double Block::quality(const std::array<Local, 4>& n) const {
-    return tetrahedron_quality(points_[n[0]], points_[n[1]], points_[n[2]], points_[n[3]]);
+    return tetrahedron_quality(points_[n[0]], points_[n[1]], points_[n[2]], points_[n[3]], rounding_);
 }
 
 std::array<Point, 5> Block::corners(const std::array<Local, 5>& n) const {
@@ -252,7 +257,7 @@ void Block::collapse_short_edges() {
         for (int e = 0; e < 6 && alive_[i] != 0; ++e) {
             const Local a = tetrahedra_[i].node[kEdgeEnds[e][0]];
             const Local b = tetrahedra_[i].node[kEdgeEnds[e][1]];
-            if (!(squared_length(points_[a] - points_[b]) < kShortEdge * kShortEdge)) continue;
+            if (!is_short_edge(a, b)) continue;
             bool found = false;
             for (int side = 0; side < 2; ++side) {
                 const double better_than = found ? best_.after : 0;

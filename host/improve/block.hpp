@@ -1,12 +1,14 @@
 // Improvement of the tetrahedra of one block of the lattice.
 //
-// A block's elements are those of the zone with their centroid in it. Nodes all of whose elements are in the
-// block are free: they move along their stratum, and edges collapse and flip where only they are concerned.
-// Everything else stays, so blocks do not know each other and may be done at once (algorithms.md §7).
+// A block's elements are those of the zone with their centroid in it, of one or two sizes. Nodes all of whose
+// elements are in the block are free: they move along their stratum, and edges collapse and flip where only
+// they are concerned. Everything else stays, so blocks do not know each other and may be done at once
+// (algorithms.md §7).
 //
 // Every change is accepted only if the worst element that it touches gets better, and all stay positive.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <vector>
@@ -19,7 +21,8 @@ namespace mortise::improve {
 /// A change must lift the worst quality by at least this factor, so that rounding never makes a loop.
 inline constexpr double kLeastGain = 1.002;
 
-/// Edges shorter than this, in cells, are collapsed where that makes nothing worse.
+/// Edges shorter than this, in edges of the smallest leaf at their ends, are collapsed where that makes
+/// nothing worse.
 inline constexpr double kShortEdge = 0.35;
 
 struct BlockOptions {
@@ -107,6 +110,10 @@ class Block {
     // block.cpp
     void apply(const Change& change);
     double quality(const std::array<Local, 4>& node) const;
+    bool is_short_edge(Local a, Local b) const {
+        const double shortest = kShortEdge * std::min(size_[a], size_[b]);
+        return squared_length(points_[a] - points_[b]) < shortest * shortest;
+    }
     std::array<Point, 5> corners(const std::array<Local, 5>& pyramid) const;
     std::uint32_t across(std::uint32_t tetrahedron, std::size_t face) const;
     bool gather_ring(Local a, Local b, std::size_t longest, Ring& ring) const;
@@ -149,6 +156,9 @@ class Block {
     BlockOptions options_;
     std::vector<Local> zone_node_;
     std::vector<Point> points_;
+    std::vector<double> size_;  ///< per node: edge of the smallest leaf around it, in finest cells
+    double unit_ = 1;           ///< Zone::unit
+    double rounding_ = kVolumeRounding;
     std::vector<std::uint8_t> free_;
     std::vector<std::uint8_t> joined_;
     std::vector<std::uint8_t> tip_;  ///< 0, or 1 + place in tips_

@@ -5,9 +5,10 @@
 namespace mortise::improve {
 namespace {
 
-constexpr double kLongestEdge = 1.75;  ///< cells: an edge that a collapse makes; longer ones may only shrink
-constexpr double kOffSurface = 2e-5;   ///< cells: nodes that could not be projected are closer than that
-constexpr double kTinyFacet = 1e-3;    ///< cells: a facet without a longer edge has no direction to speak of
+// Lengths in cells; a cell at a node is the smallest leaf around it.
+constexpr double kLongestEdge = 1.75;     ///< an edge that a collapse makes; longer ones may only shrink
+constexpr double kOffSurface = 2e-5;      ///< nodes that could not be projected are closer than that
+constexpr double kTinyFacet = 1e-3;       ///< a facet without a longer edge has no direction to speak of
 constexpr std::size_t kMostSurfaces = 8;  ///< that may have a crease in common
 /// Tetrahedra at a node; more, around a needle of the model, would take more time than they are worth.
 constexpr std::size_t kLargestStar = 512;
@@ -226,7 +227,8 @@ bool Block::facets_stay_aligned(Local gone, Local kept) const {
         for (std::size_t k = 0; k < 3; ++k) {
             longest = std::max(longest, squared_length(points_[face[k]] - points_[face[(k + 1) % 3]]));
         }
-        return longest < kTinyFacet * kTinyFacet;
+        const double tiny = kTinyFacet * size_[gone];
+        return longest < tiny * tiny;
     };
     // First which way the facets of each surface look, then each facet.
     double way[kMostSurfaces] = {};
@@ -311,7 +313,8 @@ bool Block::examine_collapse(Local gone, Local kept, bool good_will_do, double b
     change.collapse = true;
     entries_.clear();
     const bool on_surface = !strata_[gone].empty();
-    double longest_before = kLongestEdge * kLongestEdge;
+    const double longest = kLongestEdge * size_[gone];
+    double longest_before = longest * longest;
     for (const std::uint32_t i : star_[gone]) {
         const Tetrahedron& t = tetrahedra_[i];
         change.removed.push_back(i);
@@ -320,7 +323,7 @@ bool Block::examine_collapse(Local gone, Local kept, bool good_will_do, double b
             longest_before = std::max(longest_before, squared_length(points_[n] - points_[gone]));
     }
     // A short edge may go if nothing gets worse: the mesh gets simpler, and other changes get room.
-    const bool is_short = squared_length(points_[gone] - points_[kept]) < kShortEdge * kShortEdge;
+    const bool is_short = is_short_edge(gone, kept);
     change.needed = std::max(change.before * (is_short ? kEqual : kLeastGain), kLowestQuality);
     if (good_will_do) change.needed = std::min(change.needed, options_.target);
     change.needed = std::max(change.needed, better_than);
@@ -375,7 +378,8 @@ bool Block::examine_collapse(Local gone, Local kept, bool good_will_do, double b
             for (const Local n : t.node) {
                 if (n == gone || n == kept || strata_[n].size() < 2 || !edge_is_on_stratum(gone, n)) continue;
                 const Point middle = 0.5 * (points_[n] + points_[kept]);
-                const double limit = std::max(kChordError * length(points_[n] - points_[kept]), kOffSurface);
+                const double limit =
+                    std::max(kChordError * length(points_[n] - points_[kept]), kOffSurface * size_[gone]);
                 for (const std::uint32_t surface : strata_[gone]) {
                     const Surfaces::Sample s = surfaces_.sample(surface, middle);
                     if (!s.valid || !(std::fabs(s.value) <= limit * length(s.gradient))) return false;

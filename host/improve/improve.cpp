@@ -11,7 +11,9 @@ namespace {
 constexpr double kBlockCells = 16;
 /// Shifts of the blocks along the diagonal. A coordinate is near a block's boundary in at most one of four
 /// passes, so every node is inside a block in at least one.
-constexpr int kPasses = 4;
+constexpr int kShifts = 4;
+/// Bits of a block's place along an axis in its key.
+constexpr int kPlaceBits = 20;
 constexpr std::uint32_t kMixed = 0xfffffffeu;
 
 struct Group {
@@ -26,8 +28,17 @@ class Improver {
     Improver(Zone& zone, const Surfaces& surfaces, const Options& options)
         : zone_(zone), surfaces_(surfaces), options_(options) {}
 
-    void pass(double shift, Counters& counters) {
-        group(shift);
+    /// Whether leaves of several sizes met: then elements are paired with the next larger or smaller ones.
+    bool is_graded() const {
+        return std::any_of(zone_.size_class.begin(), zone_.size_class.end(),
+                           [this](std::uint8_t c) { return c != zone_.size_class.front(); });
+    }
+
+    /// Cells of two sizes share their blocks, which have 16 of the larger along an edge: those of classes
+    /// -1 and 0, 1 and 2, 3 and 4, … above the finest for `pairing` 0, of 0 and 1, 2 and 3, … for 1. Around a
+    /// node of a balanced tree are at most two sizes, so one pairing has all its elements.
+    void pass(int pairing, int shift, Counters& counters) {
+        group(pairing, kBlockCells / kShifts * shift);
         find_free_nodes();
         std::vector<std::vector<Tetrahedron>> results(groups_.size());
         const auto threads = static_cast<std::size_t>(thread_count(options_.threads));
@@ -94,14 +105,23 @@ class Improver {
         return pyramid_quality(corners);
     }
 
+    /// An element counts as large as the largest of its nodes' leaves. So those around a node have, if it
+    /// touches leaves of two sizes, these two.
     template <class Nodes>
-    std::uint64_t block_of(const Nodes& nodes, double shift) const {
+    std::uint64_t block_of(const Nodes& nodes, int pairing, double shift) const {
         Point sum = {0, 0, 0};
-        for (const ZoneNode n : nodes) sum = sum + zone_.points[n];
-        std::uint64_t key = 0;
+        int size_class = 0;
+        for (const ZoneNode n : nodes) {
+            sum = sum + zone_.points[n];
+            size_class = std::max<int>(size_class, zone_.size_class[n]);
+        }
+        const int pair = (size_class - zone_.finest_class + 1 - pairing) / 2;
+        const double cell = std::ldexp(1.0, zone_.finest_class + 2 * pair + pairing);
+        auto key = static_cast<std::uint64_t>(pair);
         for (const double x : sum) {
-            const double at = x / static_cast<double>(nodes.size()) + shift + kBlockCells;
-            key = (key << 20) | static_cast<std::uint64_t>(std::max(0.0, std::floor(at / kBlockCells)));
+            const double at = x / cell / static_cast<double>(nodes.size()) + shift + kBlockCells;
+            key =
+                (key << kPlaceBits) | static_cast<std::uint64_t>(std::max(0.0, std::floor(at / kBlockCells)));
         }
         return key;
     }
@@ -111,13 +131,13 @@ class Improver {
                            [&](const auto& tip) { return tip.first == n && zone_.points[n] != tip.second; });
     }
 
-    void group(double shift) {
+    void group(int pairing, double shift) {
         const std::size_t tetrahedra = zone_.tetrahedra.size();
         std::vector<std::pair<std::uint64_t, std::uint32_t>> order(tetrahedra + zone_.pyramids.size());
         parallel_chunks(order.size(), 4096, options_.threads, [&](std::size_t begin, std::size_t end, int) {
             for (std::size_t i = begin; i < end; ++i) {
-                order[i] = {i < tetrahedra ? block_of(zone_.tetrahedra[i].node, shift)
-                                           : block_of(zone_.pyramids[i - tetrahedra].node, shift),
+                order[i] = {i < tetrahedra ? block_of(zone_.tetrahedra[i].node, pairing, shift)
+                                           : block_of(zone_.pyramids[i - tetrahedra].node, pairing, shift),
                             static_cast<std::uint32_t>(i)};
             }
         });
@@ -172,14 +192,16 @@ Mesh improve(Mesh mesh, const tape::BoundModel& model, const Options& options, C
     frame.origin = {model.origin[0], model.origin[1], model.origin[2]};
     frame.cell = std::ldexp(model.side, -options.level);
     frame.level = options.level;
+    if (options.leaves != nullptr && !options.leaves->is_uniform()) frame.leaves = options.leaves;
     const Surfaces surfaces(model, options.level);
     Zone zone = open_zone(mesh, frame, surfaces, find_tips(model, options.level), options.threads);
     Counters local;
     local.zone_elements = zone.tetrahedra.size() + zone.pyramids.size();
     if (!zone.tetrahedra.empty()) {
         Improver improver(zone, surfaces, options);
-        for (int pass = 0; pass < kPasses && (pass == 0 || !improver.is_done()); ++pass) {
-            improver.pass(kBlockCells / kPasses * pass, local);
+        const int passes = improver.is_graded() ? 2 * kShifts : kShifts;
+        for (int pass = 0; pass < passes && (pass == 0 || !improver.is_done()); ++pass) {
+            improver.pass(pass / kShifts, pass % kShifts, local);
         }
         mesh = close_zone(std::move(mesh), frame, zone);
     }

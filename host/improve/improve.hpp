@@ -2,6 +2,7 @@
 // (algorithms.md §4, §7).
 #pragma once
 
+#include "host/common/leaf_grid.hpp"
 #include "host/improve/block.hpp"
 #include "host/tape/compile.hpp"
 #include "mortise/mesh.hpp"
@@ -9,9 +10,10 @@
 namespace mortise::improve {
 
 struct Options {
-    int level = 0;    ///< of the cells
-    int smooth = 4;   ///< rounds of repositioning; 0: nodes move only onto the model
-    int threads = 0;  ///< host threads; 0: all cores
+    int level = 0;                     ///< of the finest cells
+    int smooth = 4;                    ///< rounds of repositioning; 0: nodes move only onto the model
+    int threads = 0;                   ///< host threads; 0: all cores
+    const LeafGrid* leaves = nullptr;  ///< null or empty: a uniform tree
 };
 
 struct Counters {

@@ -1,5 +1,7 @@
 #include "host/improve/poor_cells.hpp"
 
+#include <atomic>
+
 #include "host/common/parallel.hpp"
 #include "kernels/shared/lattice.h"
 
@@ -7,11 +9,11 @@ namespace mortise::improve {
 namespace {
 
 constexpr std::size_t kChunk = 4096;
-/// A hexahedron, wedge or pyramid with an edge shorter than this, in cells, counts as poor: it may have right
-/// angles and still make its neighbours flat.
+/// A hexahedron, wedge or pyramid with an edge shorter than this, in edges of the smallest leaf at its ends,
+/// counts as poor: it may have right angles and still make its neighbours flat.
 constexpr double kShortestEdge = 0.35;
 
-double element_quality(const Mesh& mesh, const CellFrame& frame, const Element& e) {
+double element_quality(const Mesh& mesh, const CellFrame& frame, const Element& e, double rounding) {
     std::array<Point, 8> p;
     for (std::size_t k = 0; k < e.count; ++k) p[k] = in_cells(mesh, frame, e.node[k]);
     const auto corner = [&](std::size_t o, std::size_t a, std::size_t b, std::size_t c) {
@@ -19,7 +21,7 @@ double element_quality(const Mesh& mesh, const CellFrame& frame, const Element& 
     };
     double worst = 2;
     switch (e.type) {
-        case ElementType::kTetrahedron: return tetrahedron_quality(p[0], p[1], p[2], p[3]);
+        case ElementType::kTetrahedron: return tetrahedron_quality(p[0], p[1], p[2], p[3], rounding);
         case ElementType::kPyramid: return pyramid_quality({p[0], p[1], p[2], p[3], p[4]});
         case ElementType::kWedge:
             for (std::size_t i = 0; i < 3; ++i) {
@@ -38,15 +40,17 @@ double element_quality(const Mesh& mesh, const CellFrame& frame, const Element& 
 }
 
 /// Whether an element that is no tetrahedron is too flat to be split into good ones.
-bool is_flat(const Mesh& mesh, const CellFrame& frame, const Element& e) {
+bool is_flat(const Mesh& mesh, const CellFrame& frame, const Places& places, const Element& e) {
     const LocalFaces faces = local_faces(e.type);
     for (int f = 0; f < faces.count; ++f) {
         const LocalFace& face = faces.faces[f];
         const std::size_t count = face[3] < 0 ? 3 : 4;
         for (std::size_t k = 0; k < count; ++k) {
-            const Point edge =
-                in_cells(mesh, frame, e.node[face[k]]) - in_cells(mesh, frame, e.node[face[(k + 1) % count]]);
-            if (squared_length(edge) < kShortestEdge * kShortestEdge) return true;
+            const NodeId a = e.node[face[k]], b = e.node[face[(k + 1) % count]];
+            const Point edge = in_cells(mesh, frame, a) - in_cells(mesh, frame, b);
+            const double shortest =
+                kShortestEdge * std::ldexp(1.0, std::min(places.size_class(a), places.size_class(b)));
+            if (squared_length(edge) < shortest * shortest) return true;
         }
     }
     return false;
@@ -60,7 +64,8 @@ Element element(const Mesh& mesh, int t, std::size_t i) {
             size};
 }
 
-/// Nodes lie on the lattice of 2^-26 of a cell: rounding takes away what the map to model coordinates added.
+/// Nodes lie on the lattice of 2^-26 of a finest cell: rounding takes away what the map to model coordinates
+/// added.
 Point in_cells(const Mesh& mesh, const CellFrame& frame, NodeId node) {
     Point p;
     for (std::size_t j = 0; j < 3; ++j) {
@@ -79,24 +84,74 @@ Point centroid(const Mesh& mesh, const CellFrame& frame, const Element& e) {
 Point place_of(const Mesh& mesh, const CellFrame& frame, int type, std::size_t i) {
     const ElementBlock& block = mesh.elements[static_cast<std::size_t>(type)];
     if (type == 0 && block.kind[i] == static_cast<std::uint8_t>(ElementKind::kIn)) {
-        return in_cells(mesh, frame, block.nodes[8 * i]) + Point{0.5, 0.5, 0.5};
+        const Point low = in_cells(mesh, frame, block.nodes[8 * i]);
+        if (frame.leaves == nullptr) return low + Point{0.5, 0.5, 0.5};
+        return 0.5 * (low + in_cells(mesh, frame, block.nodes[8 * i + 6]));
     }
     return centroid(mesh, frame, element(mesh, type, i));
 }
 
-std::vector<std::size_t> poor_cells(const Mesh& mesh, const CellFrame& frame, const CellSet& cells,
-                                    int threads) {
-    std::vector<std::size_t> poor;
+CellId Places::cell(const Mesh& mesh, const CellFrame& frame, const CellSet& cells, int type,
+                    std::size_t i) const {
+    const std::uint32_t known = cell_of[static_cast<std::size_t>(type)][i];
+    return known != kLookAnew ? known : cells.index(place_of(mesh, frame, type, i));
+}
+
+void find_cells(const Mesh& mesh, const CellFrame& frame, const CellSet& cells, int threads, Places& places) {
+    for (int t = 0; t < kElementTypes; ++t) {
+        const std::size_t count = mesh.elements[static_cast<std::size_t>(t)].size();
+        std::vector<std::uint32_t>& cell_of = places.cell_of[static_cast<std::size_t>(t)];
+        cell_of.resize(count);
+        parallel_chunks(count, kChunk, threads, [&](std::size_t begin, std::size_t end, int) {
+            CellId at = 0;
+            for (std::size_t i = begin; i < end; ++i) {
+                at = cells.index(place_of(mesh, frame, t, i), at);
+                cell_of[i] = at < Places::kLookAnew ? static_cast<std::uint32_t>(at) : Places::kLookAnew;
+            }
+        });
+    }
+}
+
+void find_size_classes(const Mesh& mesh, const CellFrame& frame, const CellSet& cells, int threads,
+                       Places& places) {
+    // Which thread lowers a number last does not matter.
+    std::vector<std::atomic<std::uint8_t>> least(mesh.node_count());
+    for (auto& value : least) value.store(0xff, std::memory_order_relaxed);
+    for (int t = 0; t < kElementTypes; ++t) {
+        parallel_chunks(mesh.elements[static_cast<std::size_t>(t)].size(), kChunk, threads,
+                        [&](std::size_t begin, std::size_t end, int) {
+                            for (std::size_t i = begin; i < end; ++i) {
+                                const Element e = element(mesh, t, i);
+                                const auto size = static_cast<std::uint8_t>(
+                                    cells.size_class(places.cell(mesh, frame, cells, t, i)));
+                                for (std::size_t k = 0; k < e.count; ++k) {
+                                    std::atomic<std::uint8_t>& value = least[e.node[k]];
+                                    std::uint8_t known = value.load(std::memory_order_relaxed);
+                                    while (size < known && !value.compare_exchange_weak(
+                                                               known, size, std::memory_order_relaxed)) {
+                                    }
+                                }
+                            }
+                        });
+    }
+    places.node_class.resize(least.size());
+    for (std::size_t i = 0; i < least.size(); ++i) places.node_class[i] = least[i];
+}
+
+std::vector<CellId> poor_cells(const Mesh& mesh, const CellFrame& frame, const CellSet& cells,
+                               const Places& places, double rounding, int threads) {
+    std::vector<CellId> poor;
     for (int t = 0; t < kElementTypes; ++t) {
         const ElementBlock& block = mesh.elements[static_cast<std::size_t>(t)];
-        std::vector<std::vector<std::size_t>> found(chunk_count(block.size(), kChunk));
+        std::vector<std::vector<CellId>> found(chunk_count(block.size(), kChunk));
         parallel_chunks(block.size(), kChunk, threads, [&](std::size_t begin, std::size_t end, int) {
-            std::vector<std::size_t>& list = found[begin / kChunk];
+            std::vector<CellId>& list = found[begin / kChunk];
             for (std::size_t i = begin; i < end; ++i) {
                 // Hexahedra of IN cells are cubes.
                 if (t == 0 && block.kind[i] == static_cast<std::uint8_t>(ElementKind::kIn)) continue;
                 const Element e = element(mesh, t, i);
-                if (element_quality(mesh, frame, e) < kPoorQuality || (t < 3 && is_flat(mesh, frame, e)))
+                if (element_quality(mesh, frame, e, rounding) < kPoorQuality ||
+                    (t < 3 && is_flat(mesh, frame, places, e)))
                     list.push_back(cells.index(centroid(mesh, frame, e)));
             }
         });

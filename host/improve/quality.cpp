@@ -15,7 +15,7 @@ double sine(const Point& n, const Point& m, double edge, double product) {
 
 }  // namespace
 
-double tetrahedron_quality(const Point& a, const Point& b, const Point& c, const Point& d) {
+double tetrahedron_quality(const Point& a, const Point& b, const Point& c, const Point& d, double rounding) {
     const Point ab = b - a;
     const Point ac = c - a;
     const Point ad = d - a;
@@ -35,7 +35,7 @@ double tetrahedron_quality(const Point& a, const Point& b, const Point& c, const
     const double l_bd = squared_length(bd);
     const double l_cd = squared_length(cd);
     const double span = std::max(std::max(l_ab, l_ac), std::max(l_ad, std::max(l_bc, std::max(l_bd, l_cd))));
-    if (!(volume > kVolumeRounding * span)) return kInvertedQuality;
+    if (!(volume > rounding * span)) return kInvertedQuality;
     const double n_abc = squared_length(abc);
     const double n_abd = squared_length(abd);
     const double n_acd = squared_length(acd);

@@ -29,11 +29,12 @@ inline constexpr double kInvertedQuality = -1;    ///< of elements that are not 
 
 /// No change may make an element flatter than this, whatever it replaces: rounding decides nothing.
 inline constexpr double kLowestQuality = 1e-9;
-/// Volumes below this, relative to the cube of a cell's edge times the longest edge squared, may be rounding.
+/// Volumes below this, in cells and relative to the longest edge squared, may be rounding of the positions.
 inline constexpr double kVolumeRounding = 1e-12;
 
 /// Quality of a tetrahedron, at most 1.1; kInvertedQuality if it is not positive (mesh.hpp's orientation).
-double tetrahedron_quality(const Point& a, const Point& b, const Point& c, const Point& d);
+double tetrahedron_quality(const Point& a, const Point& b, const Point& c, const Point& d,
+                           double rounding = kVolumeRounding);
 
 /// Quality at a corner where three edges u, v, w meet, right-handed: its three dihedral angles and its
 /// scaled Jacobian.

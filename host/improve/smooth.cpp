@@ -5,8 +5,7 @@
 namespace mortise::improve {
 namespace {
 
-constexpr double kProjectionReach = 0.25;  ///< cells: farther, the stratum is not what the mesh shows
-constexpr double kSamePlace = 1e-6;        ///< cells: targets closer than this are one point of the model
+constexpr double kSamePlace = 1e-6;  ///< cells: targets closer than this are one point of the model
 constexpr double kFlatAtCorner = 0.01;
 constexpr double kFirstStep = 0.25;  ///< of the mean length of the node's edges
 constexpr int kHalvings = 4;
@@ -53,14 +52,16 @@ void Block::project_nodes() {
         bool moves;
     };
     std::vector<Target> targets;
+    double largest = 0;
     for (Local n = 0; n < points_.size(); ++n) {
         if (star_[n].empty() || strata_[n].empty()) continue;
+        largest = std::max(largest, size_[n]);
         Target t{points_[n], n, false};
         if (free_[n] != 0 && tip_[n] != 0) {
             t.at = tips_[tip_[n] - 1u];
             t.moves = t.at != points_[n];
         } else if (free_[n] != 0 && (options_.change_boundary || strata_[n].size() < 3)) {
-            t.moves = surfaces_.project(strata_[n].data(), strata_[n].size(), kProjectionReach, &t.at) &&
+            t.moves = surfaces_.project(strata_[n].data(), strata_[n].size(), size_[n], &t.at) &&
                       t.at != points_[n];
         }
         targets.push_back(t);
@@ -73,8 +74,9 @@ void Block::project_nodes() {
         for (std::size_t i = 0; i < targets.size(); ++i) {
             for (std::size_t j = i + 1; j < targets.size(); ++j) {
                 const Point d = targets[j].at - targets[i].at;
-                if (d[0] > kSamePlace) break;
-                if (squared_length(d) > kSamePlace * kSamePlace) continue;
+                if (d[0] > kSamePlace * largest) break;
+                const double same = kSamePlace * std::max(size_[targets[i].node], size_[targets[j].node]);
+                if (squared_length(d) > same * same) continue;
                 for (Target* t : {&targets[i], &targets[j]}) {
                     again = again || t->moves;
                     t->moves = false;
@@ -119,7 +121,7 @@ double Block::quality_at(const Point& p, double enough) {
     double worst = 2;
     for (std::size_t i = 0; i < views_.size(); ++i) {
         const auto& x = views_[i];
-        worst = std::min(worst, tetrahedron_quality(p, x[0], x[1], x[2]));
+        worst = std::min(worst, tetrahedron_quality(p, x[0], x[1], x[2], rounding_));
         if (worst > enough) continue;
         if (i > 0)
             std::rotate(views_.begin(), views_.begin() + static_cast<std::ptrdiff_t>(i),
@@ -209,7 +211,7 @@ bool Block::smooth(Local node) {
     const double alignment_limit = on.empty() ? 0 : std::min(kLeastAlignment, worst_alignment(node));
     const auto attempt = [&](const Point& from, const Point& candidate) {
         Point p = candidate;
-        if (!on.empty() && !surfaces_.project(on.data(), on.size(), kProjectionReach, &p)) return false;
+        if (!on.empty() && !surfaces_.project(on.data(), on.size(), size_[node], &p)) return false;
         const double needed = std::max(best * kLeastGain, kLowestQuality);
         double value = quality_at(p, needed);
         if (!(value > needed)) return false;

@@ -11,8 +11,12 @@ namespace mortise::improve {
 namespace {
 
 constexpr int kIterations = 12;
-constexpr double kConverged = 1e-11;  ///< of a cell: the last step of Newton's method
-constexpr double kTangent = 0.05;     ///< sine between gradients below which surfaces count as tangent
+constexpr double kConverged = 1e-11;       ///< of a cell: the last step of Newton's method
+constexpr double kProjectionReach = 0.25;  ///< cells: farther, the stratum is not what the mesh shows
+constexpr double kTangent = 0.05;          ///< sine between gradients below which surfaces count as tangent
+/// What Newton's method can reach, in edges of the root box: in finest cells of deep trees more than
+/// kConverged.
+constexpr int kRoundingBits = 48;
 
 /// Box-local distance, to first order, below which a surface's side of a point is not certain.
 constexpr double kUncertain = 1e-9;
@@ -51,7 +55,7 @@ std::vector<Tip> find_tips(const tape::BoundModel& model, int level) {
 }
 
 Surfaces::Surfaces(const tape::BoundModel& model, int level)
-    : model_(model), cell_(std::ldexp(1.0, -level)) {}
+    : model_(model), cell_(std::ldexp(1.0, -level)), rounding_(std::ldexp(1.0, level - kRoundingBits)) {}
 
 Surfaces::Sample Surfaces::sample(std::uint32_t surface, const Point& x) const {
     const SurfaceSample s = surface_sample(&model_.surfaces[surface], model_.expression_ops.data(),
@@ -68,8 +72,10 @@ bool Surfaces::is_plane(std::uint32_t surface) const {
     return model_.surfaces[surface].kind == kSurfacePlane;
 }
 
-bool Surfaces::project(const std::uint32_t* surfaces, std::size_t count, double reach, Point* x) const {
+bool Surfaces::project(const std::uint32_t* surfaces, std::size_t count, double size, Point* x) const {
     if (count == 0 || count > 3) return false;
+    const double reach = kProjectionReach * size;
+    const double converged = std::max(kConverged * size, rounding_);
     const Point start = *x;
     Point p = start;
     for (int i = 0; i < kIterations; ++i) {
@@ -92,7 +98,7 @@ bool Surfaces::project(const std::uint32_t* surfaces, std::size_t count, double 
         }
         p = p + step;
         if (squared_length(p - start) > reach * reach) return false;
-        if (squared_length(step) < kConverged * kConverged) {
+        if (squared_length(step) < converged * converged) {
             *x = p;
             return true;
         }

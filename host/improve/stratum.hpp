@@ -17,13 +17,13 @@ namespace mortise::improve {
 /// has.
 struct Tip {
     std::uint32_t surface;
-    Point point;  ///< in cells
+    Point point;  ///< in finest cells
 };
 
 /// The apexes of cones at which the solid really ends, in order of their surfaces.
 std::vector<Tip> find_tips(const tape::BoundModel& model, int level);
 
-/// Surfaces in units of cells, from the root box's minimum corner.
+/// Surfaces in units of finest cells, from the root box's minimum corner.
 class Surfaces {
   public:
     Surfaces(const tape::BoundModel& model, int level);
@@ -38,12 +38,14 @@ class Surfaces {
     bool is_plane(std::uint32_t surface) const;
 
     /// Moves x onto all of the given surfaces by Newton's method, minimum norm; false if that does not
-    /// converge within `reach`, or if the surfaces are tangent there. One, two or three surfaces.
-    bool project(const std::uint32_t* surfaces, std::size_t count, double reach, Point* x) const;
+    /// converge within a quarter of `size`, the edge of the cell there, or if the surfaces are tangent. One,
+    /// two or three surfaces.
+    bool project(const std::uint32_t* surfaces, std::size_t count, double size, Point* x) const;
 
   private:
     const tape::BoundModel& model_;
-    double cell_;  ///< a cell's edge in box-local coordinates: a power of two
+    double cell_;      ///< a finest cell's edge in box-local coordinates: a power of two
+    double rounding_;  ///< of a position, in finest cells
 };
 
 }  // namespace mortise::improve

@@ -6,7 +6,7 @@
 namespace mortise::improve {
 namespace {
 
-constexpr double kSameNode = 1e-9;  ///< cells: nodes closer than this coincide
+constexpr double kSameNode = 1e-9;  ///< finest leaves: nodes closer than this coincide
 
 /// Bits of a node's number in the key of a face.
 constexpr int kNodeBits = 21;
@@ -89,6 +89,7 @@ bool Block::verify() const {
             tetrahedra_, [&](std::size_t i) { return alive_[i] != 0; }, after))
         return false;
     if (before != after) return false;
+    const double same = kSameNode * unit_;
     std::vector<Local> order;
     for (Local n = 0; n < points_.size(); ++n) {
         if (!star_[n].empty() || !pyramid_star_[n].empty()) order.push_back(n);
@@ -97,8 +98,8 @@ bool Block::verify() const {
     for (std::size_t i = 0; i < order.size(); ++i) {
         for (std::size_t j = i + 1; j < order.size(); ++j) {
             const Point d = points_[order[j]] - points_[order[i]];
-            if (d[0] > kSameNode) break;
-            if (squared_length(d) < kSameNode * kSameNode) return false;
+            if (d[0] > same) break;
+            if (squared_length(d) < same * same) return false;
         }
     }
     return true;

@@ -14,6 +14,8 @@ constexpr int kGrowths = 3;
 constexpr double kSameDistance = 2e-5;  ///< cells
 constexpr double kLessTurned = 0.1;
 constexpr double kTipReach = 1.5;  ///< cells
+/// Up to this level positions are certain to kVolumeRounding of a finest cell.
+constexpr int kCertainLevel = 11;
 /// A split into tetrahedra that is flatter than this is replaced by a cone from the element's centre.
 constexpr double kLowestSplit = 0.02;
 
@@ -37,7 +39,7 @@ struct QuadUse {
 struct ElementRef {
     std::uint8_t type;
     std::size_t index;
-    std::size_t cell;
+    CellId cell;
     std::uint8_t kept;  ///< bit f: the quadrilateral face f stays whole
 };
 
@@ -102,13 +104,20 @@ class Opener {
           surfaces_(surfaces),
           tips_(tips),
           threads_(threads),
-          cells_(frame.level) {}
+          cells_(frame.level, frame.leaves) {}
 
     Zone open() {
-        std::vector<std::size_t> poor = poor_cells(mesh_, frame_, cells_, threads_);
+        if (cells_.is_graded()) {
+            unit_class_ = finest_class(*frame_.leaves);
+            find_cells(mesh_, frame_, cells_, threads_, places_);
+            find_size_classes(mesh_, frame_, cells_, threads_, places_);
+        }
+        rounding_ = kVolumeRounding * std::ldexp(1.0, std::max(unit_class_, frame_.level - kCertainLevel));
+        std::vector<CellId> poor = poor_cells(mesh_, frame_, cells_, places_, rounding_, threads_);
         for (const Tip& tip : tips_) poor.push_back(cells_.index(tip.point));
         if (poor.empty()) return {};
-        for (const std::size_t cell : poor) cells_.set_ring(cell);
+        for (const CellId cell : poor) cells_.set_ring(cell);
+        if (!cells_.is_graded()) find_cells(mesh_, frame_, cells_, threads_, places_);
         find_outer_quads();
         for (int round = 0; round < kGrowths; ++round) {
             collect();
@@ -124,8 +133,7 @@ class Opener {
         find_strata();
         assign_tips();
         for (Tetrahedron& t : zone_.tetrahedra) {
-            t.quality = tetrahedron_quality(zone_.points[t.node[0]], zone_.points[t.node[1]],
-                                            zone_.points[t.node[2]], zone_.points[t.node[3]]);
+            t.quality = quality(t);
         }
         return std::move(zone_);
     }
@@ -142,22 +150,18 @@ class Opener {
 
     void collect() {
         zone_ = Zone{};
+        zone_.finest_class = unit_class_;
+        zone_.unit = std::ldexp(1.0, unit_class_);
+        zone_.rounding = rounding_;
         elements_.clear();
         for (int t = 0; t < kElementTypes; ++t) {
             const std::size_t count = mesh_.elements[static_cast<std::size_t>(t)].size();
             std::vector<std::uint8_t>& taken = zone_.taken[static_cast<std::size_t>(t)];
             taken.assign(count, 0);
-            std::vector<std::uint32_t>& cell_of = cell_of_[static_cast<std::size_t>(t)];
-            const bool is_known = cell_of.size() == count;
-            cell_of.resize(count);
             std::vector<std::vector<ElementRef>> found(chunk_count(count, kChunk));
             parallel_chunks(count, kChunk, threads_, [&](std::size_t begin, std::size_t end, int) {
                 for (std::size_t i = begin; i < end; ++i) {
-                    if (!is_known) {
-                        const std::size_t at = cells_.index(place_of(mesh_, frame_, t, i));
-                        cell_of[i] = static_cast<std::uint32_t>(at);
-                    }
-                    const std::size_t cell = cell_of[i];
+                    const CellId cell = places_.cell(mesh_, frame_, cells_, t, i);
                     if (!cells_.test(cell)) continue;
                     taken[i] = 1;
                     found[begin / kChunk].push_back({static_cast<std::uint8_t>(t), i, cell, 0});
@@ -176,6 +180,7 @@ class Opener {
             if (place_[i] == kNone) continue;
             place_[i] = static_cast<std::uint32_t>(zone_.points.size());
             zone_.points.push_back(in_cells(mesh_, frame_, static_cast<NodeId>(i)));
+            zone_.size_class.push_back(static_cast<std::uint8_t>(places_.size_class(static_cast<NodeId>(i))));
             zone_.mesh_node.push_back(static_cast<NodeId>(i));
         }
     }
@@ -250,10 +255,12 @@ class Opener {
                 continue;
             undo();
             zone_.points.push_back(centroid_of(e));
+            zone_.size_class.push_back(static_cast<std::uint8_t>(cells_.size_class(r.cell)));
             zone_.mesh_node.push_back(kNone);
             if (cone(r, static_cast<ZoneNode>(zone_.points.size() - 1), 0)) continue;
             undo();
             zone_.points.pop_back();
+            zone_.size_class.pop_back();
             zone_.mesh_node.pop_back();
             if (r.kept == 0 && cone(r, place_[*std::min_element(e.node, e.node + e.count)], 0)) continue;
             cells_.reset(r.cell);
@@ -264,13 +271,13 @@ class Opener {
 
     /// Where a pyramid at the zone's border is poor, the zone takes one more ring.
     bool grow() {
-        std::vector<std::size_t> poor;
+        std::vector<CellId> poor;
         for (const Pyramid& p : zone_.pyramids) {
             const auto c = corners(p);
             if (pyramid_quality(c) >= kPoorQuality) continue;
             poor.push_back(cells_.index(0.2 * (c[0] + c[1] + c[2] + c[3] + c[4])));
         }
-        for (const std::size_t cell : poor) cells_.set_ring(cell);
+        for (const CellId cell : poor) cells_.set_ring(cell);
         return !poor.empty();
     }
 
@@ -327,11 +334,12 @@ class Opener {
     void assign_tips() {
         for (const Tip& tip : tips_) {
             ZoneNode best = kNone;
-            double nearest = kTipReach * kTipReach;
+            double nearest = HUGE_VAL;
             for (ZoneNode n = 0; n < zone_.points.size(); ++n) {
                 if (zone_.stratum_size(n) != 1 || zone_.surfaces(n)[0] != tip.surface) continue;
                 const double distance = squared_length(zone_.points[n] - tip.point);
-                if (distance >= nearest) continue;
+                const double reach = kTipReach * size_at(n);
+                if (distance >= nearest || distance >= reach * reach) continue;
                 nearest = distance;
                 best = n;
             }
@@ -391,16 +399,17 @@ class Opener {
         }
     }
 
-    /// How far a facet's nodes are from a surface, in cells; and how much it is turned against it, 0 to 1.
+    /// How far a facet's nodes are from a surface, in finest cells; and how much it is turned against it, 0
+    /// to 1.
     struct Fit {
         double distance = 0;
         double turned = 1;
     };
-    Fit fit(std::uint32_t surface, const std::array<Point, 3>& p) const {
+    Fit fit(std::uint32_t surface, const std::array<Point, 3>& p, double size) const {
         Fit result;
         for (const Point& x : p) {
             const Surfaces::Sample s = surfaces_.sample(surface, x);
-            if (!s.valid) return {kTipReach, 1};
+            if (!s.valid) return {kTipReach * size, 1};
             result.distance = std::max(result.distance, std::fabs(s.value) / length(s.gradient));
         }
         const Surfaces::Sample s = surfaces_.sample(surface, (1.0 / 3) * (p[0] + p[1] + p[2]));
@@ -426,13 +435,14 @@ class Opener {
                 const std::array<Point, 3> p = {zone_.points[node[0]], zone_.points[node[1]],
                                                 zone_.points[node[2]]};
                 std::uint32_t best = tag_surface(t.tag[f]);
-                Fit best_fit = fit(best, p);
+                const double size = std::min({size_at(node[0]), size_at(node[1]), size_at(node[2])});
+                Fit best_fit = fit(best, p, size);
                 for (const ZoneNode n : node) {
                     for (std::size_t k = 0; k < zone_.stratum_size(n); ++k) {
                         const std::uint32_t other = zone_.surfaces(n)[k];
                         if (other == best) continue;
-                        const Fit other_fit = fit(other, p);
-                        if (other_fit.distance > best_fit.distance + kSameDistance ||
+                        const Fit other_fit = fit(other, p, size);
+                        if (other_fit.distance > best_fit.distance + kSameDistance * size ||
                             other_fit.turned > best_fit.turned - kLessTurned)
                             continue;
                         best = other;
@@ -451,8 +461,10 @@ class Opener {
     }
     double quality(const Tetrahedron& t) const {
         return tetrahedron_quality(zone_.points[t.node[0]], zone_.points[t.node[1]], zone_.points[t.node[2]],
-                                   zone_.points[t.node[3]]);
+                                   zone_.points[t.node[3]], rounding_);
     }
+    /// Edge of the smallest leaf around a node.
+    double size_at(ZoneNode n) const { return std::ldexp(1.0, zone_.size_class[n]); }
     Point centroid_of(const Element& e) const { return centroid(mesh_, frame_, e); }
 
     const Mesh& mesh_;
@@ -462,8 +474,9 @@ class Opener {
     int threads_;
     CellSet cells_;
     Zone zone_;
-    /// Per element of the mesh: its cell in cells_ (fits: a uniform tree has at most level 10).
-    std::array<std::vector<std::uint32_t>, kElementTypes> cell_of_;
+    Places places_;
+    int unit_class_ = 0;
+    double rounding_ = kVolumeRounding;
     std::vector<QuadKey> outer_quads_;
     std::vector<ElementRef> elements_;
     std::vector<std::uint32_t> place_;  ///< per node of the mesh: its place in the zone

@@ -1,14 +1,15 @@
 // The part of a mesh that is improved: cells with poor elements and one ring of cells around them, all as
 // tetrahedra, but for the pyramids that join them to the elements left alone.
 //
-// Coordinates are in cells, from the root box's minimum corner. Which cell an element belongs to is told by
-// its centroid.
+// Coordinates are in finest cells, from the root box's minimum corner. Which cell an element belongs to is
+// told by its centroid. Lengths that decide are in edges of the smallest leaf around a node.
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <vector>
 
+#include "host/common/leaf_grid.hpp"
 #include "host/improve/quality.hpp"
 #include "host/improve/stratum.hpp"
 #include "mortise/mesh.hpp"
@@ -48,13 +49,18 @@ struct Pyramid {
 
 struct Zone {
     std::vector<Point> points;
-    std::vector<std::uint8_t> frozen;  ///< used by an element outside the zone: never moves
-    std::vector<std::uint8_t> joined;  ///< used by a pyramid: never removed
+    std::vector<std::uint8_t> size_class;  ///< of the smallest leaf around a node: 2^class finest cells
+    std::vector<std::uint8_t> frozen;      ///< used by an element outside the zone: never moves
+    std::vector<std::uint8_t> joined;      ///< used by a pyramid: never removed
     std::vector<Tetrahedron> tetrahedra;
     std::vector<Pyramid> pyramids;
     /// Surfaces of node i: stratum[stratum_begin[i]] to stratum[stratum_begin[i + 1]], ascending.
     std::vector<std::uint32_t> stratum;
     std::vector<std::uint32_t> stratum_begin;
+
+    int finest_class = 0;               ///< of the finest leaves of the tree
+    double unit = 1;                    ///< their edge
+    double rounding = kVolumeRounding;  ///< of volumes: see tetrahedron_quality
 
     std::vector<std::pair<ZoneNode, Point>> tips;  ///< nodes that belong to a surface's singular point
 
@@ -71,8 +77,9 @@ struct Zone {
 /// Where cells lie in model coordinates.
 struct CellFrame {
     Point origin;
-    double cell;  ///< edge of a cell in model units
+    double cell;  ///< edge of a finest cell in model units
     int level;
+    const LeafGrid* leaves = nullptr;  ///< null: uniform
 };
 
 /// Collects the zone; cells of tips count as poor. `threads` host threads; the result does not depend on

@@ -1,0 +1,84 @@
+#include "host/improve/cell_set.hpp"
+
+namespace mortise::improve {
+
+CellSet::CellSet(int level, const LeafGrid* leaves) : leaves_(leaves) {
+    if (leaves_ != nullptr && leaves_->is_uniform()) leaves_ = nullptr;
+    if (leaves_ != nullptr) {
+        bits_.resize((leaves_->size() + 63) / 64);
+        rings_.resize(bits_.size());
+        return;
+    }
+    size_ = (std::int64_t{1} << level) + 2;
+    bits_.resize(static_cast<std::size_t>((size_ * size_ * size_ + 63) / 64));
+}
+
+CellId CellSet::index_graded(const Point& p, CellId hint) const {
+    const std::uint64_t finest = finest_cell(*leaves_, p);
+    const std::size_t leaf = find_leaf(*leaves_, finest, is_outside(hint) ? kNoLeaf : hint);
+    if (leaf != kNoLeaf) return leaf;
+    for (int size_class = 0; size_class < leaves_->level; ++size_class) {
+        int smallest = leaves_->level + 1;
+        for_touching_leaves(*leaves_, cube_of(finest, size_class), [&](std::size_t near) {
+            smallest = std::min(smallest, leaves_->size_class(near));
+        });
+        if (smallest <= leaves_->level) return outside_id(cube_of(finest, std::max(size_class, smallest)));
+    }
+    return outside_id(cube_of(finest, leaves_->level));
+}
+
+void CellSet::set_ring(CellId i) {
+    if (leaves_ == nullptr) {
+        const auto cell = static_cast<std::int64_t>(i);
+        const std::int64_t at[3] = {cell % size_, cell / size_ % size_, cell / size_ / size_};
+        for (int k = 0; k < 27; ++k) {
+            const std::int64_t x = at[0] + k % 3 - 1;
+            const std::int64_t y = at[1] + k / 3 % 3 - 1;
+            const std::int64_t z = at[2] + k / 9 - 1;
+            if (std::min({x, y, z}) < 0 || std::max({x, y, z}) >= size_) continue;
+            const auto n = static_cast<CellId>((z * size_ + y) * size_ + x);
+            bits_[n >> 6] |= std::uint64_t{1} << (n & 63);
+        }
+        return;
+    }
+    const GridCube centre = cube(i);
+    for_touching_leaves(*leaves_, centre,
+                        [&](std::size_t leaf) { bits_[leaf >> 6] |= std::uint64_t{1} << (leaf & 63); });
+    if (is_outside(i)) {
+        outer_rings_.insert(i);
+    } else {
+        rings_[i >> 6] |= std::uint64_t{1} << (i & 63);
+    }
+    for (auto at = left_out_.begin(); at != left_out_.end();) {
+        at = touch(cube(*at), centre) ? left_out_.erase(at) : std::next(at);
+    }
+}
+
+/// Of cubes without leaves only those of the same size count as neighbours of each other.
+bool CellSet::test_outside(CellId i) const {
+    if (left_out_.count(i) != 0) return false;
+    const GridCube centre = cube(i);
+    bool found = outer_rings_.count(i) != 0;
+    for_touching_leaves(*leaves_, centre, [&](std::size_t leaf) {
+        found = found || ((rings_[leaf >> 6] >> (leaf & 63)) & 1) != 0;
+    });
+    if (found || outer_rings_.empty()) return found;
+    const auto low = centre.low();
+    const std::int64_t edge = std::int64_t{1} << centre.size_class;
+    for (int k = 0; k < 27; ++k) {
+        std::uint32_t at[3];
+        bool is_in_box = true;
+        const int step[3] = {k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1};
+        for (std::size_t j = 0; j < 3; ++j) {
+            const std::int64_t x = low[j] + step[j] * edge;
+            is_in_box = is_in_box && x >= 0 && x < (std::int64_t{1} << leaves_->level);
+            at[j] = static_cast<std::uint32_t>(x);
+        }
+        if (!is_in_box) continue;
+        if (outer_rings_.count(outside_id({morton_encode(at[0], at[1], at[2]), centre.size_class})) != 0)
+            return true;
+    }
+    return false;
+}
+
+}  // namespace mortise::improve

@@ -1,0 +1,80 @@
+// A set of cells of the tree, and which cell a point belongs to.
+//
+// Uniform trees: bits over the cells of the root box, and one ring around it for elements whose nodes have
+// moved out. Graded trees: bits over the meshed leaves. Elements whose nodes have moved into space without
+// leaves get a cell there too: the cube, of the size of the smallest leaf nearby, that holds their centroid.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <set>
+#include <vector>
+
+#include "host/common/leaf_grid.hpp"
+#include "host/improve/quality.hpp"
+
+namespace mortise::improve {
+
+/// A cell: of a uniform tree its place in the bits; of a graded one the number of its leaf, or with kOutside
+/// a cube without a leaf.
+using CellId = std::uint64_t;
+
+class CellSet {
+  public:
+    /// `leaves` may be null: a uniform tree.
+    CellSet(int level, const LeafGrid* leaves);
+
+    /// The cell that a point belongs to. `hint`: an earlier result for a point that may be near.
+    CellId index(const Point& p, CellId hint = 0) const {
+        if (leaves_ != nullptr) return index_graded(p, hint);
+        std::int64_t at[3];
+        for (std::size_t j = 0; j < 3; ++j) {
+            at[j] = std::clamp<std::int64_t>(static_cast<std::int64_t>(std::floor(p[j])) + 1, 0, size_ - 1);
+        }
+        return static_cast<CellId>((at[2] * size_ + at[1]) * size_ + at[0]);
+    }
+    bool test(CellId i) const {
+        if (is_outside(i)) return test_outside(i);
+        return ((bits_[i >> 6] >> (i & 63)) & 1) != 0;
+    }
+    void reset(CellId i) {
+        if (is_outside(i)) {
+            left_out_.insert(i);
+        } else {
+            bits_[i >> 6] &= ~(std::uint64_t{1} << (i & 63));
+        }
+    }
+    /// Puts a cell and all that touch it into the set.
+    void set_ring(CellId i);
+
+    bool is_graded() const { return leaves_ != nullptr; }
+    /// Edge of a cell: 2^size_class finest cells.
+    int size_class(CellId i) const { return leaves_ == nullptr ? 0 : cube(i).size_class; }
+
+    static bool is_outside(CellId i) { return (i & kOutside) != 0; }
+
+  private:
+    static constexpr CellId kOutside = CellId{1} << 63;
+    static constexpr int kClassBits = 5;
+
+    static CellId outside_id(const GridCube& c) {
+        return kOutside | (c.code << kClassBits) | static_cast<CellId>(c.size_class);
+    }
+    GridCube cube(CellId i) const {
+        if (!is_outside(i)) return cube_of(*leaves_, i);
+        return {(i & ~kOutside) >> kClassBits, static_cast<int>(i & ((1 << kClassBits) - 1))};
+    }
+    CellId index_graded(const Point& p, CellId hint) const;
+    bool test_outside(CellId i) const;
+
+    const LeafGrid* leaves_;
+    std::int64_t size_ = 0;
+    std::vector<std::uint64_t> bits_;
+    // Graded trees: cells whose ring is in the set, as bits and as cubes; cubes taken out again.
+    std::vector<std::uint64_t> rings_;
+    std::set<CellId> outer_rings_;
+    std::set<CellId> left_out_;
+};
+
+}  // namespace mortise::improve
