@@ -38,6 +38,9 @@ struct GridCube {
     }
 };
 
+/// Edge of a cube in finest cells.
+inline double edge_of(int size_class) { return static_cast<double>(std::uint64_t{1} << size_class); }
+
 inline constexpr std::size_t kNoLeaf = ~std::size_t{0};
 
 /// Whether two closed cubes have a point in common.

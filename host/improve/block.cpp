@@ -1,7 +1,6 @@
 #include "host/improve/block.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 namespace mortise::improve {
 namespace {
@@ -52,7 +51,7 @@ void Block::load(const Zone& zone, const std::vector<std::uint32_t>& tetrahedra,
             place[n] = static_cast<Local>(zone_node_.size());
             zone_node_.push_back(n);
             points_.push_back(zone.points[n]);
-            size_.push_back(std::ldexp(1.0, zone.size_class[n]));
+            size_.push_back(edge_of(zone.size_class[n]));
             free_.push_back(free[n]);
             joined_.push_back(zone.joined[n]);
             strata_.emplace_back(zone.surfaces(n), zone.surfaces(n) + zone.stratum_size(n));

@@ -116,10 +116,10 @@ class Improver {
             size_class = std::max<int>(size_class, zone_.size_class[n]);
         }
         const int pair = (size_class - zone_.finest_class + 1 - pairing) / 2;
-        const double cell = std::ldexp(1.0, zone_.finest_class + 2 * pair + pairing);
+        const double per_cell = 1 / edge_of(zone_.finest_class + 2 * pair + pairing);
         auto key = static_cast<std::uint64_t>(pair);
         for (const double x : sum) {
-            const double at = x / cell / static_cast<double>(nodes.size()) + shift + kBlockCells;
+            const double at = x * per_cell / static_cast<double>(nodes.size()) + shift + kBlockCells;
             key =
                 (key << kPlaceBits) | static_cast<std::uint64_t>(std::max(0.0, std::floor(at / kBlockCells)));
         }

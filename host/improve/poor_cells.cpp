@@ -49,7 +49,7 @@ bool is_flat(const Mesh& mesh, const CellFrame& frame, const Places& places, con
             const NodeId a = e.node[face[k]], b = e.node[face[(k + 1) % count]];
             const Point edge = in_cells(mesh, frame, a) - in_cells(mesh, frame, b);
             const double shortest =
-                kShortestEdge * std::ldexp(1.0, std::min(places.size_class(a), places.size_class(b)));
+                kShortestEdge * edge_of(std::min(places.size_class(a), places.size_class(b)));
             if (squared_length(edge) < shortest * shortest) return true;
         }
     }

@@ -151,7 +151,7 @@ class Opener {
     void collect() {
         zone_ = Zone{};
         zone_.finest_class = unit_class_;
-        zone_.unit = std::ldexp(1.0, unit_class_);
+        zone_.unit = edge_of(unit_class_);
         zone_.rounding = rounding_;
         elements_.clear();
         for (int t = 0; t < kElementTypes; ++t) {
@@ -464,7 +464,7 @@ class Opener {
                                    zone_.points[t.node[3]], rounding_);
     }
     /// Edge of the smallest leaf around a node.
-    double size_at(ZoneNode n) const { return std::ldexp(1.0, zone_.size_class[n]); }
+    double size_at(ZoneNode n) const { return edge_of(zone_.size_class[n]); }
     Point centroid_of(const Element& e) const { return centroid(mesh_, frame_, e); }
 
     const Mesh& mesh_;
