@@ -80,7 +80,7 @@ bool spans_a_corner(const tape::BoundModel& model, const Vector& local, const In
 
 /// Marks nodes at singular points of a surface that has facets there.
 void mark_singular(const Mesh& mesh, const std::vector<std::uint32_t>& facet_surface,
-                   const tape::BoundModel& model, std::vector<std::uint8_t>& marked) {
+                   const tape::BoundModel& model, double same_point, std::vector<std::uint8_t>& marked) {
     struct Singular {
         bool is = false;
         Vector point;
@@ -98,7 +98,7 @@ void mark_singular(const Mesh& mesh, const std::vector<std::uint32_t>& facet_sur
         for (std::size_t k = 0; k < 4; ++k) {
             const NodeId node = mesh.facets.nodes[4 * f + k];
             const Vector local = to_local(model, point_of(mesh, node));
-            if (length(local - s.point) < kSamePoint) marked[node] = 2;
+            if (length(local - s.point) < same_point) marked[node] = 2;
         }
     }
 }
@@ -106,7 +106,7 @@ void mark_singular(const Mesh& mesh, const std::vector<std::uint32_t>& facet_sur
 }  // namespace
 
 Features find_features(const Mesh& mesh, const std::vector<std::uint32_t>& facet_surface,
-                       const tape::BoundModel& model) {
+                       const tape::BoundModel& model, int level) {
     Features features;
     std::vector<std::uint8_t>& dimension = features.model_dimension;
     dimension.assign(mesh.node_count(), kRegion);
@@ -116,7 +116,7 @@ Features find_features(const Mesh& mesh, const std::vector<std::uint32_t>& facet
     const std::vector<NodeCreases> creases = by_node(edges);
     std::vector<std::uint8_t> marked(mesh.node_count(), 0);
     for (const NodeCreases& c : creases) marked[c.node] = 1;
-    mark_singular(mesh, facet_surface, model, marked);
+    mark_singular(mesh, facet_surface, model, same_point(level), marked);
     const std::vector<Incidence> around = surfaces_around(mesh, facet_surface, marked);
 
     std::vector<std::uint8_t> is_end(mesh.node_count(), 0);

@@ -21,10 +21,10 @@ struct CreaseEdge {
     double model_angle = 360;                 ///< as FeatureCurve::model_angle
 };
 
-/// Classifies the nodes of a named mesh; facet_surface[i] is facet i's surface in `model`. Time: linear in
-/// the facets, plus sorting of what lies near creases.
+/// Classifies the nodes of a named mesh; facet_surface[i] is facet i's surface in `model`, `level` that of
+/// the finest leaves. Time: linear in the facets, plus sorting of what lies near creases.
 Features find_features(const Mesh& mesh, const std::vector<std::uint32_t>& facet_surface,
-                       const tape::BoundModel& model);
+                       const tape::BoundModel& model, int level = 0);
 
 /// Crease edges, sorted by nodes, each once.
 std::vector<CreaseEdge> find_crease_edges(const Mesh& mesh, const std::vector<std::uint32_t>& facet_surface,

@@ -1,6 +1,9 @@
 // Model surfaces at points of the mesh: unit normals, and how surfaces meet.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
+
 #include "host/quality/vector.hpp"
 #include "host/tape/compile.hpp"
 #include "host/tape/singular_point.hpp"
@@ -16,8 +19,12 @@ inline constexpr double kSharpSine = 0.0872;
 /// Three unit normals span space if their determinant is larger.
 inline constexpr double kSpanning = 1e-3;
 
-/// A singular point closer than this to a node, in edges of the root box, is that node.
+/// A point of the model closer than this to a node, in edges of the root box, is that node.
 inline constexpr double kSamePoint = 1e-6;
+/// In trees of this level and more, it must be closer: by half for each level more.
+inline constexpr int kSamePointLevel = 11;
+
+inline double same_point(int level) { return std::ldexp(kSamePoint, std::min(0, kSamePointLevel - level)); }
 
 inline Vector to_local(const tape::BoundModel& model, const Vector& p) {
     return (1 / model.side) * (p - Vector{model.origin[0], model.origin[1], model.origin[2]});

@@ -194,7 +194,7 @@ void describe_mesh(const tape::CompiledModel& compiled, const tape::BoundModel& 
     stages.begin("features", 0.96);
     const std::vector<std::uint32_t> facet_surface = mesh.facets.surface;
     name_surfaces(compiled, bound, mesh);
-    out.features = features::find_features(mesh, facet_surface, bound);
+    out.features = features::find_features(mesh, facet_surface, bound, root.level);
     mesh.model_dimension = out.features.model_dimension;
     stages.end(mesh.facets.size());
     if (!options.quality) return;

@@ -124,7 +124,7 @@ std::vector<std::string> names_by_surface(const Mesh& mesh, const std::vector<st
 
 void report_corners(const Mesh& mesh, const std::vector<std::uint32_t>& facet_surface,
                     const tape::BoundModel& model, const Features& features,
-                    const std::vector<Corner>& expected, QualityReport& report) {
+                    const std::vector<Corner>& expected, double same_point, QualityReport& report) {
     std::vector<Vector> in_mesh, in_model;
     for (const FeatureCorner& corner : features.corners) {
         in_mesh.push_back(features::to_local(model, features::point_of(mesh, corner.node)));
@@ -135,7 +135,7 @@ void report_corners(const Mesh& mesh, const std::vector<std::uint32_t>& facet_su
     report.corners_expected = expected.size();
     for (const Corner& corner : expected) {
         const double nearest = mesh_corners.distance(corner.local);
-        if (nearest <= features::kSamePoint) {
+        if (nearest <= same_point) {
             ++report.corners_found;
         } else if (report.missing.size() < kMostMissing) {
             const Vector place = features::to_model(model, corner.local);
@@ -146,13 +146,13 @@ void report_corners(const Mesh& mesh, const std::vector<std::uint32_t>& facet_su
         }
     }
     for (const Vector& corner : in_mesh) {
-        if (model_corners.distance(corner) > features::kSamePoint) ++report.corners_extra;
+        if (model_corners.distance(corner) > same_point) ++report.corners_extra;
     }
 }
 
 /// What one subtree of leaves gives.
 struct Gathered {
-    std::vector<Vector> points;
+    std::vector<BoundaryPoint> points;
     std::vector<Corner> corners;
 };
 
@@ -169,10 +169,10 @@ QualityReport assess(const Mesh& mesh, const std::vector<std::uint32_t>& facet_s
     for (const FeatureCurve& curve : features.curves) report.crease_length += curve.length;
     report_facets(mesh, facet_surface, model, options.threads, report);
 
-    const int level = std::min(options.level, kDeepestLevel);
+    const Depth depth = Depth::of(options.level, options.leaves);
     std::vector<Gathered> parts =
-        visit_leaves<Gathered>(model, level, options.threads, [&](const Leaf& leaf, Gathered& gathered) {
-            sample_boundary(model, leaf, gathered.points);
+        visit_leaves<Gathered>(model, depth, options.threads, [&](const Leaf& leaf, Gathered& gathered) {
+            sample_boundary(model, leaf, depth, gathered.points);
             find_corners(model, leaf, gathered.corners);
         });
     Gathered all;
@@ -181,9 +181,10 @@ QualityReport assess(const Mesh& mesh, const std::vector<std::uint32_t>& facet_s
         all.corners.insert(all.corners.end(), part.corners.begin(), part.corners.end());
         part = {};
     }
-    report.model_to_mesh = distance_to_facets(mesh, model, level, all.points, options.threads);
+    report.model_to_mesh = distance_to_facets(mesh, model, all.points, options.threads);
     merge_corners(all.corners);
-    report_corners(mesh, facet_surface, model, features, all.corners, report);
+    report_corners(mesh, facet_surface, model, features, all.corners, features::same_point(options.level),
+                   report);
     return report;
 }
 

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "host/common/random.hpp"
-#include "host/report/facet_grid.hpp"
+#include "host/report/facet_tree.hpp"
 
 namespace mortise::report {
 namespace {
@@ -138,10 +138,12 @@ void report_facets(const Mesh& mesh, const std::vector<std::uint32_t>& facet_sur
     report.max_normal_place = place_of(model, angle.place);
 }
 
-void sample_boundary(const tape::BoundModel& model, const Leaf& leaf, std::vector<Vector>& points) {
+void sample_boundary(const tape::BoundModel& model, const Leaf& leaf, const Depth& depth,
+                     std::vector<BoundaryPoint>& points) {
     Random random(leaf.number);
     std::vector<std::int8_t> signs;
     const double size = 2 * leaf.cell.half;
+    const double edge = std::ldexp(size, depth.deepest);
     for (int axis = 0; axis < 3; ++axis) {
         double x[3];
         for (int j = 0; j < 3; ++j) x[j] = leaf.cell.centre[j] + (random.uniform() - 0.5) * size;
@@ -164,22 +166,23 @@ void sample_boundary(const tape::BoundModel& model, const Leaf& leaf, std::vecto
                     const double middle = 0.5 * (from + to);
                     (region_at(middle) == before ? from : to) = middle;
                 }
-                points.push_back(at(0.5 * (from + to)));
+                points.push_back({at(0.5 * (from + to)), edge * edge});
             }
             before = after;
         }
     }
 }
 
-DistanceFigures distance_to_facets(const Mesh& mesh, const tape::BoundModel& model, int level,
-                                   const std::vector<Vector>& points, int threads) {
-    const FacetGrid grid(mesh, model, level);
+DistanceFigures distance_to_facets(const Mesh& mesh, const tape::BoundModel& model,
+                                   const std::vector<BoundaryPoint>& points, int threads) {
+    const FacetTree tree(mesh, model);
     const std::size_t stride = points.size() / kMostPoints + 1;
     const std::size_t count = (points.size() + stride - 1) / stride;
     std::vector<Tally> parts(chunk_count(count, kChunk));
     parallel_chunks(count, kChunk, threads, [&](std::size_t begin, std::size_t end, int) {
         for (std::size_t i = begin; i < end; ++i) {
-            parts[begin / kChunk].add(grid.distance(points[i * stride]), 1, points[i * stride]);
+            const BoundaryPoint& point = points[i * stride];
+            parts[begin / kChunk].add(tree.distance(point.local), point.weight, point.local);
         }
     });
     Tally all;

@@ -11,12 +11,19 @@ namespace mortise::report {
 void report_facets(const Mesh& mesh, const std::vector<std::uint32_t>& facet_surface,
                    const tape::BoundModel& model, int threads, QualityReport& report);
 
+/// A point of the solid's boundary.
+struct BoundaryPoint {
+    Vector local;
+    double weight = 1;  ///< in means: the square of its leaf's edge, in edges of the deepest leaves
+};
+
 /// Points of the solid's boundary in a leaf: where the region changes along three random lines, one along
 /// each axis.
-void sample_boundary(const tape::BoundModel& model, const Leaf& leaf, std::vector<Vector>& points);
+void sample_boundary(const tape::BoundModel& model, const Leaf& leaf, const Depth& depth,
+                     std::vector<BoundaryPoint>& points);
 
-/// From points (box-local) to the nearest facet.
-DistanceFigures distance_to_facets(const Mesh& mesh, const tape::BoundModel& model, int level,
-                                   const std::vector<Vector>& points, int threads);
+/// From points to the nearest facet.
+DistanceFigures distance_to_facets(const Mesh& mesh, const tape::BoundModel& model,
+                                   const std::vector<BoundaryPoint>& points, int threads);
 
 }  // namespace mortise::report

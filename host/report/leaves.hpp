@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "host/common/leaf_grid.hpp"
 #include "host/common/parallel.hpp"
 #include "host/features/surfaces.hpp"
 #include "host/tape/reference.hpp"
@@ -13,8 +14,55 @@ namespace mortise::report {
 
 using features::Vector;
 
-/// Deepest level that the report descends to: about a million boundary leaves.
+/// Deepest level that the report descends to in uniform trees: about a million boundary leaves.
 inline constexpr int kDeepestLevel = 8;
+/// In graded trees it descends deeper, as far as no more leaves than these are needed.
+inline constexpr std::size_t kMostLeaves = std::size_t{1} << 21;
+
+/// Where the report stops descending: at `deepest`, or where the mesh's own leaves are no smaller.
+struct Depth {
+    int deepest = 0;
+    const LeafGrid* leaves = nullptr;  ///< null: uniform
+
+    static Depth of(int level, const LeafGrid* leaves) {
+        Depth depth{std::min(level, kDeepestLevel), nullptr};
+        if (leaves == nullptr || leaves->is_uniform()) return depth;
+        depth.leaves = leaves;
+        while (depth.deepest < leaves->level && depth.count_leaves(depth.deepest + 1) <= kMostLeaves) {
+            ++depth.deepest;
+        }
+        return depth;
+    }
+
+    /// Leaves of the tree cut off at a level.
+    std::size_t count_leaves(int level) const {
+        std::size_t count = 0;
+        std::uint64_t before = ~std::uint64_t{0};
+        const int shift = 3 * (leaves->level - level);
+        for (std::size_t i = 0; i < leaves->size(); ++i) {
+            const std::uint64_t cell = leaves->code[i] >> shift;
+            count += leaves->leaf_level[i] <= level || cell != before ? 1 : 0;
+            before = cell;
+        }
+        return count;
+    }
+
+    /// Whether a cell is not split. One without meshed leaves is as long as a leaf beside it is finer.
+    bool ends_at(std::uint64_t number, int depth) const {
+        if (depth == deepest) return true;
+        if (leaves == nullptr) return false;
+        const int size_class = leaves->level - depth;
+        const GridCube cell{number << (3 * size_class), size_class};
+        const std::size_t leaf = find_leaf(*leaves, cell.code);
+        if (leaf != kNoLeaf && leaves->size_class(leaf) >= size_class) return true;
+        const auto next = std::lower_bound(leaves->code.begin(), leaves->code.end(), cell.code);
+        if (next != leaves->code.end() && *next < cell.end()) return false;
+        bool finer = false;
+        for_touching_leaves(
+            *leaves, cell, [&](std::size_t near) { finer = finer || leaves->size_class(near) < size_class; });
+        return !finer;
+    }
+};
 
 /// A cell that the solid's boundary may pass through.
 struct Leaf {
@@ -48,13 +96,13 @@ inline void list_surfaces(Leaf& leaf) {
     leaf.surfaces.erase(std::unique(leaf.surfaces.begin(), leaf.surfaces.end()), leaf.surfaces.end());
 }
 
-/// Visits the boundary leaves of `level` below a cell of `depth`, in Morton order.
+/// Visits the boundary leaves below a cell of a level, in Morton order.
 template <class Visit>
 void descend(const tape::BoundModel& model, const std::vector<std::uint32_t>& tape, const tape::Cell& cell,
-             std::uint64_t number, int depth, int level, const Visit& visit) {
+             std::uint64_t number, int level, const Depth& depth, const Visit& visit) {
     std::vector<std::uint32_t> pruned;
     if (tape::classify_cell(model, tape, cell, &pruned) != kUnknown) return;
-    if (depth == level) {
+    if (depth.ends_at(number, level)) {
         Leaf leaf{cell, number, std::move(pruned), {}};
         list_surfaces(leaf);
         visit(leaf);
@@ -65,14 +113,15 @@ void descend(const tape::BoundModel& model, const std::vector<std::uint32_t>& ta
         for (unsigned j = 0; j < 3; ++j) {
             part.centre[j] = cell.centre[j] + ((child >> j & 1u) != 0 ? part.half : -part.half);
         }
-        descend(model, pruned, part, number << 3 | child, depth + 1, level, visit);
+        descend(model, pruned, part, number << 3 | child, level + 1, depth, visit);
     }
 }
 
 /// Calls visit(leaf, result) for every boundary leaf; one result per subtree, in Morton order.
 template <class Result, class Visit>
-std::vector<Result> visit_leaves(const tape::BoundModel& model, int level, int threads, const Visit& visit) {
-    const int top = std::min(level, 3);
+std::vector<Result> visit_leaves(const tape::BoundModel& model, const Depth& depth, int threads,
+                                 const Visit& visit) {
+    const int top = std::min(depth.deepest, 3);
     const std::size_t side = std::size_t{1} << top;
     const double half = 0.5 / static_cast<double>(side);
     std::vector<Result> results(side * side * side);
@@ -84,7 +133,7 @@ std::vector<Result> visit_leaves(const tape::BoundModel& model, int level, int t
                 cell.centre[j] += 2 * half * static_cast<double>(1u << static_cast<unsigned>(bit));
             }
         }
-        descend(model, model.tape, cell, begin, top, level,
+        descend(model, model.tape, cell, begin, top, depth,
                 [&](const Leaf& leaf) { visit(leaf, results[begin]); });
     });
     return results;

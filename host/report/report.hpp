@@ -8,15 +8,17 @@
 #include <cstdint>
 #include <vector>
 
+#include "host/common/leaf_grid.hpp"
 #include "host/tape/compile.hpp"
 #include "mortise/quality.hpp"
 
 namespace mortise::report {
 
 struct Options {
-    int level = 6;  ///< of the tree that made the mesh: its cells are the unit of distances
+    int level = 6;  ///< of the finest leaves of the tree that made the mesh: the unit of distances
     int worst = kWorstElements;
-    int threads = 0;  ///< 0: all cores
+    int threads = 0;                   ///< 0: all cores
+    const LeafGrid* leaves = nullptr;  ///< null or empty: a uniform tree
 };
 
 /// The whole report of a named mesh; facet_surface[i] is facet i's surface in `model`.

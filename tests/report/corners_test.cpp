@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "host/report/facet_grid.hpp"
+#include "host/report/facet_tree.hpp"
 #include "tests/mesher/meshed.hpp"
 #include "tests/mesher/random_source.hpp"
 #include "tests/report/hand_made.hpp"
@@ -20,7 +20,7 @@ std::vector<Vec3> corners_of_model(const Model& model, int level = 4) {
     const tape::BoundModel bound = bind_model(model, level);
     std::vector<report::Corner> all;
     for (const std::vector<report::Corner>&part : report::visit_leaves<std::vector<report::Corner>>(
-             bound, level, 2, [&](const report::Leaf&leaf, std::vector<report::Corner>&found) {
+             bound, {level}, 2, [&](const report::Leaf&leaf, std::vector<report::Corner>&found) {
                  report::find_corners(bound, leaf, found);
              })) {
         all.insert(all.end(), part.begin(), part.end());
@@ -114,7 +114,7 @@ TEST_CASE("the nearest facet is the one that brute force finds") {
     HandMade made = cube_of_cubes(5);
     RandomSource random(7);
     for (double& x : made.mesh.points) x += random.uniform(-0.2, 0.2);
-    const report::FacetGrid grid(made.mesh, made.model, 4);
+    const report::FacetTree tree(made.mesh, made.model);
     for (int i = 0; i < 300; ++i) {
         const report::Vector p{random.uniform(-0.2, 1.2), random.uniform(-0.2, 1.2),
                                random.uniform(-0.2, 1.2)};
@@ -130,7 +130,7 @@ TEST_CASE("the nearest facet is the one that brute force finds") {
                 expected = std::min(expected, report::triangle_distance(p, q[k], q[(k + 1) % 4], mean));
             }
         }
-        CHECK(grid.distance(p) == expected);
+        CHECK(tree.distance(p) == expected);
     }
 }
 
