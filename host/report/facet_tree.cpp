@@ -9,15 +9,16 @@
 namespace mortise::report {
 namespace {
 
-constexpr std::size_t kPerLeaf = 4;
+constexpr std::size_t kPerLeaf = 2;
 /// Boxes farther than the best distance by less than this are looked into all the same: rounding.
 constexpr double kSlack = 1 + 1e-9;
 
-double segment_distance(const Vector& p, const Vector& a, const Vector& b) {
+double squared_segment_distance(const Vector& p, const Vector& a, const Vector& b) {
     const Vector along = b - a;
     const double square = dot(along, along);
     const double t = square > 0 ? std::clamp(dot(p - a, along) / square, 0.0, 1.0) : 0;
-    return length(p - (a + t * along));
+    const Vector d = p - (a + t * along);
+    return dot(d, d);
 }
 
 Vector least(const Vector& a, const Vector& b) {
@@ -37,7 +38,8 @@ double triangle_distance(const Vector& p, const Vector& a, const Vector& b, cons
         dot(cross(a - c, p - c), normal) >= 0) {
         return std::fabs(dot(p - a, normal)) / std::sqrt(square);
     }
-    return std::min({segment_distance(p, a, b), segment_distance(p, b, c), segment_distance(p, c, a)});
+    return std::sqrt(std::min({squared_segment_distance(p, a, b), squared_segment_distance(p, b, c),
+                               squared_segment_distance(p, c, a)}));
 }
 
 FacetTree::FacetTree(const Mesh& mesh, const tape::BoundModel& model) {
@@ -80,10 +82,10 @@ void FacetTree::add_boxes() {
     while (leaves_ * kPerLeaf < triangles_.size()) leaves_ *= 2;
     boxes_.assign(2 * leaves_ - 1, {{HUGE_VAL, HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}});
     for (std::size_t i = 0; i < triangles_.size(); ++i) {
-        const Triangle& t = triangles_[i];
+        const Box own = box_of(triangles_[i]);
         Box& box = boxes_[leaves_ - 1 + i / kPerLeaf];
-        box.low = least(box.low, least(t.a, least(t.b, t.c)));
-        box.high = greatest(box.high, greatest(t.a, greatest(t.b, t.c)));
+        box.low = least(box.low, own.low);
+        box.high = greatest(box.high, own.high);
     }
     for (std::size_t i = leaves_ - 1; i-- > 0;) {
         boxes_[i].low = least(boxes_[2 * i + 1].low, boxes_[2 * i + 2].low);
@@ -91,7 +93,11 @@ void FacetTree::add_boxes() {
     }
 }
 
-double FacetTree::squared_distance(const Box& box, const Vector& p) {
+FacetTree::Box FacetTree::box_of(const Triangle& t) {
+    return {least(t.a, least(t.b, t.c)), greatest(t.a, greatest(t.b, t.c))};
+}
+
+inline double FacetTree::squared_distance(const Box& box, const Vector& p) {
     const Vector d = greatest(greatest(box.low - p, p - box.high), {});
     return dot(d, d);
 }
@@ -114,6 +120,7 @@ double FacetTree::distance(const Vector& local) const {
             const std::size_t end = std::min(begin + kPerLeaf, triangles_.size());
             for (std::size_t i = begin; i < end; ++i) {
                 const Triangle& t = triangles_[i];
+                if (!(squared_distance(box_of(t), local) <= best * best * kSlack)) continue;
                 best = std::min(best, triangle_distance(local, t.a, t.b, t.c));
             }
             continue;

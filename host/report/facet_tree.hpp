@@ -30,6 +30,7 @@ class FacetTree {
     };
     void sort_along_curve();
     void add_boxes();
+    static Box box_of(const Triangle& triangle);
     static double squared_distance(const Box& box, const Vector& p);
 
     std::vector<Triangle> triangles_;  ///< in Morton order of their centres
