@@ -90,4 +90,17 @@ octree::Octree build_tree(device::Device& device, const MeshOptions& options, co
     return octree::build_graded(device, model, grading, options.threads, on_device);
 }
 
+LeafGrid leaf_grid(const octree::Octree& tree) {
+    LeafGrid grid;
+    grid.level = tree.level;
+    if (!tree.graded) return grid;
+    for (std::size_t word = 0; word < tree.words(); ++word) {
+        for (u32 bits = tree.in_bits[word] | tree.nio_bits[word]; bits != 0; bits &= bits - 1) {
+            grid.code.push_back(tree.code_of_word(word) + count_bits((bits & (0u - bits)) - 1));
+        }
+    }
+    grid.leaf_level = tree.leaf_levels;
+    return grid;
+}
+
 }  // namespace mortise::pipeline

@@ -1,6 +1,7 @@
 // Cells of several sizes: which levels a run needs, and who asks for smaller cells.
 #pragma once
 
+#include "host/common/leaf_grid.hpp"
 #include "host/octree/octree.hpp"
 #include "host/tape/compile.hpp"
 #include "mortise/mesher.hpp"
@@ -24,5 +25,8 @@ Levels plan_levels(const MeshOptions& options, const tape::BoundModel& model, in
 /// The tree, uniform if all levels are one.
 octree::Octree build_tree(device::Device& device, const MeshOptions& options, const tape::BoundModel& model,
                           const Levels& levels, octree::DeviceTree* on_device);
+
+/// The meshed leaves, for stages that only have the mesh; empty lists if the tree is uniform.
+LeafGrid leaf_grid(const octree::Octree& tree);
 
 }  // namespace mortise::pipeline

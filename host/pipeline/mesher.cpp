@@ -189,18 +189,18 @@ void name_surfaces(const tape::CompiledModel& compiled, const tape::BoundModel& 
 }
 
 /// Names the surfaces and classifies the nodes; the quality report if it is wanted.
-void describe_mesh(const tape::CompiledModel& compiled, const tape::BoundModel& bound, const Root& root,
+void describe_mesh(const tape::CompiledModel& compiled, const tape::BoundModel& bound, const LeafGrid& leaves,
                    const MeshOptions& options, Stages& stages, Mesh& mesh, MeshReport& out) {
     stages.begin("features", 0.96);
     const std::vector<std::uint32_t> facet_surface = mesh.facets.surface;
     name_surfaces(compiled, bound, mesh);
-    out.features = features::find_features(mesh, facet_surface, bound, root.level);
+    out.features = features::find_features(mesh, facet_surface, bound, leaves.level);
     mesh.model_dimension = out.features.model_dimension;
     stages.end(mesh.facets.size());
     if (!options.quality) return;
     stages.begin("quality", 0.97);
     out.quality = report::assess(mesh, facet_surface, bound, out.features,
-                                 {root.level, kWorstElements, options.threads});
+                                 {leaves.level, kWorstElements, options.threads, &leaves});
     stages.end(mesh.element_count());
 }
 
@@ -307,14 +307,15 @@ Mesh generate_mesh(const Model& model, const MeshOptions& options, MeshReport* r
         snio::classify(device, tree, on_device, options.templates, options.snap, complex);
     stages.end(tree.nio.size());
 
+    const LeafGrid leaves = pipeline::leaf_grid(tree);
     Mesh mesh;
     const Extracted extracted =
         mesh_pieces(device, options, bound, tree, on_device, classification, probed.apexes, stages, &mesh);
     if (options.improve) {
         stages.begin("improve", 0.93);
         improve::Counters counters;
-        mesh = improve::improve(std::move(mesh), bound, {root.level, options.smooth, options.threads},
-                                &counters);
+        mesh = improve::improve(std::move(mesh), bound,
+                                {tree.level, options.smooth, options.threads, &leaves}, &counters);
         stages.end(counters.zone_elements);
     }
     mesh.region_names = compiled.region_names;
@@ -329,7 +330,7 @@ Mesh generate_mesh(const Model& model, const MeshOptions& options, MeshReport* r
         mesh = tetrahedra::split(mesh);
         stages.end(mesh.element_count());
     }
-    describe_mesh(compiled, bound, root, options, stages, mesh, out);
+    describe_mesh(compiled, bound, leaves, options, stages, mesh, out);
 
     out.level = root.level;
     out.cell_size = std::ldexp(root.side, -root.level);
