@@ -13,6 +13,7 @@ namespace mortise::octree {
 namespace {
 
 constexpr std::size_t kChunk = 4096;
+constexpr int kDirectoryLevel = 6;  ///< finest, of the cells of the directory: 1 MB
 
 /// One leaf before the bitmaps are made.
 struct Entry {
@@ -172,7 +173,19 @@ class Builder {
             tree_.in_bits = {0};
             tree_.nio_bits = {0};
         }
+        make_directory();
         make_ranks();
+    }
+
+    void make_directory() {
+        const int level = std::clamp(tree_.level - 2, 0, kDirectoryLevel);
+        tree_.directory_shift = static_cast<std::uint32_t>(3 * (tree_.level - level));
+        const std::size_t cells = std::size_t{1} << (3 * level);
+        // One more for the end, and one for the code behind the last cell.
+        tree_.directory.assign(cells + 2, 0);
+        for (const std::uint64_t word : tree_.word_codes)
+            ++tree_.directory[((word << 5) >> tree_.directory_shift) + 1];
+        for (std::size_t i = 1; i < tree_.directory.size(); ++i) tree_.directory[i] += tree_.directory[i - 1];
     }
 
     void make_ranks() {
@@ -188,7 +201,8 @@ class Builder {
     enum Mark : std::uint8_t { kTouched = 1, kBeside = 2 };
 
     /// Leaves with finer ones in a place around them, from the place's side: a split node that holds meshed
-    /// leaves. Whether these touch the leaf does not matter: the places around an edge or face decide about it.
+    /// leaves. Whether these touch the leaf does not matter: the places around an edge or face decide about
+    /// it.
     std::vector<std::uint8_t> find_marks() const {
         const Tree view = tree_.view();
         std::vector<std::uint8_t> marks(entries_.size(), 0);
@@ -255,6 +269,7 @@ class Builder {
         view_.in_rank = device_.upload(tree_.in_rank);
         view_.nio_rank = device_.upload(tree_.nio_rank);
         view_.word_codes = device_.upload(tree_.word_codes);
+        view_.directory = device_.upload(tree_.directory);
         view_.leaf_levels = device_.upload(tree_.leaf_levels);
         view_.shape = tree_.shape();
     }

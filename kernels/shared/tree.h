@@ -6,7 +6,8 @@
 //
 // In a uniform tree all leaves have the finest level, and word w holds the codes from 32 w on. A graded tree
 // (2:1 across faces, edges and corners, algorithms.md §6) stores only words that are not empty: word_codes
-// tells which, ascending, and leaf_levels the level of each meshed leaf in Morton order.
+// tells which, ascending, and leaf_levels the level of each meshed leaf in Morton order. The directory says
+// where the words of each cell of a coarse level begin.
 //
 // Ownership (algorithms.md §2): a grid vertex, or the single root on a leaf's edge, belongs to the
 // Morton-first of the finest leaves that use it. IN leaves use their eight corners; NIO leaves use what their
@@ -25,10 +26,10 @@
 #define kLeafNio 2
 
 typedef struct TreeShape {
-    i32 level;   // of the finest leaves: their edge is the unit of all coordinates
-    i32 graded;  // 0: uniform
-    u32 words;   // of the bitmaps
-    u32 padding;
+    i32 level;            // of the finest leaves: their edge is the unit of all coordinates
+    i32 graded;           // 0: uniform
+    u32 words;            // of the bitmaps
+    u32 directory_shift;  // from a code to its cell of the directory
 } TreeShape;
 
 typedef struct Tree {
@@ -37,27 +38,30 @@ typedef struct Tree {
     MORTISE_GLOBAL u32* in_rank;
     MORTISE_GLOBAL u32* nio_rank;
     MORTISE_GLOBAL u64* word_codes;
+    MORTISE_GLOBAL u32* directory;
     MORTISE_GLOBAL u8* leaf_levels;
     TreeShape shape;
 } Tree;
 
 // How kernels take a tree, and make one of what they took.
-#define TREE_PARAMETERS                                                                               \
-    __global const u32 *in_bits, __global const u32 *nio_bits, __global const u32 *in_rank,           \
-        __global const u32 *nio_rank, __global const u64 *word_codes, __global const u8 *leaf_levels, \
-        TreeShape shape
-#define TREE_OF_PARAMETERS make_tree(in_bits, nio_bits, in_rank, nio_rank, word_codes, leaf_levels, shape)
+#define TREE_PARAMETERS                                                                              \
+    __global const u32 *in_bits, __global const u32 *nio_bits, __global const u32 *in_rank,          \
+        __global const u32 *nio_rank, __global const u64 *word_codes, __global const u32 *directory, \
+        __global const u8 *leaf_levels, TreeShape shape
+#define TREE_OF_PARAMETERS \
+    make_tree(in_bits, nio_bits, in_rank, nio_rank, word_codes, directory, leaf_levels, shape)
 
 MORTISE_FUNCTION Tree make_tree(MORTISE_GLOBAL u32* in_bits, MORTISE_GLOBAL u32* nio_bits,
                                 MORTISE_GLOBAL u32* in_rank, MORTISE_GLOBAL u32* nio_rank,
-                                MORTISE_GLOBAL u64* word_codes, MORTISE_GLOBAL u8* leaf_levels,
-                                TreeShape shape) {
+                                MORTISE_GLOBAL u64* word_codes, MORTISE_GLOBAL u32* directory,
+                                MORTISE_GLOBAL u8* leaf_levels, TreeShape shape) {
     Tree tree;
     tree.in_bits = in_bits;
     tree.nio_bits = nio_bits;
     tree.in_rank = in_rank;
     tree.nio_rank = nio_rank;
     tree.word_codes = word_codes;
+    tree.directory = directory;
     tree.leaf_levels = leaf_levels;
     tree.shape = shape;
     return tree;
@@ -110,8 +114,9 @@ MORTISE_FUNCTION u64 word_code(const Tree* tree, u32 word) {
 // Number of a graded tree's words before the one for `code`.
 MORTISE_FUNCTION u32 words_before(const Tree* tree, u64 code) {
     const u64 wanted = code >> 5;
-    u32 low = 0;
-    u32 high = tree->shape.words;
+    const u64 cell = code >> tree->shape.directory_shift;
+    u32 low = tree->directory[cell];
+    u32 high = tree->directory[cell + 1];
     while (low < high) {
         const u32 middle = (low + high) / 2;
         if (tree->word_codes[middle] < wanted) {

@@ -115,6 +115,7 @@ struct RandomLeaves {
     std::vector<Entry> entries;  ///< in Morton order
     std::vector<u32> in, nio, in_rank, nio_rank, used;
     std::vector<u64> word_codes;
+    std::vector<u32> directory;  ///< of the level-1 cells
     std::vector<u8> levels;
     bool graded;
 
@@ -150,6 +151,12 @@ struct RandomLeaves {
             (entry.kind == kLeafIn ? in : nio)[word] |= 1u << (entry.code % 32);
             if (entry.kind == kLeafNio) used.push_back(entry.mask);
         }
+        for (u64 cell = 0; cell < 10; ++cell) {
+            u32 before = 0;
+            for (const u64 word : word_codes)
+                before += (word << 5) < cell * (kSize * kSize * kSize / 8) ? 1 : 0;
+            directory.push_back(before);
+        }
         in_rank = ranks(in);
         nio_rank = ranks(nio);
     }
@@ -162,7 +169,8 @@ struct RandomLeaves {
 
     Tree tree() const {
         return make_tree(in.data(), nio.data(), in_rank.data(), nio_rank.data(), word_codes.data(),
-                         levels.data(), {kLevel, graded ? 1 : 0, static_cast<u32>(in.size()), 0});
+                         directory.data(), levels.data(),
+                         {kLevel, graded ? 1 : 0, static_cast<u32>(in.size()), 3 * (kLevel - 1)});
     }
 
     /// The first of the finest leaves that use the vertex, or the root on the edge from it along `axis` of
