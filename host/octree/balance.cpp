@@ -8,38 +8,45 @@ namespace mortise::octree {
 namespace {
 
 constexpr std::size_t kChunk = 8192;
+/// Children on the low and high side of each axis.
+constexpr std::uint32_t kSide[3][2] = {{0x55, 0xaa}, {0x33, 0xcc}, {0x0f, 0xf0}};
 
 void sort_unique(std::vector<std::uint64_t>& codes) {
     std::sort(codes.begin(), codes.end());
     codes.erase(std::unique(codes.begin(), codes.end()), codes.end());
 }
 
-/// Parents of a node of this level and of the places around it: the 2³ nodes of the level above that its
-/// closed cube touches.
-void add_parents(std::uint64_t code, int level, std::vector<std::uint64_t>& out) {
+/// Nodes of the level above `level` that the closed cubes of some children of one node touch; bit c of
+/// `children`: child c is one of them. A child touches the 2³ nodes on its side.
+void add_parents(std::uint64_t parent, std::uint32_t children, int level, std::vector<std::uint64_t>& out) {
     const std::int64_t size = std::int64_t{1} << (level - 1);
-    const std::int64_t at[3] = {gather_bits(code), gather_bits(code >> 1), gather_bits(code >> 2)};
-    std::int64_t places[3][2];
-    for (int j = 0; j < 3; ++j) {
-        places[j][0] = at[j] >> 1;
-        places[j][1] = (at[j] & 1) != 0 ? (at[j] >> 1) + 1 : (at[j] >> 1) - 1;
-    }
-    for (int d = 0; d < 8; ++d) {
-        const std::int64_t x = places[0][d & 1];
-        const std::int64_t y = places[1][(d >> 1) & 1];
-        const std::int64_t z = places[2][d >> 2];
-        if (x < 0 || y < 0 || z < 0 || x >= size || y >= size || z >= size) continue;
-        out.push_back(morton_encode(static_cast<u32>(x), static_cast<u32>(y), static_cast<u32>(z)));
+    const std::int64_t at[3] = {gather_bits(parent), gather_bits(parent >> 1), gather_bits(parent >> 2)};
+    for (int k = 0; k < 27; ++k) {
+        const int d[3] = {k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1};
+        std::uint32_t touching = children;
+        bool inside = true;
+        for (int j = 0; j < 3; ++j) {
+            if (d[j] != 0) touching &= kSide[j][d[j] > 0 ? 1 : 0];
+            inside = inside && at[j] + d[j] >= 0 && at[j] + d[j] < size;
+        }
+        if (touching == 0 || !inside) continue;
+        out.push_back(morton_encode(static_cast<u32>(at[0] + d[0]), static_cast<u32>(at[1] + d[1]),
+                                    static_cast<u32>(at[2] + d[2])));
     }
 }
 
-/// Makes the places around these nodes nodes.
+/// Makes the places around these nodes, in ascending order, nodes.
 void split_around(const std::vector<std::uint64_t>& nodes, std::size_t level, int threads,
                   std::vector<std::uint64_t>& split) {
     std::vector<std::vector<std::uint64_t>> parts(chunk_count(nodes.size(), kChunk));
     parallel_chunks(nodes.size(), kChunk, threads, [&](std::size_t begin, std::size_t end, int) {
         auto& part = parts[begin / kChunk];
-        for (std::size_t i = begin; i < end; ++i) add_parents(nodes[i], static_cast<int>(level), part);
+        for (std::size_t i = begin; i < end;) {
+            const std::uint64_t parent = nodes[i] >> 3;
+            std::uint32_t children = 0;
+            for (; i < end && nodes[i] >> 3 == parent; ++i) children |= 1u << (nodes[i] & 7);
+            add_parents(parent, children, static_cast<int>(level), part);
+        }
         sort_unique(part);
     });
     for (const auto& part : parts) split.insert(split.end(), part.begin(), part.end());
