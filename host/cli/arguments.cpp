@@ -91,8 +91,8 @@ int parse_integer(const std::string& option, const std::string& text, int smalle
 /// The words as CLI11 leaves them.
 struct Words {
     std::string level, size, elements, extrude, floor, threads, work_group, facets;
-    std::string refine, curvature, size_min, coarsening;
-    std::vector<std::string> box, size_at;
+    std::string refine, curvature, size_min, size_max, coarsening;
+    std::vector<std::string> box, size_at, size_of;
     bool no_model_sizes = false;
     bool no_templates = false;
     bool no_snap = false;
@@ -132,6 +132,15 @@ void add_mesh_options(CLI::App& app, Arguments& arguments, Words& words) {
         ->option_text("PLACE")
         ->type_size(5)
         ->expected(-1);
+    app.add_option("--size-of", words.size_of,
+                   "NAME H: cells of at most H in that region, or on that surface")
+        ->option_text("SIZE")
+        ->type_size(2)
+        ->expected(-1);
+    app.add_option("--size-formula", arguments.options.size_formula, "cells of at most f(x, y, z)")
+        ->option_text("F");
+    app.add_option("--size-max", words.size_max, "no cell larger than this, inside neither")
+        ->option_text("LENGTH");
     app.add_option("--size-min", words.size_min, "no cell smaller than this, whatever asks for it")
         ->option_text("LENGTH");
     app.add_option("--interior-coarsening", words.coarsening, "up to N levels larger cells inside (0)")
@@ -209,6 +218,10 @@ void read_size_words(const Words& words, MeshOptions& options) {
         if (options.curvature_elements < 3) {
             refuse("--curvature-elements '" + words.curvature + "': expected a number from 3");
         }
+    }
+    if (!words.size_max.empty()) options.size_max = parse_length("--size-max", words.size_max);
+    for (std::size_t i = 0; i + 1 < words.size_of.size(); i += 2) {
+        options.named_sizes.emplace_back(words.size_of[i], parse_length("--size-of", words.size_of[i + 1]));
     }
     if (!words.size_min.empty()) options.size_min = parse_length("--size-min", words.size_min);
     for (std::size_t i = 0; i + 4 < words.size_at.size(); i += 5) {

@@ -2,33 +2,62 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 
-#include "host/sizing/sizing.hpp"
+#include "host/tape/expression_parser.hpp"
 #include "mortise/error.hpp"
 
 namespace mortise::pipeline {
 namespace {
 
-/// What files and options say of sizes; features and curvature are asked apart, since they have limits of
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// Puts a size on the regions and surfaces of this name.
+void add_named_size(const std::string& name, double size, const tape::CompiledModel& compiled,
+                    const tape::BoundModel& model, sizing::SizeField& field) {
+    bool found = false;
+    field.region.resize(compiled.region_names.size(), kInfinity);
+    field.surface.resize(model.surfaces.size(), kInfinity);
+    for (std::size_t r = 0; r < compiled.region_names.size(); ++r) {
+        if (compiled.region_names[r] != name) continue;
+        field.region[r] = std::min(field.region[r], size);
+        found = true;
+    }
+    for (std::size_t s = 0; s < model.surfaces.size(); ++s) {
+        if (compiled.surface_names[model.surface_name[s]] != name) continue;
+        field.surface[s] = std::min(field.surface[s], size);
+        found = true;
+    }
+    if (found) return;
+    std::string known;
+    for (const auto* names : {&compiled.region_names, &compiled.surface_names}) {
+        for (const std::string& other : *names) {
+            if (known.size() < 200) known += (known.empty() ? "" : ", ") + other;
+        }
+    }
+    throw Error(ExitCode::kUsage, "no region or surface is called '" + name + "'; this model has " + known);
+}
+
+/// What file and options say of sizes; features and curvature are asked apart, since they have limits of
 /// their own.
-sizing::SizeField wanted_sizes(const MeshOptions& options, const tape::BoundModel& model) {
+sizing::SizeField wanted_sizes(const MeshOptions& options, const tape::CompiledModel& compiled,
+                               const tape::BoundModel& model) {
     sizing::SizeField field;
     if (options.model_sizes) field = sizing::size_field(model);
+    if (options.size_max > 0) field.everywhere = options.size_max / model.side;
     for (const SizeSource& source : options.sizes) {
         Vec3 at{};
         for (std::size_t j = 0; j < 3; ++j) at[j] = (source.at[j] - model.origin[j]) / model.side;
         field.sources.push_back({at, source.size / model.side, source.grading});
     }
+    for (const auto& [name, size] : options.named_sizes)
+        add_named_size(name, size / model.side, compiled, model, field);
+    if (!options.size_formula.empty()) {
+        const tape::Formula formula = tape::parse_formula(options.size_formula, "--size-formula");
+        tape::emit_formula(formula, formula.root, field.formula);
+    }
     return field;
-}
-
-double smallest(const sizing::SizeField& field) {
-    double size = field.everywhere;
-    for (const double surface : field.surface) size = std::min(size, surface);
-    for (const double region : field.region) size = std::min(size, region);
-    for (const auto& source : field.sources) size = std::min(size, source.size);
-    return size;
 }
 
 /// The coarsest level whose cells are no larger than this, box-local.
@@ -40,30 +69,37 @@ int level_for(double size) {
 
 }  // namespace
 
-Levels plan_levels(const MeshOptions& options, const tape::BoundModel& model, int base) {
-    Levels levels;
+Sizes plan_sizes(const MeshOptions& options, const tape::CompiledModel& compiled,
+                 const tape::BoundModel& model, int base) {
+    Sizes sizes{{}, sizing::Sizer(model, wanted_sizes(options, compiled, model))};
+    Levels& levels = sizes.levels;
+    const double smallest = sizes.sizer.smallest();
     levels.base = base;
     levels.features = base + options.refine;
-    levels.sizes = std::max(base, level_for(smallest(wanted_sizes(options, model))));
+    levels.sizes = std::max(base, level_for(smallest));
     levels.coarsest_in = std::max(1, base - options.interior_coarsening);
     if (options.size_min > 0) {
         // The finest cells are not smaller.
         const int finest = std::max(base, level_for(options.size_min / model.side * (1 + 1e-9)));
-        levels.features = std::min(levels.features, finest);
-        levels.sizes = std::min(levels.sizes, finest);
+        const bool exact = std::ldexp(model.side, -finest) >= options.size_min * (1 - 1e-9);
+        levels.features = std::min(levels.features, std::max(base, exact ? finest : finest - 1));
+        levels.sizes = std::min(levels.sizes, std::max(base, exact ? finest : finest - 1));
+    } else if (smallest == 0) {
+        throw Error(ExitCode::kUsage,
+                    "--size-formula may reach 0 in the model's box, as far as bounds tell; give --size-min");
     }
     if (levels.finest() > kMaxLevel) {
         throw Error(ExitCode::kUsage, "the smallest cells asked for need level " +
                                           std::to_string(levels.finest()) + "; the finest level is " +
                                           std::to_string(kMaxLevel) + "; ask for larger ones, or --size-min");
     }
-    return levels;
+    return sizes;
 }
 
 octree::Octree build_tree(device::Device& device, const MeshOptions& options, const tape::BoundModel& model,
-                          const Levels& levels, octree::DeviceTree* on_device) {
+                          const Sizes& sizes, octree::DeviceTree* on_device) {
+    const Levels& levels = sizes.levels;
     if (levels.is_uniform()) return octree::build(device, model, levels.base, on_device);
-    const sizing::Sizer sizes(model, wanted_sizes(options, model));
     sizing::SizeField shape;
     shape.features = options.refine > 0;
     shape.curvature_elements = options.curvature_elements;
@@ -80,12 +116,12 @@ octree::Octree build_tree(device::Device& device, const MeshOptions& options, co
             const auto wanted = sizer.split_undecided(nodes, tapes, level, options.threads);
             for (std::size_t i = 0; i < nodes.size(); ++i) result[i] |= wanted[i];
         };
-        if (level < levels.sizes) ask(sizes);
+        if (level < levels.sizes) ask(sizes.sizer);
         if (level < levels.features) ask(features);
         return result;
     };
     grading.split_in = [&](std::uint64_t morton, int level, std::uint16_t region) {
-        return level < levels.sizes && octree::Octree::edge_of(level) > sizes.in_size(morton, level, region);
+        return level < levels.sizes && sizes.sizer.splits_in(morton, level, region);
     };
     return octree::build_graded(device, model, grading, options.threads, on_device);
 }

@@ -3,6 +3,7 @@
 
 #include "host/common/leaf_grid.hpp"
 #include "host/octree/octree.hpp"
+#include "host/sizing/sizing.hpp"
 #include "host/tape/compile.hpp"
 #include "mortise/mesher.hpp"
 
@@ -19,12 +20,20 @@ struct Levels {
     bool is_uniform() const { return finest() == base && coarsest_in == base; }
 };
 
-/// Levels for a model bound to its root box. Throws Error(kUsage) if sizes ask for more than kMaxLevel.
-Levels plan_levels(const MeshOptions& options, const tape::BoundModel& model, int base);
+/// What decides about the cells' sizes.
+struct Sizes {
+    Levels levels;
+    sizing::Sizer sizer;  ///< sizes, not features; refers to the bound model
+};
+
+/// Sizes for a model bound to its root box. Throws Error(kUsage) if they ask for more than kMaxLevel, or for
+/// names that the model does not have.
+Sizes plan_sizes(const MeshOptions& options, const tape::CompiledModel& compiled,
+                 const tape::BoundModel& model, int base);
 
 /// The tree, uniform if all levels are one.
 octree::Octree build_tree(device::Device& device, const MeshOptions& options, const tape::BoundModel& model,
-                          const Levels& levels, octree::DeviceTree* on_device);
+                          const Sizes& sizes, octree::DeviceTree* on_device);
 
 /// The meshed leaves, for stages that only have the mesh; empty lists if the tree is uniform.
 LeafGrid leaf_grid(const octree::Octree& tree);

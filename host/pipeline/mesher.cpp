@@ -158,8 +158,10 @@ void check_options(const MeshOptions& options) {
                                           std::to_string(options.interior_coarsening) +
                                           " levels is out of range; use 0 to " + std::to_string(kMaxLevel));
     }
-    bool positive = options.size_min >= 0 && options.curvature_elements >= 0 &&
-                    std::isfinite(options.size_min) && std::isfinite(options.curvature_elements);
+    bool positive = options.size_min >= 0 && options.size_max >= 0 && options.curvature_elements >= 0 &&
+                    std::isfinite(options.size_min + options.size_max + options.curvature_elements);
+    for (const auto& [name, size] : options.named_sizes)
+        positive = positive && size > 0 && std::isfinite(size);
     for (const SizeSource& source : options.sizes) {
         positive = positive && source.size > 0 && source.grading >= 0 && std::isfinite(source.size) &&
                    std::isfinite(source.grading) && std::isfinite(source.at[0] + source.at[1] + source.at[2]);
@@ -263,7 +265,8 @@ Mesh generate_mesh(const Model& model, const MeshOptions& options, MeshReport* r
                                           " yet; use larger cells");
     }
     tape::BoundModel bound = tape::bind(compiled, root.origin, root.side);
-    const pipeline::Levels levels = pipeline::plan_levels(options, bound, root.level);
+    const pipeline::Sizes sizes = pipeline::plan_sizes(options, compiled, bound, root.level);
+    const pipeline::Levels& levels = sizes.levels;
     check_precision(root, levels.finest(), model.source);
     stages.end(bound.surfaces.size());
     triangles::Division division;
@@ -289,7 +292,7 @@ Mesh generate_mesh(const Model& model, const MeshOptions& options, MeshReport* r
 
     stages.begin("octree", 0.05);
     octree::DeviceTree on_device;
-    octree::Octree tree = pipeline::build_tree(device, options, bound, levels, &on_device);
+    octree::Octree tree = pipeline::build_tree(device, options, bound, sizes, &on_device);
     stages.end(tree.cells_evaluated);
 
     stages.begin("probe", 0.28);

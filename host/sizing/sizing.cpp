@@ -5,6 +5,8 @@
 
 #include "host/common/parallel.hpp"
 #include "host/sizing/topology.hpp"
+#include "kernels/shared/expression_bounds.h"
+#include "kernels/shared/lattice.h"
 #include "kernels/shared/tape.h"
 
 namespace mortise::sizing {
@@ -13,12 +15,6 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kTwoPi = 6.283185307179586;
 constexpr double kRounding = 1e-9;  ///< relative: a size that is an edge of a level is met by that level
-
-std::uint32_t every_third_bit(std::uint64_t morton) {
-    std::uint32_t bits = 0;
-    for (int i = 0; i < 21; ++i) bits |= static_cast<std::uint32_t>((morton >> (3 * i)) & 1) << i;
-    return bits;
-}
 
 double wish(const std::vector<double>& sizes, std::size_t index) {
     return index < sizes.size() ? sizes[index] : kInfinity;
@@ -36,7 +32,7 @@ SizeField size_field(const tape::BoundModel& model) {
 tape::Cell cell_of(std::uint64_t morton, int level) {
     tape::Cell cell{};
     cell.half = std::ldexp(0.5, -level);
-    for (int j = 0; j < 3; ++j) cell.centre[j] = (2.0 * every_third_bit(morton >> j) + 1) * cell.half;
+    for (int j = 0; j < 3; ++j) cell.centre[j] = (2.0 * gather_bits(morton >> j) + 1) * cell.half;
     return cell;
 }
 
@@ -52,6 +48,29 @@ double Sizer::size_in(const tape::Cell& cell) const {
         }
         size = std::min(size, source.size + source.grading * std::sqrt(square));
     }
+    if (!field_.formula.empty()) {
+        Interval x[3];
+        for (std::size_t j = 0; j < 3; ++j) {
+            const double centre = model_.origin[j] + model_.side * cell.centre[j];
+            const double half = model_.side * cell.half;
+            x[j] = make_interval(static_cast<float>(centre - half), static_cast<float>(centre + half));
+        }
+        const Interval wanted = expression_bounds(field_.formula.data(),
+                                                  static_cast<u32>(field_.formula.size()), x[0], x[1], x[2]);
+        // Nothing that is no number passes the comparison.
+        size = std::min(size, wanted.low > 0 ? static_cast<double>(wanted.low) / model_.side : 0.0);
+    }
+    return size;
+}
+
+bool Sizer::splits_in(std::uint64_t morton, int level, std::uint16_t region) const {
+    return std::ldexp(1.0, -level) > in_size(morton, level, region) * (1 + kRounding);
+}
+
+double Sizer::smallest() const {
+    double size = size_in(cell_of(0, 0));
+    for (const double surface : field_.surface) size = std::min(size, surface);
+    for (const double region : field_.region) size = std::min(size, region);
     return size;
 }
 

@@ -11,6 +11,7 @@
 #include "host/tape/compile.hpp"
 #include "host/tape/reference.hpp"
 #include "kernels/shared/bounds.h"
+#include "kernels/shared/expression.h"
 
 namespace mortise::sizing {
 
@@ -26,6 +27,10 @@ struct SizeField {
     std::vector<double> surface;  ///< per surface: edge of the leaves it passes through; empty: none
     std::vector<double> region;   ///< per region (number - 1): edge of leaves in it or on its boundary
     std::vector<Source> sources;
+    /// Edge of a leaf anywhere, as a function of place: a register program (kernels/shared/expression.h) in
+    /// model coordinates and units; empty: no wish. A leaf meets its smallest value in the leaf, by interval
+    /// bounds.
+    std::vector<ExpressionOp> formula;
     double curvature_elements = 0;  ///< leaves per full turn of a curved surface; 0: no wish
     /// Edge of the finest leaf that the caller makes, 0: not told. Features thinner than half of it are not
     /// worth a split.
@@ -50,6 +55,12 @@ class Sizer {
 
     /// Largest edge of an IN leaf of `region` (1, 2, …) in the cube with this Morton code and level.
     double in_size(std::uint64_t morton, int level, std::uint16_t region) const;
+
+    /// Whether an IN node must be split.
+    bool splits_in(std::uint64_t morton, int level, std::uint16_t region) const;
+
+    /// The smallest size that any leaf of the root cube may have to meet; 0 if a formula may get that small.
+    double smallest() const;
 
   private:
     double size_in(const tape::Cell& cell) const;

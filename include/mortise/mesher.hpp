@@ -5,6 +5,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "mortise/mesh.hpp"
@@ -32,14 +33,18 @@ struct MeshOptions {
     double curvature_elements = 0;  ///< cells per full turn of a curved surface, within `refine`; 0: any
     bool model_sizes = true;        ///< follow the sizes in the model's file
     std::vector<SizeSource> sizes;  ///< smaller cells around points
-    double size_min = 0;            ///< no cell is smaller, if positive
-    int interior_coarsening = 0;    ///< levels by which IN cells away from the boundary may be larger
-    std::optional<Box3> box;        ///< cuts the solid; its faces become boundaries box_xmin, ...
-    bool templates = true;          ///< false: every NIO cell by the certificate
-    bool snap = true;               ///< vertices near a smooth surface move onto it; needs `templates`
-    bool improve = true;            ///< false: elements stay as templates and certificate make them
-    int smooth = 4;                 ///< rounds of node repositioning; 0: nodes move only onto the model
-    bool tetrahedra = false;        ///< split everything into tetrahedra
+    /// Smaller cells on surfaces and in regions, by their names: no cell is larger than the length.
+    std::vector<std::pair<std::string, double>> named_sizes;
+    std::string size_formula;     ///< largest cell as a function of x, y, z (docs/formulas.md); empty: none
+    double size_max = 0;          ///< no cell is larger, if positive
+    double size_min = 0;          ///< no cell is smaller, if positive
+    int interior_coarsening = 0;  ///< levels by which IN cells away from the boundary may be larger
+    std::optional<Box3> box;      ///< cuts the solid; its faces become boundaries box_xmin, ...
+    bool templates = true;        ///< false: every NIO cell by the certificate
+    bool snap = true;             ///< vertices near a smooth surface move onto it; needs `templates`
+    bool improve = true;          ///< false: elements stay as templates and certificate make them
+    int smooth = 4;               ///< rounds of node repositioning; 0: nodes move only onto the model
+    bool tetrahedra = false;      ///< split everything into tetrahedra
     int pieces = 1;           ///< parts of the Morton range that are meshed apart and merged: the same mesh
     bool quality = false;     ///< also make MeshReport::quality
     bool strict = false;      ///< Error(kMeshing) if the mesh is not known to show every feature of the model
