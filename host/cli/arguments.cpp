@@ -94,6 +94,7 @@ struct Words {
     std::string refine, curvature, size_min, size_max, coarsening;
     std::vector<std::string> box, size_at, size_of;
     bool no_model_sizes = false;
+    bool box_fit = false;
     bool no_templates = false;
     bool no_snap = false;
     bool no_improve = false;
@@ -146,6 +147,7 @@ void add_mesh_options(CLI::App& app, Arguments& arguments, Words& words) {
     app.add_option("--interior-coarsening", words.coarsening, "up to N levels larger cells inside (0)")
         ->option_text("N");
     app.add_flag("--no-model-sizes", words.no_model_sizes, "ignore element sizes in the file (-maxh)");
+    app.add_flag("--box-fit", words.box_fit, "place the grid so that faces of the model lie on its planes");
     app.add_option("--box", words.box, "X0 Y0 Z0 X1 Y1 Z1: cut the solid there; required if it is infinite")
         ->option_text("CORNERS")
         ->type_size(6)
@@ -242,6 +244,7 @@ void read_mesh_words(const Words& words, Arguments& arguments) {
     if (!words.level.empty()) options.level = parse_integer("--level", words.level, 1, "; the default is 6");
     if (!words.size.empty()) options.size = parse_length("--size", words.size);
     read_size_words(words, options);
+    options.box_fit = words.box_fit;
     if (!words.box.empty()) {
         Box3 box;
         for (std::size_t i = 0; i < 6; ++i) {

@@ -42,7 +42,7 @@ void add_named_size(const std::string& name, double size, const tape::CompiledMo
 /// What file and options say of sizes; features and curvature are asked apart, since they have limits of
 /// their own.
 sizing::SizeField wanted_sizes(const MeshOptions& options, const tape::CompiledModel& compiled,
-                               const tape::BoundModel& model) {
+                               const tape::BoundModel& model, const Box3& bounds) {
     sizing::SizeField field;
     if (options.model_sizes) field = sizing::size_field(model);
     if (options.size_max > 0) field.everywhere = options.size_max / model.side;
@@ -56,6 +56,7 @@ sizing::SizeField wanted_sizes(const MeshOptions& options, const tape::CompiledM
     if (!options.size_formula.empty()) {
         const tape::Formula formula = tape::parse_formula(options.size_formula, "--size-formula");
         tape::emit_formula(formula, formula.root, field.formula);
+        field.within = bounds;
     }
     return field;
 }
@@ -70,8 +71,8 @@ int level_for(double size) {
 }  // namespace
 
 Sizes plan_sizes(const MeshOptions& options, const tape::CompiledModel& compiled,
-                 const tape::BoundModel& model, int base) {
-    Sizes sizes{{}, sizing::Sizer(model, wanted_sizes(options, compiled, model))};
+                 const tape::BoundModel& model, const Box3& bounds, int base) {
+    Sizes sizes{{}, sizing::Sizer(model, wanted_sizes(options, compiled, model, bounds))};
     Levels& levels = sizes.levels;
     const double smallest = sizes.sizer.smallest();
     levels.base = base;

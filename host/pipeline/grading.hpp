@@ -26,10 +26,10 @@ struct Sizes {
     sizing::Sizer sizer;  ///< sizes, not features; refers to the bound model
 };
 
-/// Sizes for a model bound to its root box. Throws Error(kUsage) if they ask for more than kMaxLevel, or for
-/// names that the model does not have.
+/// Sizes for a model with these bounds, bound to its root box. Throws Error(kUsage) if they ask for more than
+/// kMaxLevel, or for names that the model does not have.
 Sizes plan_sizes(const MeshOptions& options, const tape::CompiledModel& compiled,
-                 const tape::BoundModel& model, int base);
+                 const tape::BoundModel& model, const Box3& bounds, int base);
 
 /// The tree, uniform if all levels are one.
 octree::Octree build_tree(device::Device& device, const MeshOptions& options, const tape::BoundModel& model,

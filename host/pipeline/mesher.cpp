@@ -14,6 +14,7 @@
 #include "host/improve/improve.hpp"
 #include "host/octree/octree.hpp"
 #include "host/pipeline/grading.hpp"
+#include "host/pipeline/root_box.hpp"
 #include "host/probe/probe.hpp"
 #include "host/report/report.hpp"
 #include "host/snio/classify.hpp"
@@ -24,7 +25,7 @@
 namespace mortise {
 namespace {
 
-constexpr int kDefaultLevel = 6;
+using pipeline::Root;
 
 double process_seconds() {
     timespec now{};
@@ -61,32 +62,6 @@ class Stages {
     std::chrono::steady_clock::time_point wall_;
     double cpu_ = 0;
 };
-
-/// Root box: a cube about the bounds with one finest cell of margin on each side, so that the faces of the
-/// longest extent fall on grid planes.
-struct Root {
-    Vec3 origin;
-    double side;
-    int level;
-};
-
-Root choose_root(const Box3& bounds, const MeshOptions& options) {
-    double extent = 0;
-    for (std::size_t j = 0; j < 3; ++j) extent = std::max(extent, bounds.max[j] - bounds.min[j]);
-    Root root{};
-    root.level = options.level > 0 ? options.level : kDefaultLevel;
-    if (options.size > 0 && options.level == 0) {
-        root.level = 1;
-        while (root.level < kMaxLevel && std::ldexp(options.size, root.level) < extent + 2 * options.size)
-            ++root.level;
-        root.side = std::ldexp(options.size, root.level);
-    } else {
-        const double cells = std::ldexp(1.0, root.level);
-        root.side = root.level >= 3 ? extent * (cells / (cells - 2)) : 1.25 * extent;
-    }
-    for (std::size_t j = 0; j < 3; ++j) root.origin[j] = 0.5 * (bounds.min[j] + bounds.max[j] - root.side);
-    return root;
-}
 
 std::string number(double value) {
     char text[32];
@@ -257,7 +232,8 @@ Mesh generate_mesh(const Model& model, const MeshOptions& options, MeshReport* r
 
     stages.begin("compile", 0);
     const tape::CompiledModel compiled = tape::compile(model, options.box ? &*options.box : nullptr);
-    const Root root = choose_root(tape::find_bounds(compiled, model.source), options);
+    const Box3 bounds = tape::find_bounds(compiled, model.source);
+    const Root root = pipeline::choose_root(compiled, bounds, options);
     if (root.level > octree::kMaxUniformLevel) {
         throw Error(ExitCode::kUsage, "cells of size " + number(options.size) + " need level " +
                                           std::to_string(root.level) + "; a uniform tree has at most level " +
@@ -265,7 +241,7 @@ Mesh generate_mesh(const Model& model, const MeshOptions& options, MeshReport* r
                                           " yet; use larger cells");
     }
     tape::BoundModel bound = tape::bind(compiled, root.origin, root.side);
-    const pipeline::Sizes sizes = pipeline::plan_sizes(options, compiled, bound, root.level);
+    const pipeline::Sizes sizes = pipeline::plan_sizes(options, compiled, bound, bounds, root.level);
     const pipeline::Levels& levels = sizes.levels;
     check_precision(root, levels.finest(), model.source);
     stages.end(bound.surfaces.size());
@@ -336,7 +312,7 @@ Mesh generate_mesh(const Model& model, const MeshOptions& options, MeshReport* r
     describe_mesh(compiled, bound, leaves, options, stages, mesh, out);
 
     out.level = root.level;
-    out.cell_size = std::ldexp(root.side, -root.level);
+    out.cell_size = root.cell();
     out.finest_level = tree.level;
     if (tree.graded) {
         out.leaves.assign(static_cast<std::size_t>(tree.level) + 1, 0);

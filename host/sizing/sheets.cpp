@@ -12,6 +12,9 @@ namespace {
 
 /// Faces of models often lie on grid planes: what stays in this margin of the node belongs to its neighbour.
 constexpr double kDrawnIn = 1 - 1.0 / 64;
+/// But a wall between such a face and a sheet that passes through the node is this node's.
+constexpr double kDrawnOut = 1 + 1.0 / 64;
+constexpr double kParallel = 0.9063;  ///< cosine of 25°
 
 tape::Cell child_of(const tape::Cell& cell, int child) {
     tape::Cell result = cell;
@@ -216,6 +219,33 @@ void SheetFinder::run(const std::uint32_t* words, std::size_t length, const tape
         else
             signs_[i] = at_centre <= 0 ? -1 : 1;
     }
+    add_touching(cell);
+}
+
+/// Sheets on the node's boundary that are parallel to one inside.
+void SheetFinder::add_touching(const tape::Cell& cell) {
+    touches_ = false;
+    if (sheets_.empty()) return;
+    const tape::Cell drawn_out = {{cell.centre[0], cell.centre[1], cell.centre[2]}, kDrawnOut * cell.half};
+    const std::size_t inside = sheets_.size();
+    for (std::size_t i = 0; i < surfaces_.size(); ++i) {
+        Sheet sheet;
+        double at_centre = 0;
+        if (signs_[i] == 0 || !make_sheet(surfaces_[i], drawn_out, sheet, at_centre)) continue;
+        const bool parallel = std::any_of(
+            sheets_.begin(), sheets_.begin() + static_cast<std::ptrdiff_t>(inside),
+            [&](const Sheet& other) { return std::fabs(dot(other.normal, sheet.normal)) > kParallel; });
+        if (!parallel) continue;
+        signs_[i] = 0;
+        sheets_.push_back(sheet);
+        touches_ = true;
+    }
+    std::sort(sheets_.begin(), sheets_.end(),
+              [](const Sheet& a, const Sheet& b) { return a.surface < b.surface; });
+}
+
+tape::Cell SheetFinder::seen(const tape::Cell& cell) const {
+    return {{cell.centre[0], cell.centre[1], cell.centre[2]}, (touches_ ? kDrawnOut : 1) * cell.half};
 }
 
 }  // namespace mortise::sizing

@@ -33,13 +33,17 @@ class SheetFinder {
     /// Fills sheets() and other_sign().
     void run(const std::uint32_t* words, std::size_t length, const tape::Cell& cell);
 
-    /// By surface, ascending. A surface that touches only the node's boundary is none.
+    /// By surface, ascending. A surface that touches only the node's boundary is none, unless it is parallel
+    /// to a sheet inside.
     std::vector<Sheet>& sheets() { return sheets_; }
+    /// The node, a little larger if some sheets are on its boundary.
+    tape::Cell seen(const tape::Cell& cell) const;
     /// All surfaces of the tape, ascending; signs of those that are no sheet, 0 for sheets.
     const std::vector<std::uint32_t>& surfaces() const { return surfaces_; }
     const std::vector<std::int8_t>& signs() const { return signs_; }
 
   private:
+    void add_touching(const tape::Cell& cell);
     bool make_sheet(std::uint32_t surface, const tape::Cell& cell, Sheet& sheet, double& at_centre) const;
     bool make_patch(const tape::Cell& cell, Sheet& sheet, double& at_centre) const;
     bool passes(std::uint32_t surface, const tape::Cell& cell, int depth) const;
@@ -50,6 +54,7 @@ class SheetFinder {
     std::vector<Sheet> sheets_;
     std::vector<std::uint32_t> surfaces_;
     std::vector<std::int8_t> signs_;
+    bool touches_ = false;
 };
 
 /// Sample point of a cell: a corner drawn in, or the centre.

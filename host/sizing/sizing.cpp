@@ -53,7 +53,9 @@ double Sizer::size_in(const tape::Cell& cell) const {
         for (std::size_t j = 0; j < 3; ++j) {
             const double centre = model_.origin[j] + model_.side * cell.centre[j];
             const double half = model_.side * cell.half;
-            x[j] = make_interval(static_cast<float>(centre - half), static_cast<float>(centre + half));
+            const double low = std::clamp(centre - half, field_.within.min[j], field_.within.max[j]);
+            const double high = std::clamp(centre + half, field_.within.min[j], field_.within.max[j]);
+            x[j] = make_interval(static_cast<float>(low), static_cast<float>(high));
         }
         const Interval wanted = expression_bounds(field_.formula.data(),
                                                   static_cast<u32>(field_.formula.size()), x[0], x[1], x[2]);

@@ -31,6 +31,7 @@ struct SizeField {
     /// model coordinates and units; empty: no wish. A leaf meets its smallest value in the leaf, by interval
     /// bounds.
     std::vector<ExpressionOp> formula;
+    Box3 within{};  ///< where the solid lies, in model coordinates: the formula is asked nowhere else
     double curvature_elements = 0;  ///< leaves per full turn of a curved surface; 0: no wish
     /// Edge of the finest leaf that the caller makes, 0: not told. Features thinner than half of it are not
     /// worth a split.

@@ -48,7 +48,7 @@ void Topology::load(const std::uint32_t* words, std::size_t length, const tape::
 /// Leaves the sheets at which the region changes, and finds their sides.
 void Topology::keep_bounding(const std::uint32_t* words, std::size_t length) {
     if (sheets_.empty()) return;
-    if (!possible_.find(sheets_, cell_)) {
+    if (!possible_.find(sheets_, finder_.seen(cell_))) {
         orient_by_tape(words, length);
         return;
     }

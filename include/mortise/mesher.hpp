@@ -39,12 +39,14 @@ struct MeshOptions {
     double size_max = 0;          ///< no cell is larger, if positive
     double size_min = 0;          ///< no cell is smaller, if positive
     int interior_coarsening = 0;  ///< levels by which IN cells away from the boundary may be larger
-    std::optional<Box3> box;      ///< cuts the solid; its faces become boundaries box_xmin, ...
-    bool templates = true;        ///< false: every NIO cell by the certificate
-    bool snap = true;             ///< vertices near a smooth surface move onto it; needs `templates`
-    bool improve = true;          ///< false: elements stay as templates and certificate make them
-    int smooth = 4;               ///< rounds of node repositioning; 0: nodes move only onto the model
-    bool tetrahedra = false;      ///< split everything into tetrahedra
+    bool box_fit =
+        false;  ///< shift the grid, and enlarge cells a little, so that faces of the model lie on it
+    std::optional<Box3> box;  ///< cuts the solid; its faces become boundaries box_xmin, ...
+    bool templates = true;    ///< false: every NIO cell by the certificate
+    bool snap = true;         ///< vertices near a smooth surface move onto it; needs `templates`
+    bool improve = true;      ///< false: elements stay as templates and certificate make them
+    int smooth = 4;           ///< rounds of node repositioning; 0: nodes move only onto the model
+    bool tetrahedra = false;  ///< split everything into tetrahedra
     int pieces = 1;           ///< parts of the Morton range that are meshed apart and merged: the same mesh
     bool quality = false;     ///< also make MeshReport::quality
     bool strict = false;      ///< Error(kMeshing) if the mesh is not known to show every feature of the model

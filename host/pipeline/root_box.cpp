@@ -1,0 +1,121 @@
+#include "host/pipeline/root_box.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+namespace mortise::pipeline {
+namespace {
+
+constexpr int kDefaultLevel = 6;
+constexpr double kOnPlane = 1e-6;         ///< cells: closer than signs can tell (kSignTolerance)
+constexpr double kFewestCells = 0.8;      ///< share of the cells across the model that fitting keeps
+constexpr std::size_t kMostPlanes = 512;  ///< per axis, of models with more the first
+
+/// Places of the planes across each axis, ascending, inside the bounds.
+std::array<std::vector<double>, 3> axis_planes(const tape::CompiledModel& compiled, const Box3& bounds) {
+    std::array<std::vector<double>, 3> result;
+    for (const tape::WorldSurface& surface : compiled.surfaces) {
+        if (surface.surface.kind != kSurfacePlane) continue;
+        const double* row = surface.surface.map;
+        for (std::size_t j = 0; j < 3; ++j) {
+            const double across = std::fabs(row[j]);
+            const double off = std::max(std::fabs(row[(j + 1) % 3]), std::fabs(row[(j + 2) % 3]));
+            if (!(off <= 1e-12 * across)) continue;
+            const double place = -row[3] / row[j];
+            const double slack = kOnPlane * (bounds.max[j] - bounds.min[j]);
+            if (place >= bounds.min[j] - slack && place <= bounds.max[j] + slack &&
+                result[j].size() < kMostPlanes)
+                result[j].push_back(place);
+        }
+    }
+    for (auto& planes : result) {
+        std::sort(planes.begin(), planes.end());
+        planes.erase(std::unique(planes.begin(), planes.end()), planes.end());
+    }
+    return result;
+}
+
+struct Fit {
+    double origin = 0;
+    std::size_t on_planes = 0;
+};
+
+/// The origin in [low, high] that puts the most planes on the grid, the one nearest the middle of these.
+Fit fit_axis(const std::vector<double>& planes, double low, double high, double cell) {
+    Fit best{0.5 * (low + high), 0};
+    double best_shift = high - low;
+    for (const double anchor : planes) {
+        // Grid planes through the anchor; the origin nearest the middle of its range.
+        const double middle = 0.5 * (low + high);
+        const double origin = anchor - cell * std::round((anchor - middle) / cell);
+        if (origin < low - kOnPlane * cell || origin > high + kOnPlane * cell) continue;
+        Fit fit{origin, 0};
+        for (const double place : planes) {
+            const double at = (place - origin) / cell;
+            if (std::fabs(at - std::round(at)) < kOnPlane) ++fit.on_planes;
+        }
+        const double shift = std::fabs(origin - middle);
+        if (fit.on_planes < best.on_planes || (fit.on_planes == best.on_planes && shift >= best_shift))
+            continue;
+        best = fit;
+        best_shift = shift;
+    }
+    return best;
+}
+
+/// Tries cells of a whole number to the longest extent, and takes the grid with the most planes on it,
+/// weighed against its coarseness.
+Root fit_root(const tape::CompiledModel& compiled, const Box3& bounds, double extent, const Root& plain,
+              bool fixed_size) {
+    const std::array<std::vector<double>, 3> planes = axis_planes(compiled, bounds);
+    const double cells = std::ldexp(1.0, plain.level);
+    const double most = cells - 2;
+    Root best = plain;
+    double best_score = -1;
+    for (double count = most; count >= kFewestCells * most; --count) {
+        const double cell = fixed_size ? plain.cell() : extent / count;
+        Root root = plain;
+        root.side = cell * cells;
+        double score = 0;
+        for (std::size_t j = 0; j < 3; ++j) {
+            const Fit fit = fit_axis(planes[j], bounds.max[j] + cell - root.side, bounds.min[j] - cell, cell);
+            root.origin[j] = fit.origin;
+            score += static_cast<double>(fit.on_planes);
+        }
+        score *= count / most;
+        if (score > best_score) {
+            best = root;
+            best_score = score;
+        }
+        if (fixed_size) break;
+    }
+    return best;
+}
+
+}  // namespace
+
+double Root::cell() const { return std::ldexp(side, -level); }
+
+Root choose_root(const tape::CompiledModel& compiled, const Box3& bounds, const MeshOptions& options) {
+    double extent = 0;
+    for (std::size_t j = 0; j < 3; ++j) extent = std::max(extent, bounds.max[j] - bounds.min[j]);
+    Root root{};
+    root.level = options.level > 0 ? options.level : kDefaultLevel;
+    const bool fixed_size = options.size > 0 && options.level == 0;
+    if (fixed_size) {
+        root.level = 1;
+        while (root.level < kMaxLevel && std::ldexp(options.size, root.level) < extent + 2 * options.size)
+            ++root.level;
+        root.side = std::ldexp(options.size, root.level);
+    } else {
+        const double cells = std::ldexp(1.0, root.level);
+        root.side = root.level >= 3 ? extent * (cells / (cells - 2)) : 1.25 * extent;
+    }
+    for (std::size_t j = 0; j < 3; ++j) root.origin[j] = 0.5 * (bounds.min[j] + bounds.max[j] - root.side);
+    if (options.box_fit && root.level >= 3) return fit_root(compiled, bounds, extent, root, fixed_size);
+    return root;
+}
+
+}  // namespace mortise::pipeline

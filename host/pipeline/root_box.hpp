@@ -1,0 +1,25 @@
+// The root cube: where the octree lies in model space.
+#pragma once
+
+#include "host/tape/compile.hpp"
+#include "mortise/mesher.hpp"
+
+namespace mortise::pipeline {
+
+struct Root {
+    Vec3 origin{};
+    double side = 1;
+    int level = 6;
+
+    double cell() const;
+};
+
+/// A cube about the bounds with at least one cell of margin on each side, of the level and cell size that the
+/// options ask for. The faces of the longest extent fall on grid planes.
+///
+/// With MeshOptions::box_fit (Saxena & Perucchio 1992, §6.1: size and offset of the enclosing box) cells may
+/// be up to a quarter larger than those of `level`, and the cube is shifted, so that as many as possible of
+/// the model's planes across the axes lie on grid planes, where cells stay whole.
+Root choose_root(const tape::CompiledModel& compiled, const Box3& bounds, const MeshOptions& options);
+
+}  // namespace mortise::pipeline

@@ -1,0 +1,227 @@
+// What each option of sizes does, on models whose answer is known.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "tests/mesher/meshed.hpp"
+#include "tests/mesher/solids.hpp"
+
+namespace mortise::test {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+
+Model parse(const std::string& text, const std::string& format) {
+    return parse_model(text, format, "test." + format);
+}
+
+std::uint64_t leaves_at(const MeshReport& report, int level) {
+    return static_cast<std::size_t>(level) < report.leaves.size()
+               ? report.leaves[static_cast<std::size_t>(level)]
+               : 0;
+}
+
+/// Longest edge of the elements with a node within `reach` of a point.
+double longest_edge_near(const Mesh& mesh, const Vec3& at, double reach) {
+    const auto point = [&](NodeId node) {
+        return Vec3{mesh.points[3 * std::size_t{node}], mesh.points[3 * std::size_t{node} + 1],
+                    mesh.points[3 * std::size_t{node} + 2]};
+    };
+    const auto distance = [](const Vec3& a, const Vec3& b) {
+        return std::sqrt((a[0] - b[0]) * (a[0] - b[0]) + (a[1] - b[1]) * (a[1] - b[1]) +
+                         (a[2] - b[2]) * (a[2] - b[2]));
+    };
+    double longest = 0;
+    for (int t = 0; t < kElementTypes; ++t) {
+        const auto type = static_cast<ElementType>(t);
+        const auto& nodes = mesh.block(type).nodes;
+        const auto size = static_cast<std::size_t>(kElementNodes[static_cast<std::size_t>(t)]);
+        for (std::size_t i = 0; i < nodes.size(); i += size) {
+            bool near = false;
+            for (std::size_t k = 0; k < size; ++k) near = near || distance(point(nodes[i + k]), at) < reach;
+            if (!near) continue;
+            const LocalFaces faces = local_faces(type);
+            for (int f = 0; f < faces.count; ++f) {
+                const LocalFace& face = faces.faces[f];
+                const std::size_t corners = face[3] < 0 ? 3 : 4;
+                for (std::size_t k = 0; k < corners; ++k) {
+                    const auto a = static_cast<std::size_t>(face[k]);
+                    const auto b = static_cast<std::size_t>(face[(k + 1) % corners]);
+                    longest = std::max(longest, distance(point(nodes[i + a]), point(nodes[i + b])));
+                }
+            }
+        }
+    }
+    return longest;
+}
+
+}  // namespace
+
+TEST_CASE("a coarse interior leaves the boundary of the uniform mesh as it is") {
+    const Model model = parse("sphere(r = 10);", "csg");
+    MeshOptions options;
+    options.level = 6;
+    options.improve = false;
+    const Meshed uniform = mesh_and_check(model, options);
+    options.interior_coarsening = 4;
+    const Meshed coarse = mesh_and_check(model, options);
+    CHECK(coarse.defects == "");
+    CHECK(coarse.mesh.facets.size() == uniform.mesh.facets.size());
+    CHECK(coarse.check.boundary_area == doctest::Approx(uniform.check.boundary_area).epsilon(1e-12));
+    CHECK(coarse.check.volume == doctest::Approx(uniform.check.volume).epsilon(1e-10));
+    CHECK(coarse.check.min_scaled_jacobian[0] >= 0.8);
+    CHECK(coarse.mesh.block(ElementType::kHexahedron).size() <
+          uniform.mesh.block(ElementType::kHexahedron).size() / 4);
+    // Nothing is larger than 2^4 cells, and neighbours differ by one level.
+    CHECK(leaves_at(coarse.report, 1) == 0);
+    CHECK(leaves_at(coarse.report, 6) > 0);
+    CHECK(leaves_at(coarse.report, 5) > 0);
+    CHECK(coarse.report.finest_level == 6);
+}
+
+TEST_CASE("a coin in an air box a thousand times larger") {
+    const Model model = parse(R"(algebraic3d
+solid coin = cylinder(0,0,-1;0,0,1;10) and plane(0,0,-0.5;0,0,-1) and plane(0,0,0.5;0,0,1) -maxh=2;
+solid air = orthobrick(-10000,-10000,-10000;10000,10000,10000) and not coin;
+tlo coin;
+tlo air;
+)",
+                              "geo");
+    MeshOptions options;
+    options.level = 4;
+    const Meshed meshed = mesh_and_check(model, options);
+    CHECK(meshed.defects == "");
+    REQUIRE(meshed.check.region_volume.size() == 2);
+    CHECK(meshed.check.region_volume[0] == doctest::Approx(100 * kPi).epsilon(0.01));
+    CHECK(meshed.check.region_volume[1] == doctest::Approx(8e12).epsilon(1e-9));
+    // Its surface, once, between the two.
+    CHECK(facet_area(meshed.mesh, 1, 2) == doctest::Approx(2 * kPi * 100 + 2 * kPi * 10).epsilon(0.01));
+    CHECK(facet_area(meshed.mesh, 0, 1) == 0);
+    CHECK(facet_area(meshed.mesh, 0, 2) == doctest::Approx(6 * 4e8).epsilon(1e-9));
+    // A uniform mesh with these cells would have 2^(3 finest) of them.
+    CHECK(std::ldexp(1.0, 3 * meshed.report.finest_level) / static_cast<double>(meshed.mesh.element_count()) >
+          1e6);
+}
+
+TEST_CASE("sizes around a point, at least and at most") {
+    const Model model = parse("cube([10, 10, 10]);", "csg");
+    MeshOptions options;
+    options.level = 4;
+    options.sizes.push_back({{0, 0, 0}, 0.1, 0.5});
+    const Meshed meshed = mesh_and_check(model, options);
+    CHECK(meshed.defects == "");
+    CHECK(meshed.check.volume == doctest::Approx(1000).epsilon(1e-9));
+    // An edge across a cell's face is √2 of the cell, and one improvement may add a little.
+    CHECK(longest_edge_near(meshed.mesh, {0, 0, 0}, 0.05) <= 0.1 * 1.8);
+    CHECK(longest_edge_near(meshed.mesh, {10, 10, 10}, 0.05) > 0.3);
+
+    options.size_min = 0.3;
+    const Meshed limited = mesh_and_check(model, options);
+    CHECK(std::ldexp(limited.report.cell_size, 4 - limited.report.finest_level) >= 0.3);
+    CHECK(limited.mesh.element_count() < meshed.mesh.element_count());
+
+    MeshOptions most;
+    most.level = 3;
+    most.size_max = 0.7;
+    const Meshed small = mesh_and_check(model, most);
+    CHECK(small.defects == "");
+    CHECK(std::ldexp(small.report.cell_size, 3 - small.report.finest_level) <= 0.7);
+    CHECK(leaves_at(small.report, small.report.finest_level) ==
+          std::accumulate(small.report.leaves.begin(), small.report.leaves.end(), std::uint64_t{0}));
+}
+
+TEST_CASE("sizes of surfaces and regions by name, and by a formula") {
+    const std::string text =
+        "algebraic3d\n"
+        "solid ball = sphere(0,0,0;1);\n"
+        "solid box = orthobrick(-3,-3,-3;3,3,3) and not ball;\n"
+        "tlo ball;\ntlo box;\n";
+    const Model model = parse(text, "geo");
+    MeshOptions options;
+    options.level = 4;
+    const Meshed plain = mesh_and_check(model, options);
+    options.named_sizes = {{"ball", 0.1}};
+    const Meshed named = mesh_and_check(model, options);
+    CHECK(named.defects == "");
+    CHECK(longest_edge_near(named.mesh, {0, 0, 0}, 0.9) <= 0.1 * 1.8);
+    CHECK(longest_edge_near(named.mesh, {3, 3, 3}, 0.1) > 0.2);
+    const double error = std::fabs(named.check.region_volume[0] - 4 * kPi / 3);
+    CHECK(error < std::fabs(plain.check.region_volume[0] - 4 * kPi / 3) / 4);
+    options.named_sizes = {{"bal", 0.1}};
+    CHECK_THROWS_WITH_AS(generate_mesh(model, options), doctest::Contains("'bal'"), Error);
+
+    MeshOptions formula;
+    formula.level = 4;
+    formula.size_formula = "0.11 + 0.5 * (x + 3)";
+    const Meshed graded = mesh_and_check(model, formula);
+    CHECK(graded.defects == "");
+    CHECK(longest_edge_near(graded.mesh, {-3, -3, -3}, 0.05) <= 0.15 * 1.8);
+    CHECK(longest_edge_near(graded.mesh, {3, 3, 3}, 0.05) > 0.3);
+    formula.size_formula = "x";
+    CHECK_THROWS_WITH_AS(generate_mesh(model, formula), doctest::Contains("size-min"), Error);
+    formula.size_formula = "x +";
+    CHECK_THROWS_AS(generate_mesh(model, formula), Error);
+}
+
+TEST_CASE("features: thin walls get small cells, plain creases and corners do not") {
+    const Model thin = parse("union() { cube([10, 10, 0.2]); cube([10, 2, 10]); }", "csg");
+    MeshOptions options;
+    options.level = 4;
+    options.refine = 3;
+    const Meshed refined = mesh_and_check(thin, options);
+    CHECK(refined.defects == "");
+    CHECK(refined.check.volume == doctest::Approx(10 * 10 * 0.2 + 10 * 2 * 9.8).epsilon(1e-9));
+    CHECK(refined.report.finest_level >= 6);
+    CHECK(leaves_at(refined.report, 4) > 0);
+
+    const Meshed cube = mesh_and_check(parse("cube([10, 10, 10]);", "csg"), options);
+    CHECK(cube.report.finest_level == 4);
+}
+
+TEST_CASE("curvature: as many cells to a full turn as asked") {
+    const Model model = parse("cylinder(r = 1, h = 10, $fn = 0);", "csg");
+    MeshOptions options;
+    options.level = 4;
+    options.refine = 3;
+    options.curvature_elements = 24;
+    const Meshed meshed = mesh_and_check(model, options);
+    CHECK(meshed.defects == "");
+    CHECK(std::ldexp(meshed.report.cell_size, 4 - meshed.report.finest_level) <= 2 * kPi / 24 * 1.01);
+}
+
+TEST_CASE("a fitted box puts the faces of a model on grid planes") {
+    const Model model = parse(R"(difference() {
+        cube([12, 8, 5]);
+        multmatrix([[1, 0, 0, 2], [0, 1, 0, 3], [0, 0, 1, -1], [0, 0, 0, 1]]) { cube([4, 3, 7]); }
+    })",
+                              "csg");
+    MeshOptions options;
+    options.level = 5;
+    const Meshed plain = mesh_and_check(model, options);
+    options.box_fit = true;
+    const Meshed fitted = mesh_and_check(model, options);
+    CHECK(fitted.defects == "");
+    CHECK(fitted.check.volume == doctest::Approx(12 * 8 * 5 - 4 * 3 * 5).epsilon(1e-12));
+    // All of it is hexahedra, cells being a divisor of a millimetre.
+    CHECK(fitted.mesh.element_count() == fitted.mesh.block(ElementType::kHexahedron).size());
+    CHECK(fitted.check.min_scaled_jacobian[0] == doctest::Approx(1));
+    CHECK(plain.mesh.element_count() > plain.mesh.block(ElementType::kHexahedron).size());
+}
+
+TEST_CASE("a graded tetrahedral mesh and one with a report are valid, too") {
+    const Model model = parse("difference() { cube([4, 4, 4]); sphere(r = 1.5); }", "csg");
+    MeshOptions options;
+    options.level = 4;
+    options.sizes.push_back({{1.5, 0, 0}, 0.05, 0.4});
+    options.interior_coarsening = 1;
+    options.tetrahedra = true;
+    options.quality = true;
+    const Meshed meshed = mesh_and_check(model, options);
+    CHECK(meshed.defects == "");
+    CHECK(meshed.mesh.element_count() == meshed.mesh.block(ElementType::kTetrahedron).size());
+    REQUIRE(meshed.report.quality.has_value());
+}
+
+}  // namespace mortise::test
