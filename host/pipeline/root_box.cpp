@@ -84,7 +84,7 @@ Root fit_root(const tape::CompiledModel& compiled, const Box3& bounds, double ex
             root.origin[j] = fit.origin;
             score += static_cast<double>(fit.on_planes);
         }
-        score *= count / most;
+        score *= std::sqrt(count / most);
         if (score > best_score) {
             best = root;
             best_score = score;
