@@ -40,12 +40,16 @@ class HelpFormatter : public CLI::Formatter {
     std::string make_help(const CLI::App* app, std::string, CLI::AppFormatMode) const override {
         std::ostringstream out;
         out << app->get_description() << "\n\nUsage: " << usage_ << "\n";
-        out << "\nOptions:\n";
-        for (const CLI::Option* option : app->get_options()) {
-            if (!option->nonpositional()) continue;
-            const std::string value = option->get_option_text();
-            line(out, option->get_name(false, true) + (value.empty() ? "" : " " + value),
-                 option->get_description());
+        for (const std::string& group : app->get_groups()) {
+            const auto options = app->get_options([&group](const CLI::Option* option) {
+                return option->nonpositional() && option->get_group() == group;
+            });
+            if (!options.empty()) out << "\n" << group << ":\n";
+            for (const CLI::Option* option : options) {
+                const std::string value = option->get_option_text();
+                line(out, option->get_name(false, true) + (value.empty() ? "" : " " + value),
+                     option->get_description());
+            }
         }
         const std::vector<const CLI::App*> commands = app->get_subcommands({});
         if (!commands.empty()) {
@@ -111,43 +115,12 @@ void refuse_empty_values(CLI::App& app) {
     }
 }
 
-void add_mesh_options(CLI::App& app, Arguments& arguments, Words& words) {
+void add_model_options(CLI::App& app, Arguments& arguments, Words& words) {
     app.add_option("MODEL", arguments.file,
                    "model file: .csg, .geo, .stl, .obj, .off, .formula, .vm or .frep");
     app.add_option("-o,--output", arguments.outputs, "mesh file, .vtu or .msh; may be given several times")
         ->option_text("FILE")
         ->allow_extra_args(false);
-    CLI::Option* level =
-        app.add_option("--level", words.level, "split the root cube LEVEL times: 1 to 10, default 6")
-            ->option_text("LEVEL");
-    app.add_option("--size", words.size, "edge length of a cell in model units, instead of --level")
-        ->option_text("LENGTH")
-        ->excludes(level);
-    app.add_option("--refine", words.refine, "up to N levels smaller cells where features are small (0)")
-        ->option_text("N");
-    CLI::Option* curvature = app.add_option("--curvature-elements", words.curvature,
-                                            "and where a full turn of a surface has less than N cells")
-                                 ->option_text("N");
-    curvature->needs(app.get_option("--refine"));
-    app.add_option("--size-at", words.size_at, "X Y Z H G: cells of at most H + G × distance (repeatable)")
-        ->option_text("PLACE")
-        ->type_size(5)
-        ->expected(-1);
-    app.add_option("--size-of", words.size_of,
-                   "NAME H: cells of at most H in that region, or on that surface")
-        ->option_text("SIZE")
-        ->type_size(2)
-        ->expected(-1);
-    app.add_option("--size-formula", arguments.options.size_formula, "cells of at most f(x, y, z)")
-        ->option_text("F");
-    app.add_option("--size-max", words.size_max, "no cell larger than this, inside neither")
-        ->option_text("LENGTH");
-    app.add_option("--size-min", words.size_min, "no cell smaller than this, whatever asks for it")
-        ->option_text("LENGTH");
-    app.add_option("--interior-coarsening", words.coarsening, "up to N levels larger cells inside (0)")
-        ->option_text("N");
-    app.add_flag("--no-model-sizes", words.no_model_sizes, "ignore element sizes in the file (-maxh)");
-    app.add_flag("--box-fit", words.box_fit, "place the grid so that faces of the model lie on its planes");
     app.add_option("--box", words.box, "X0 Y0 Z0 X1 Y1 Z1: cut the solid there; required if it is infinite")
         ->option_text("CORNERS")
         ->type_size(6)
@@ -155,31 +128,83 @@ void add_mesh_options(CLI::App& app, Arguments& arguments, Words& words) {
         ->multi_option_policy(CLI::MultiOptionPolicy::Throw);
     app.add_option("--extrude", words.extrude, "solid of height H above a function of x and y (.vm, .frep)")
         ->option_text("H");
-    app.add_option("--elements", words.elements, "hex: mostly hexahedra (default); tet: tetrahedra only")
-        ->option_text("hex|tet");
     app.add_option("--facets", words.facets, "circles of .csg: smooth (default), or exact as OpenSCAD's")
         ->option_text("smooth|exact");
-    app.add_flag("--no-templates", words.no_templates, "mesh simple surface cells like complex ones");
-    app.add_option("--smooth", words.smooth, "rounds of moving nodes to better places, 0 to 100 (4)");
+}
+
+void add_size_options(CLI::App& app, Arguments& arguments, Words& words) {
+    app.option_defaults()->group("Sizes of cells");
+    CLI::Option* level =
+        app.add_option("--level", words.level, "split the root cube LEVEL times: 1 to 10, default 6")
+            ->option_text("LEVEL");
+    app.add_option("--size", words.size, "edge length of a cell in model units, instead of --level")
+        ->option_text("LENGTH")
+        ->excludes(level);
+    CLI::Option* refine =
+        app.add_option("--refine", words.refine, "cells up to N levels smaller at thin walls, gaps, holes")
+            ->option_text("N");
+    app.add_option("--curvature-elements", words.curvature,
+                   "and where a full turn of a surface has less than N cells")
+        ->option_text("N")
+        ->needs(refine);
+    app.add_option("--size-of", words.size_of,
+                   "NAME H: at most H in that region, or on that surface (repeatable)")
+        ->option_text("SIZE")
+        ->type_size(2)
+        ->expected(-1);
+    app.add_option("--size-at", words.size_at, "X Y Z H G: at most H + G times the distance (repeatable)")
+        ->option_text("SIZE")
+        ->type_size(5)
+        ->expected(-1);
+    app.add_option("--size-formula", arguments.options.size_formula, "at most F, a formula in x, y, z")
+        ->option_text("F");
+    app.add_option("--size-max", words.size_max, "no cell larger than this, inside neither")
+        ->option_text("LENGTH");
+    app.add_option("--size-min", words.size_min, "no cell smaller than this, whatever asks for it")
+        ->option_text("LENGTH");
+    app.add_flag("--no-model-sizes", words.no_model_sizes, "ignore element sizes in the file (-maxh)");
+    app.add_option("--interior-coarsening", words.coarsening, "cells inside up to N levels larger")
+        ->option_text("N");
+    app.add_flag("--box-fit", words.box_fit, "place the grid so that faces of the model lie on its planes");
+}
+
+void add_element_options(CLI::App& app, Arguments& arguments, Words& words) {
+    app.option_defaults()->group("Elements");
+    app.add_option("--elements", words.elements, "hex: mostly hexahedra (default); tet: tetrahedra only")
+        ->option_text("hex|tet");
+    app.add_option("--smooth", words.smooth, "rounds of moving nodes to better places, 0 to 100 (4)")
+        ->option_text("ROUNDS");
     app.add_flag("--no-improve", words.no_improve, "leave elements as templates and certificate make them");
     app.add_flag("--no-snap", words.no_snap, "do not move grid vertices onto the surface");
-    app.add_option("--picture", arguments.picture, "draw the mesh, .png")->option_text("FILE");
-    app.add_option("--report", arguments.report, "write figures and times, .json")->option_text("FILE");
-    app.add_flag("--check", arguments.check, "validate the mesh first; write nothing if it has defects");
-    app.add_option("--features", arguments.features, "write creases and corners, .vtp")->option_text("FILE");
-    app.add_flag("--quality", arguments.quality, "report shapes, distance to the model, features");
+    app.add_flag("--no-templates", words.no_templates, "mesh simple surface cells like complex ones");
+    app.add_flag("--strict", arguments.options.strict, "exit 3, write nothing, if a feature may be missing");
     app.add_option("--quality-floor", words.floor, "exit 4 if a scaled Jacobian is below X, 0 to 1")
         ->option_text("X");
-    app.add_flag("--strict", arguments.options.strict, "exit 3, write nothing, if a feature may be missing");
+}
+
+void add_output_options(CLI::App& app, Arguments& arguments, Words& words) {
+    app.option_defaults()->group("Reports and running");
+    app.add_flag("--check", arguments.check, "validate the mesh first; write nothing if it has defects");
+    app.add_flag("--quality", arguments.quality, "report shapes, distance to the model, features");
+    app.add_option("--features", arguments.features, "write creases and corners, .vtp")->option_text("FILE");
+    app.add_option("--picture", arguments.picture, "draw the mesh, .png")->option_text("FILE");
+    app.add_option("--report", arguments.report, "write figures and times, .json")->option_text("FILE");
+    CLI::Option* json = app.add_flag("--json", arguments.json, "print the report on stdout, not the summary");
+    app.add_flag("--quiet", arguments.quiet, "no summary and no progress; warnings stay")->excludes(json);
     app.add_option("--device", arguments.options.device, "number or part of a name from `mortise devices`")
         ->option_text("DEVICE");
     app.add_option("--threads", words.threads, "host threads, default all cores")->option_text("COUNT");
     app.add_option("--work-group", words.work_group, "OpenCL work-group size, default by device")
         ->option_text("COUNT");
-    CLI::Option* json = app.add_flag("--json", arguments.json, "print the report on stdout, not the summary");
-    app.add_flag("--quiet", arguments.quiet, "no summary and no progress; warnings stay")->excludes(json);
-    refuse_empty_values(app);
+}
+
+void add_mesh_options(CLI::App& app, Arguments& arguments, Words& words) {
     app.set_version_flag("--version", "mortise " MORTISE_VERSION, "print the version");
+    add_model_options(app, arguments, words);
+    add_size_options(app, arguments, words);
+    add_element_options(app, arguments, words);
+    add_output_options(app, arguments, words);
+    refuse_empty_values(app);
     app.footer(std::string(kExamples) + kExitCodes);
 }
 

@@ -54,8 +54,12 @@ sizing::SizeField wanted_sizes(const MeshOptions& options, const tape::CompiledM
     for (const auto& [name, size] : options.named_sizes)
         add_named_size(name, size / model.side, compiled, model, field);
     if (!options.size_formula.empty()) {
-        const tape::Formula formula = tape::parse_formula(options.size_formula, "--size-formula");
-        tape::emit_formula(formula, formula.root, field.formula);
+        try {
+            const tape::Formula formula = tape::parse_formula(options.size_formula);
+            tape::emit_formula(formula, formula.root, field.formula);
+        } catch (const Error& error) {
+            throw Error(ExitCode::kUsage, "--size-formula: " + std::string(error.what()));
+        }
         field.within = bounds;
     }
     return field;
