@@ -18,6 +18,32 @@ std::string corner_text(const Vec3& corner) {
            ")";
 }
 
+/// Bounds and surfaces; the text names the first of many.
+void add_summary(const ModelSummary& summary, Json& document, std::string& text) {
+    constexpr std::size_t kMostNames = 12;
+    document["bounds"] = nullptr;
+    if (summary.bounds) {
+        document["bounds"] = {{"min", summary.bounds->min}, {"max", summary.bounds->max}};
+        text += "  bounds     " + corner_text(summary.bounds->min) + " to " +
+                corner_text(summary.bounds->max) + ", roughly\n";
+    } else {
+        document["unbounded"] = summary.unbounded;
+        text += "  bounds     none: " + one_line(summary.unbounded) + "\n";
+    }
+    document["surfaces"] = Json::array();
+    text += "  surfaces   " + std::to_string(summary.surfaces.size());
+    for (std::size_t i = 0; i < summary.surfaces.size(); ++i) {
+        const double size = summary.surface_size[i];
+        document["surfaces"].push_back(
+            {{"name", summary.surfaces[i]}, {"max_size", size > 0 ? Json(size) : Json(nullptr)}});
+        if (i == kMostNames) text += ", ...";
+        if (i >= kMostNames) continue;
+        text += (i == 0 ? ": " : ", ") + summary.surfaces[i] +
+                (size > 0 ? " (element size " + short_number(size) + ")" : "");
+    }
+    text += "\n";
+}
+
 }  // namespace
 
 ExitCode info_command(const Arguments& arguments) {
@@ -52,6 +78,7 @@ ExitCode info_command(const Arguments& arguments) {
         document["box"] = {{"min", model.clip->min}, {"max", model.clip->max}};
         text += "  box        " + corner_text(model.clip->min) + " to " + corner_text(model.clip->max) + "\n";
     }
+    add_summary(summarize(model), document, text);
     document["warnings"] = model.warnings;
     print(arguments.json ? to_text(document) : text);
     Progress progress(true);

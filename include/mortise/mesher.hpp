@@ -98,6 +98,17 @@ struct MeshReport {
     std::vector<std::string> warnings;
 };
 
+/// What a mesh of the model would have, without making one.
+struct ModelSummary {
+    std::optional<Box3> bounds;         ///< of the solid, to a few percent; none: empty or unbounded
+    std::string unbounded;              ///< why there are no bounds
+    std::vector<std::string> surfaces;  ///< names of its smooth surfaces
+    std::vector<double> surface_size;   ///< parallel: element size that the model wants there; 0: none
+};
+
+/// Throws Error(kInput) for a model that is empty by its structure.
+ModelSummary summarize(const Model& model);
+
 /// Meshes a model. Deterministic: the same model and options give the same mesh, bit for bit, whatever the
 /// device, thread count and work-group size. Throws Error(kInput) for an empty or unbounded solid,
 /// Error(kDevice) and Error(kUsage) as their names say.

@@ -1,6 +1,8 @@
 // What a user does every day: mesh, check, report; and stopping a run.
 #include <doctest/doctest.h>
+
 #include <signal.h>
+#include <fstream>
 
 #include <chrono>
 #include <filesystem>
@@ -152,7 +154,20 @@ TEST_CASE("info, devices, doctor, help and version") {
     const Json document = Json::parse(info.out);
     CHECK(document["regions"].size() == 1);
     CHECK(document["primitives"]["convex"].get<int>() + document["primitives"]["cylinder"].get<int>() >= 5);
+    CHECK(document["bounds"]["min"].size() == 3);
+    CHECK(document["surfaces"].size() > 10);
+    CHECK(document["surfaces"][0]["max_size"].is_null());
     CHECK(run({"info", asset("bracket.csg")}).code == 0);
+    {
+        const ScratchFolder scratch;
+        const std::string path = scratch.file("plane.geo");
+        std::ofstream(path) << "algebraic3d\nsolid half = plane(0,0,0;0,0,1) -maxh=2;\ntlo half;\n";
+        const Outcome infinite = run({"info", path, "--json"});
+        CHECK(infinite.code == 0);
+        CHECK(Json::parse(infinite.out)["bounds"].is_null());
+        CHECK(Json::parse(infinite.out)["surfaces"][0]["max_size"] == 2);
+        CHECK(contains(run({"info", path}).out, "element size 2"));
+    }
 
     const Outcome devices = run({"devices", "--json"});
     CHECK(devices.code == 0);
