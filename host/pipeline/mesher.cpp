@@ -104,7 +104,8 @@ std::string describe_missed(const std::vector<MissedFeature>& missed, const Root
             (largest->material ? "material, " : "a hole, ") + number(largest->size) + " long and " +
             number(largest->thickness) + " thick, at (" + number(largest->position[0]) + ", " +
             number(largest->position[1]) + ", " + number(largest->position[2]) + "); level " +
-            std::to_string(level) + " would resolve ";
+            std::to_string(level) + ", or --refine " + std::to_string(level - root.level) +
+            ", would resolve ";
     return text + (missed.size() == 1 ? "it" : "them all");
 }
 
@@ -254,7 +255,7 @@ Mesh generate_mesh(const Model& model, const MeshOptions& options, MeshReport* r
     if (division.crowded > 0) {
         const std::string text = std::to_string(division.crowded) +
                                  " cells hold more faces of triangles than a cell can show; small ones are "
-                                 "left out; smaller cells would keep them";
+                                 "left out; --refine, or smaller cells, would keep them";
         if (options.strict) throw Error(ExitCode::kMeshing, model.source + ": strict: " + text);
         out.warnings.push_back(text);
     }
@@ -301,7 +302,7 @@ Mesh generate_mesh(const Model& model, const MeshOptions& options, MeshReport* r
     if (mesh.element_count() == 0) {
         throw Error(ExitCode::kInput, model.source +
                                           ": the solid is empty, or thinner than the cells everywhere; "
-                                          "if it is not empty, use smaller cells");
+                                          "if it is not empty, use smaller cells, or --refine");
     }
 
     if (options.tetrahedra) {
@@ -331,8 +332,8 @@ Mesh generate_mesh(const Model& model, const MeshOptions& options, MeshReport* r
     if (extracted.troubled > 0) {
         const std::string text = std::to_string(extracted.troubled) + " of " +
                                  std::to_string(out.cnio_cells) +
-                                 " complex cells hold features too fine to be kept exactly; smaller cells "
-                                 "would keep more of them";
+                                 " complex cells hold features too fine to be kept exactly; --refine, or "
+                                 "smaller cells, would keep more of them";
         // A split that is refused leaves out what is flatter than the lattice tells; only a cell that was
         // given up loses features.
         if (options.strict && extracted.counters.unresolved > 0) {

@@ -32,7 +32,11 @@ TEST_CASE("a feature that is lost is told with its place; with --strict nothing 
     REQUIRE(told.code == 0);
     CHECK(is_one_line(told.err, "warning: 1 feature between the vertices of the grid, 1 of them lost; "));
     CHECK(contains(told.err, " at (20."));
-    CHECK(contains(told.err, "level 9 would resolve it"));
+    CHECK(contains(told.err, "level 9, or --refine 4, would resolve it"));
+    const Outcome refined =
+        run({model, "-o", vtu, "--level", "5", "--refine", "4", "--strict", "--check", "--quiet"});
+    CHECK(refined.code == 0);
+    CHECK(refined.err.empty());
     const Json document = Json::parse(told.out);
     const Json& missed = document["missed_features"];
     CHECK(missed["count"] == 1);
