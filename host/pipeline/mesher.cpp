@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdio>
 #include <ctime>
+#include <optional>
 
 #include "host/assembly/assembly.hpp"
 #include "host/cnio/extract.hpp"
@@ -224,7 +225,32 @@ Extracted mesh_pieces(device::Device& device, const MeshOptions& options, const 
 
 }  // namespace
 
+struct Mesher::Implementation {
+    std::string choice;
+    int work_group_size = 0;
+    std::optional<device::Device> device;
+
+    device::Device& open() {
+        if (!device) {
+            device::DeviceOptions options;
+            options.work_group_size = work_group_size;
+            device.emplace(choice, options);
+        }
+        return *device;
+    }
+};
+
+Mesher::Mesher(std::string device, int work_group_size)
+    : implementation_(new Implementation{std::move(device), work_group_size, {}}) {}
+Mesher::~Mesher() = default;
+Mesher::Mesher(Mesher&&) noexcept = default;
+Mesher& Mesher::operator=(Mesher&&) noexcept = default;
+
 Mesh generate_mesh(const Model& model, const MeshOptions& options, MeshReport* report) {
+    return Mesher(options.device, options.work_group_size).generate(model, options, report);
+}
+
+Mesh Mesher::generate(const Model& model, const MeshOptions& options, MeshReport* report) {
     MeshReport local;
     MeshReport& out = report != nullptr ? *report : local;
     out = MeshReport{};
@@ -261,9 +287,7 @@ Mesh generate_mesh(const Model& model, const MeshOptions& options, MeshReport* r
     }
 
     stages.begin("device", 0.02);
-    device::DeviceOptions device_options;
-    device_options.work_group_size = options.work_group_size;
-    device::Device device(options.device, device_options);
+    device::Device& device = implementation_->open();
     out.device = device.info().name;
     stages.end(1);
 

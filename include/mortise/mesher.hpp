@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -113,5 +114,25 @@ ModelSummary summarize(const Model& model);
 /// device, thread count and work-group size. Throws Error(kInput) for an empty or unbounded solid,
 /// Error(kDevice) and Error(kUsage) as their names say.
 Mesh generate_mesh(const Model& model, const MeshOptions& options = {}, MeshReport* report = nullptr);
+
+/// Meshes one model after another on one device, whose kernels stay loaded: for many small models, where
+/// loading them would take longer than meshing. Used by one thread at a time; several meshers may run at
+/// once.
+class Mesher {
+  public:
+    /// The device is opened at the first mesh; arguments as MeshOptions::device and work_group_size.
+    explicit Mesher(std::string device = {}, int work_group_size = 0);
+    ~Mesher();
+    Mesher(Mesher&&) noexcept;
+    Mesher& operator=(Mesher&&) noexcept;
+
+    /// As generate_mesh, with the same result, but on this device, whatever the options say of it. After an
+    /// error the mesher is as before.
+    Mesh generate(const Model& model, const MeshOptions& options = {}, MeshReport* report = nullptr);
+
+  private:
+    struct Implementation;
+    std::unique_ptr<Implementation> implementation_;
+};
 
 }  // namespace mortise
