@@ -109,6 +109,8 @@ class Cell {
     const std::vector<Facet>& patch(int p) const { return patches_[static_cast<std::size_t>(p)]; }
     /// Which corner of a patch a node is, in the order of kFaceCorners; 4: none.
     std::size_t patch_corner(int p, LocalNode node) const;
+    /// The node at a vertex of the cell in halves (x + 3 y + 9 z), or kNoNode.
+    LocalNode vertex(std::size_t v) const { return vertex_[v]; }
     /// Whether the cell's faces are six whole quadrilaterals.
     bool has_whole_faces() const;
     const TreeNode& leaf() const { return leaf_; }

@@ -31,10 +31,13 @@ CellRecord Certificate::run(const TreeNode& leaf, CellArena& arena, const Lattic
     simplex_region_.clear();
     pyramid_region_.clear();
     refused_.clear();
-    hexahedron_ = false;
+    whole_.clear();
+    whole_region_ = 0;
     std::int32_t region = kUnknown;
-    if (apex == nullptr && is_uniform(&region)) {
-        hexahedron_ = region > 0;
+    if (apex == nullptr && (cell_.surface_count() == 0 || is_uniform(&region))) {
+        if (cell_.surface_count() == 0) region = cell_.local_tape().resolve(nullptr);
+        whole_region_ = std::max(region, 0);
+        if (whole_region_ > 0) fill_whole();
     } else {
         LatticePoint at = cell_.centre();
         if (apex != nullptr) at = *apex;
@@ -59,6 +62,29 @@ CellRecord Certificate::run(const TreeNode& leaf, CellArena& arena, const Lattic
     CellRecord record;
     collect(record, arena);
     return record;
+}
+
+/// Elements of a cell in one region, with whole faces or beside finer leaves.
+void Certificate::fill_whole() {
+    SplitPattern pattern = 0;
+    for (int b = 0; b < kSplitBits; ++b) {
+        if (cell_.vertex(split_vertex(b)) != kNoNode) pattern |= SplitPattern{1} << b;
+    }
+    transition_elements(pattern, transition_);
+    LocalNode centre = kNoNode;
+    for (const TransitionElement& element : transition_) {
+        Whole whole{};
+        whole.type = element.count == 8   ? ElementType::kHexahedron
+                     : element.count == 6 ? ElementType::kWedge
+                     : element.count == 5 ? ElementType::kPyramid
+                                          : ElementType::kTetrahedron;
+        for (std::size_t i = 0; i < static_cast<std::size_t>(element.count); ++i) {
+            const bool at_centre = element.node[i] == kGridCentre;
+            if (at_centre && centre == kNoNode) centre = cell_.add_node(cell_.centre(), 0);
+            whole.node[i] = at_centre ? centre : cell_.vertex(element.node[i]);
+        }
+        whole_.push_back(whole);
+    }
 }
 
 bool Certificate::is_full() const {
@@ -104,10 +130,6 @@ void Certificate::cone(const LatticePoint& at) {
             const LocalNode* v = facet.node;
             if (facet.count == 3) {
                 add_simplex({v[0], v[1], v[2], apex});
-                continue;
-            }
-            if (cell_.surface_count() == 0) {  // a cone of a leaf in one region: nothing is bisected
-                pyramids_.push_back({{v[0], v[1], v[2], v[3], apex}});
                 continue;
             }
             const LocalNode cap = add_cap(facet, at);

@@ -6,6 +6,7 @@
 // is
 //    split at the root; new nodes inherit their signs for the surfaces already done.
 // 3. Labels: each simplex has one sign per surface, and the pruned tape turns these into its region.
+// A cell without surfaces, beside finer leaves, is filled from a table instead (transition.hpp).
 // All positions are on the lattice and every simplex is exactly positive. A split that would make one too
 // flat is refused and counted; the cell stays valid and conforming.
 #pragma once
@@ -17,6 +18,7 @@
 #include <vector>
 
 #include "host/cnio/cell.hpp"
+#include "host/cnio/transition.hpp"
 #include "mortise/mesh.hpp"
 
 namespace mortise::cnio {
@@ -101,8 +103,15 @@ class Certificate {
         std::array<LocalNode, 5> node;
     };
 
+    /// An element of a cell in one region.
+    struct Whole {
+        ElementType type;
+        std::array<LocalNode, 8> node;
+    };
+
     bool is_uniform(std::int32_t* region) const;
     bool is_full() const;
+    void fill_whole();
     void cone(const LatticePoint& at);
     void add_simplex(const std::array<LocalNode, 4>& node);
     LocalNode add_cap(const Facet& quad, const LatticePoint& apex);
@@ -134,7 +143,9 @@ class Certificate {
     std::vector<std::uint32_t> around_;
     std::vector<std::int8_t> signs_;
     std::set<std::tuple<std::uint32_t, LocalNode, LocalNode>> refused_;  ///< (surface, edge): not tried again
-    bool hexahedron_ = false;                                            ///< the cell is one whole hexahedron
+    std::int32_t whole_region_ = 0;  ///< of a cell in one region, which `whole_` fills; 0: none
+    std::vector<Whole> whole_;
+    std::vector<TransitionElement> transition_;
 };
 
 }  // namespace mortise::cnio

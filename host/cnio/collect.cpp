@@ -7,9 +7,6 @@
 namespace mortise::cnio {
 namespace {
 
-/// VTK's node order of a whole cell.
-constexpr std::array<LocalNode, 8> kHexahedronCorners = {0, 1, 3, 2, 4, 5, 7, 6};
-
 struct Side {
     std::array<LocalNode, 4> key;   ///< ascending; a triangle ends with 0xffff
     std::array<LocalNode, 4> node;  ///< outward from its simplex
@@ -39,8 +36,9 @@ std::uint32_t Certificate::facet_surface(const LocalNode* node, std::size_t coun
 
 void Certificate::collect(CellRecord& record, CellArena& arena) {
     used_.assign(cell_.nodes().size(), 0);
-    if (hexahedron_) {
-        for (const LocalNode corner : kHexahedronCorners) use(corner);
+    for (const Whole& whole : whole_) {
+        const auto size = static_cast<std::size_t>(kElementNodes[static_cast<std::size_t>(whole.type)]);
+        for (std::size_t i = 0; i < size; ++i) use(whole.node[i]);
     }
     for (std::size_t i = 0; i < simplices_.size(); ++i) {
         if (simplex_region_[i] <= 0) continue;
@@ -59,11 +57,7 @@ void Certificate::collect(CellRecord& record, CellArena& arena) {
         for (int i = 0; i < kElementNodes[t]; ++i) arena.nodes[t].push_back(code_[node[i]]);
         arena.regions[t].push_back(static_cast<std::uint16_t>(region));
     };
-    if (hexahedron_) {
-        std::int32_t region = kUnknown;
-        is_uniform(&region);
-        add(ElementType::kHexahedron, kHexahedronCorners.data(), region);
-    }
+    for (const Whole& whole : whole_) add(whole.type, whole.node.data(), whole_region_);
     for (std::size_t i = 0; i < pyramids_.size(); ++i) {
         if (pyramid_region_[i] > 0) add(ElementType::kPyramid, pyramids_[i].node.data(), pyramid_region_[i]);
     }
@@ -151,8 +145,6 @@ void Certificate::collect_face_facets(CellRecord& record, CellArena& arena) {
         std::sort(key.begin(), key.end());
         behind[__builtin_ctz(common)].push_back({key, pyramid_region_[i]});
     }
-    std::int32_t whole = 0;
-    if (hexahedron_) is_uniform(&whole);
     for (int p = 0; p < kPatches; ++p) {
         const int f = p / 4;
         record.first_face_facet[static_cast<std::size_t>(p)] =
@@ -164,7 +156,7 @@ void Certificate::collect_face_facets(CellRecord& record, CellArena& arena) {
                                             facet.count == 4 ? facet.node[3] : LocalNode{0xffff}};
             std::sort(key.begin(), key.end());
             const auto found = std::lower_bound(behind[f].begin(), behind[f].end(), Behind{key, 0});
-            std::int32_t region = whole;
+            std::int32_t region = whole_region_;
             if (found != behind[f].end() && found->key == key) region = found->region;
             out.region = static_cast<std::uint16_t>(region);
             for (std::size_t i = 0; i < 4; ++i) {

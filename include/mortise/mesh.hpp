@@ -21,7 +21,7 @@ enum class ElementKind : std::uint8_t {
     kIn = 0,          ///< an IN cell
     kSnio = 1,        ///< a template of a cell with one simple surface
     kCnio = 2,        ///< the certificate of a complex cell
-    kTransition = 3,  ///< a cone between leaves of different sizes
+    kTransition = 3,  ///< a template between leaves of different sizes
 };
 
 /// All elements of one type. Order: Morton order of the leaf that made them.

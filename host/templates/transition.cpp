@@ -1,0 +1,205 @@
+// Transition cells: meshes of their faces, measures of elements, the table's text.
+#include "host/templates/transition.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "mortise/mesh.hpp"
+
+namespace mortise::templates {
+namespace {
+
+using Vector = std::array<double, 3>;
+
+Vector between(std::uint8_t from, std::uint8_t to) {
+    const GridPoint a = grid_point(from);
+    const GridPoint b = grid_point(to);
+    return {double(b[0] - a[0]), double(b[1] - a[1]), double(b[2] - a[2])};
+}
+double dot(const Vector& a, const Vector& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+Vector cross(const Vector& a, const Vector& b) {
+    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+
+/// A corner and the ends of its three edges, right-handed; by type.
+constexpr int kCorners[4][8][4] = {
+    {{0, 1, 3, 4},
+     {1, 2, 0, 5},
+     {2, 3, 1, 6},
+     {3, 0, 2, 7},
+     {4, 7, 5, 0},
+     {5, 4, 6, 1},
+     {6, 5, 7, 2},
+     {7, 6, 4, 3}},
+    {{0, 1, 2, 3}, {1, 2, 0, 4}, {2, 0, 1, 5}, {3, 5, 4, 0}, {4, 3, 5, 1}, {5, 4, 3, 2}},
+    {{0, 1, 3, 4}, {1, 2, 0, 4}, {2, 3, 1, 4}, {3, 0, 2, 4}},
+    {{0, 1, 2, 3}, {1, 2, 0, 3}, {2, 0, 1, 3}, {3, 1, 0, 2}}};
+constexpr int kCornerCount[4] = {8, 6, 4, 4};
+
+std::size_t type_of(int count) { return count == 8 ? 0 : count == 6 ? 1 : count == 5 ? 2 : 3; }
+
+double angle(const Vector& first_normal, const Vector& second_normal) {
+    const double cosine = -dot(first_normal, second_normal) /
+                          std::sqrt(dot(first_normal, first_normal) * dot(second_normal, second_normal));
+    return std::acos(std::clamp(cosine, -1.0, 1.0)) * 57.295779513082321;
+}
+
+/// The mesh of one face, as Cell::partition_face makes it; in the face's frame.
+void add_face(int f, SplitPattern pattern, std::vector<TransitionElement>& facets) {
+    const auto axis = static_cast<std::size_t>(f / 2);
+    const std::size_t u_axis = axis == 0 ? 1 : 0;
+    const std::size_t v_axis = axis == 2 ? 1 : 2;
+    const auto at = [&](int u, int v) {
+        GridPoint p{};
+        p[axis] = 2 * (f & 1);
+        p[u_axis] = u;
+        p[v_axis] = v;
+        return grid_vertex(p);
+    };
+    const auto quad = [&facets](std::uint8_t a, std::uint8_t b, std::uint8_t c, std::uint8_t d) {
+        facets.push_back({4, {a, b, c, d}});
+    };
+    const auto triangle = [&facets](std::uint8_t a, std::uint8_t b, std::uint8_t c) {
+        facets.push_back({3, {a, b, c}});
+    };
+    if (((pattern >> (12 + f)) & 1) != 0) {
+        for (int v = 0; v < 2; ++v) {
+            for (int u = 0; u < 2; ++u) quad(at(u, v), at(u + 1, v), at(u + 1, v + 1), at(u, v + 1));
+        }
+        return;
+    }
+    const std::uint8_t corner[4] = {at(0, 0), at(2, 0), at(2, 2), at(0, 2)};
+    const std::uint8_t middle[4] = {at(1, 0), at(2, 1), at(1, 2), at(0, 1)};
+    bool is_split[4] = {};
+    int count = 0;
+    for (int e = 0; e < 12; ++e) {
+        if (((pattern >> e) & 1) == 0) continue;
+        for (int i = 0; i < 4; ++i) {
+            if (edge_middle(e) != middle[i]) continue;
+            is_split[i] = true;
+            ++count;
+        }
+    }
+    if (count == 0) return quad(corner[0], corner[1], corner[2], corner[3]);
+    for (int i = 0; i < 4; ++i) {
+        const int before = (i + 3) % 4;
+        if (is_split[i] && is_split[before]) triangle(corner[i], middle[i], middle[before]);
+    }
+    if (count == 4) return quad(middle[0], middle[1], middle[2], middle[3]);
+    int first = 0;
+    while (!is_split[first] || is_split[(first + 3) % 4]) ++first;
+    const auto c = [&](int i) { return corner[(first + i) % 4]; };
+    const auto m = [&](int i) { return middle[(first + i) % 4]; };
+    if (count == 1) {
+        triangle(c(0), m(0), c(3));
+        triangle(m(0), c(2), c(3));
+        triangle(m(0), c(1), c(2));
+    } else if (count == 3) {
+        triangle(m(0), m(1), m(2));
+        quad(c(0), m(0), m(2), c(3));
+    } else if (is_split[(first + 1) % 4]) {
+        triangle(c(0), m(0), c(3));
+        triangle(m(0), m(1), c(3));
+        triangle(m(1), c(2), c(3));
+    } else {
+        quad(c(0), m(0), m(2), c(3));
+        quad(m(0), c(1), c(2), m(2));
+    }
+}
+
+}  // namespace
+
+std::vector<TransitionElement> transition_facets(SplitPattern pattern) {
+    std::vector<TransitionElement> facets;
+    for (int f = 0; f < 6; ++f) {
+        const std::size_t before = facets.size();
+        add_face(f, pattern, facets);
+        // The frames (y, z), (x, z), (x, y): right-handed with the axis, but for y.
+        const bool outward = (f / 2 != 1) == ((f & 1) != 0);
+        for (std::size_t i = before; i < facets.size() && !outward; ++i)
+            std::reverse(facets[i].node.begin(), facets[i].node.begin() + facets[i].count);
+    }
+    return facets;
+}
+
+std::vector<TransitionElement> transition_cone(SplitPattern pattern) {
+    std::vector<TransitionElement> cone = transition_facets(pattern);
+    for (TransitionElement& element : cone) {
+        std::reverse(element.node.begin(), element.node.begin() + element.count);
+        element.node[element.count++] = kGridCentre;
+    }
+    return cone;
+}
+
+TransitionFigures transition_figures(const TransitionElement& element) {
+    TransitionFigures figures;
+    const std::size_t type = type_of(element.count);
+    for (int i = 0; i < kCornerCount[type]; ++i) {
+        const int* corner = kCorners[type][i];
+        const auto edge = [&](int k) {
+            return between(element.node[static_cast<std::size_t>(corner[0])],
+                           element.node[static_cast<std::size_t>(corner[k])]);
+        };
+        const Vector a = edge(1), b = edge(2), c = edge(3);
+        const Vector ab = cross(a, b), bc = cross(b, c), ca = cross(c, a);
+        figures.scaled_jacobian =
+            std::min(figures.scaled_jacobian, dot(ab, c) / std::sqrt(dot(a, a) * dot(b, b) * dot(c, c)));
+        for (const double degrees : {angle(ab, ca), angle(ab, bc), angle(bc, ca)}) {
+            figures.smallest_angle = std::min(figures.smallest_angle, degrees);
+            figures.largest_angle = std::max(figures.largest_angle, degrees);
+        }
+    }
+    const LocalFaces faces = local_faces(static_cast<ElementType>(type));
+    double volume = 0;
+    for (int f = 0; f < faces.count; ++f) {
+        const LocalFace& face = faces.faces[f];
+        const auto from_first = [&](int i) {
+            return between(element.node[0],
+                           element.node[static_cast<std::size_t>(face[static_cast<std::size_t>(i)])]);
+        };
+        for (int i = 1; i < (face[3] < 0 ? 2 : 3); ++i)
+            volume += dot(from_first(0), cross(from_first(i), from_first(i + 1)));
+    }
+    figures.volume = static_cast<int>(std::lround(volume));
+    return figures;
+}
+
+std::string transition_text(const std::vector<TransitionClass>& classes) {
+    std::string rows;
+    std::string nodes;
+    std::size_t first = 0;
+    char buffer[64];
+    for (const TransitionClass& row : classes) {
+        std::snprintf(buffer, sizeof buffer, "    {0x%05x, %zu, %zu},\n", row.pattern, first,
+                      row.elements.size());
+        rows += buffer;
+        nodes += "    ";
+        for (const TransitionElement& element : row.elements) {
+            nodes += std::to_string(element.count) + ",";
+            for (std::size_t i = 0; i < element.count; ++i) nodes += std::to_string(element.node[i]) + ",";
+            nodes += " ";
+            first += element.count + std::size_t{1};
+        }
+        nodes.back() = '\n';
+    }
+    return "// Templates of transition cells. Written by generate_transitions (host/templates); do not "
+           "edit.\n"
+           "#pragma once\n\n"
+           "#include <cstdint>\n\n"
+           "namespace mortise::cnio {\n\n"
+           "// clang-format off\n"
+           "/// One class of split patterns: its smallest pattern (host/common/cube_grid.hpp), where its "
+           "elements\n"
+           "/// begin, how many there are.\n"
+           "struct TransitionRow {\n    std::uint32_t pattern;\n    std::uint16_t first;\n"
+           "    std::uint16_t count;\n};\n"
+           "inline constexpr TransitionRow kTransitionRows[] = {\n" +
+           rows +
+           "};\n\n"
+           "/// Number of nodes, then the nodes: vertices of the cube in halves.\n"
+           "inline constexpr std::uint8_t kTransitionNodes[] = {\n" +
+           nodes + "};\n// clang-format on\n\n}  // namespace mortise::cnio\n";
+}
+
+}  // namespace mortise::templates
