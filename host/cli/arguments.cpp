@@ -94,7 +94,7 @@ int parse_integer(const std::string& option, const std::string& text, int smalle
 
 /// The words as CLI11 leaves them.
 struct Words {
-    std::string level, size, elements, extrude, floor, threads, work_group, facets;
+    std::string level, size, elements, extrude, floor, threads, work_group, facets, jobs;
     std::string refine, curvature, size_min, size_max, coarsening;
     std::vector<std::string> box, size_at, size_of;
     bool no_model_sizes = false;
@@ -115,12 +115,8 @@ void refuse_empty_values(CLI::App& app) {
     }
 }
 
-void add_model_options(CLI::App& app, Arguments& arguments, Words& words) {
-    app.add_option("MODEL", arguments.file,
-                   "model file: .csg, .geo, .stl, .obj, .off, .formula, .vm or .frep");
-    app.add_option("-o,--output", arguments.outputs, "mesh file, .vtu or .msh; may be given several times")
-        ->option_text("FILE")
-        ->allow_extra_args(false);
+/// How the file is understood.
+void add_shape_options(CLI::App& app, Words& words) {
     app.add_option("--box", words.box, "X0 Y0 Z0 X1 Y1 Z1: cut the solid there; required if it is infinite")
         ->option_text("CORNERS")
         ->type_size(6)
@@ -132,6 +128,14 @@ void add_model_options(CLI::App& app, Arguments& arguments, Words& words) {
         ->option_text("smooth|exact");
 }
 
+void add_model_options(CLI::App& app, Arguments& arguments, Words& words) {
+    app.add_option("MODEL", arguments.file,
+                   "model file: .csg, .geo, .stl, .obj, .off, .formula, .vm or .frep");
+    app.add_option("-o,--output", arguments.outputs, "mesh file, .vtu or .msh; may be given several times")
+        ->option_text("FILE")
+        ->allow_extra_args(false);
+    add_shape_options(app, words);
+}
 void add_size_options(CLI::App& app, Arguments& arguments, Words& words) {
     app.option_defaults()->group("Sizes of cells");
     CLI::Option* level =
@@ -182,6 +186,14 @@ void add_element_options(CLI::App& app, Arguments& arguments, Words& words) {
         ->option_text("X");
 }
 
+void add_device_options(CLI::App& app, Arguments& arguments, Words& words) {
+    app.add_option("--device", arguments.options.device, "number or part of a name from `mortise devices`")
+        ->option_text("DEVICE");
+    app.add_option("--threads", words.threads, "host threads, default all cores")->option_text("COUNT");
+    app.add_option("--work-group", words.work_group, "OpenCL work-group size, default by device")
+        ->option_text("COUNT");
+}
+
 void add_output_options(CLI::App& app, Arguments& arguments, Words& words) {
     app.option_defaults()->group("Reports and running");
     app.add_flag("--check", arguments.check, "validate the mesh first; write nothing if it has defects");
@@ -191,11 +203,7 @@ void add_output_options(CLI::App& app, Arguments& arguments, Words& words) {
     app.add_option("--report", arguments.report, "write figures and times, .json")->option_text("FILE");
     CLI::Option* json = app.add_flag("--json", arguments.json, "print the report on stdout, not the summary");
     app.add_flag("--quiet", arguments.quiet, "no summary and no progress; warnings stay")->excludes(json);
-    app.add_option("--device", arguments.options.device, "number or part of a name from `mortise devices`")
-        ->option_text("DEVICE");
-    app.add_option("--threads", words.threads, "host threads, default all cores")->option_text("COUNT");
-    app.add_option("--work-group", words.work_group, "OpenCL work-group size, default by device")
-        ->option_text("COUNT");
+    add_device_options(app, arguments, words);
 }
 
 void add_mesh_options(CLI::App& app, Arguments& arguments, Words& words) {
@@ -214,6 +222,27 @@ CLI::App* add_command(CLI::App& app, const char* name, const char* usage, const 
     command->set_help_flag("-h,--help", "print this help");
     command->footer(kExitCodes);
     return command;
+}
+
+CLI::App* add_batch(CLI::App& app, Arguments& arguments, Words& words) {
+    CLI::App* batch = add_command(app, "batch", "mortise batch LIST -o FOLDER [OPTIONS]",
+                                  "mesh every model of a list, one path a line");
+    batch->add_option("LIST", arguments.file);
+    batch->add_option("-o,--output", arguments.outputs, "folder for one mesh file per model")
+        ->option_text("FOLDER");
+    batch->add_option("--format", arguments.format, "of the mesh files: vtu (default) or msh")
+        ->option_text("vtu|msh");
+    batch->add_option("--jobs", words.jobs, "models meshed at once, default all cores")->option_text("COUNT");
+    add_shape_options(*batch, words);
+    add_size_options(*batch, arguments, words);
+    add_element_options(*batch, arguments, words);
+    batch->option_defaults()->group("Reports and running");
+    batch->add_flag("--check", arguments.check, "validate every mesh; write none that has defects");
+    CLI::Option* json = batch->add_flag("--json", arguments.json, "print one JSON object a line");
+    batch->add_flag("--quiet", arguments.quiet, "print failures only")->excludes(json);
+    add_device_options(*batch, arguments, words);
+    refuse_empty_values(*batch);
+    return batch;
 }
 
 void read_extrude(const std::string& word, Arguments& arguments) {
@@ -304,6 +333,9 @@ void read_mesh_words(const Words& words, Arguments& arguments) {
     if (!words.work_group.empty()) {
         options.work_group_size = parse_integer("--work-group", words.work_group, 1, "");
     }
+}
+
+void check_files(const Arguments& arguments) {
     if (arguments.file.empty())
         refuse("no model given; use: mortise MODEL -o FILE.vtu, or see mortise --help");
     if (arguments.outputs.empty()) {
@@ -312,6 +344,15 @@ void read_mesh_words(const Words& words, Arguments& arguments) {
     for (auto path = arguments.outputs.begin(); path != arguments.outputs.end(); ++path) {
         if (std::count(arguments.outputs.begin(), path, *path) > 0) refuse("-o '" + *path + "': given twice");
     }
+}
+
+void read_batch_words(const Words& words, Arguments& arguments) {
+    if (arguments.file.empty()) refuse("no list given; use: mortise batch LIST -o FOLDER");
+    if (arguments.outputs.size() != 1) refuse("batch: expected one folder for the meshes; add -o FOLDER");
+    if (arguments.format != "vtu" && arguments.format != "msh") {
+        refuse("--format '" + arguments.format + "': expected vtu or msh");
+    }
+    if (!words.jobs.empty()) arguments.jobs = parse_integer("--jobs", words.jobs, 1, "");
 }
 
 }  // namespace
@@ -324,6 +365,7 @@ Arguments parse_arguments(int count, const char* const* values) {
     app.set_help_flag("-h,--help", "print this help");
     add_mesh_options(app, arguments, words);
 
+    CLI::App* batch = add_batch(app, arguments, words);
     CLI::App* check = add_command(app, "check", "mortise check FILE [--quality] [--json]",
                                   "validate a mesh file, .vtu or .msh");
     check->add_option("FILE", arguments.file);
@@ -367,11 +409,14 @@ Arguments parse_arguments(int count, const char* const* values) {
         refuse(std::string(error.what()) + "; see mortise --help");
     }
 
+    if (batch->parsed()) arguments.command = Command::kBatch;
     if (check->parsed()) arguments.command = Command::kCheck;
     if (devices->parsed()) arguments.command = Command::kDevices;
     if (doctor->parsed()) arguments.command = Command::kDoctor;
     if (info->parsed()) arguments.command = Command::kInfo;
-    if (arguments.command == Command::kMesh) read_mesh_words(words, arguments);
+    if (arguments.command == Command::kMesh || batch->parsed()) read_mesh_words(words, arguments);
+    if (arguments.command == Command::kMesh) check_files(arguments);
+    if (batch->parsed()) read_batch_words(words, arguments);
     if (check->parsed() && arguments.file.empty()) refuse("no mesh given; use: mortise check FILE");
     if (info->parsed()) read_extrude(words.extrude, arguments);
     if (info->parsed() && arguments.file.empty()) refuse("no model given; use: mortise info MODEL");

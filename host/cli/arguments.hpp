@@ -8,12 +8,14 @@
 
 namespace mortise::cli {
 
-enum class Command { kMesh, kCheck, kDevices, kDoctor, kInfo, kPrint };
+enum class Command { kMesh, kBatch, kCheck, kDevices, kDoctor, kInfo, kPrint };
 
 struct Arguments {
     Command command = Command::kMesh;
-    std::string file;                  ///< the model, or the mesh of `check`
-    std::vector<std::string> outputs;  ///< mesh files, each once
+    std::string file;                  ///< the model, the mesh of `check`, the list of `batch`
+    std::vector<std::string> outputs;  ///< mesh files, each once; of `batch`: the folder
+    std::string format = "vtu";        ///< of the files of `batch`
+    int jobs = 0;                      ///< of `batch`: models meshed at once; 0: as many as cores
     std::string picture;               ///< empty: none
     std::string report;                ///< empty: none
     std::string features;              ///< file of creases and corners; empty: none

@@ -85,8 +85,10 @@ Json mesh_document(const Mesh& mesh, const MeshReport& report, const MeshFigures
     json["root_box"] = {{"min", report.root.min}, {"max", report.root.max}};
     json["nodes"] = mesh.node_count();
     json["elements"] = by_type(figures.elements);
-    json["elements_by_kind"] = {
-        {"in", figures.kinds[0]}, {"snio", figures.kinds[1]}, {"cnio", figures.kinds[2]}};
+    json["elements_by_kind"] = {{"in", figures.kinds[0]},
+                                {"snio", figures.kinds[1]},
+                                {"cnio", figures.kinds[2]},
+                                {"transition", figures.kinds[3]}};
     json["min_scaled_jacobian"] = worst_by_type(figures.elements, figures.min_scaled_jacobian);
     json["regions"] = names_with_counts(mesh.region_names, in_region, "elements");
     json["surfaces"] = names_with_counts(mesh.surface_names, on_surface, "facets");

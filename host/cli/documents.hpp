@@ -18,7 +18,7 @@ inline constexpr std::array<const char*, kElementTypes> kElementNames = {"hexahe
 /// The figures of a mesh that cost one pass over it.
 struct MeshFigures {
     std::array<std::uint64_t, kElementTypes> elements{};
-    std::array<std::uint64_t, 3> kinds{};                     ///< by ElementKind
+    std::array<std::uint64_t, 4> kinds{};                     ///< by ElementKind
     std::array<double, kElementTypes> min_scaled_jacobian{};  ///< 1 where a type has no elements
 };
 MeshFigures figures_of(const Mesh& mesh);

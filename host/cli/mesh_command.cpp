@@ -9,6 +9,7 @@
 #include "host/cli/files.hpp"
 #include "host/cli/progress.hpp"
 #include "host/cli/quality_text.hpp"
+#include "host/cli/refusals.hpp"
 #include "host/cli/signals.hpp"
 #include "mortise/io.hpp"
 
@@ -79,38 +80,6 @@ void check_outputs(const Arguments& arguments) {
     if (!arguments.picture.empty()) check_other_output("--picture", arguments.picture, ".png");
     if (!arguments.report.empty()) check_other_output("--report", arguments.report, ".json");
     if (!arguments.features.empty()) check_other_output("--features", arguments.features, ".vtp");
-}
-
-constexpr const char* kNothingWritten =
-    "; nothing is written; try another --level, and please report it with the model";
-
-/// A corner that is flat or inside out is cheap to see, so it is looked for in every run.
-void refuse_inverted(const MeshFigures& figures) {
-    for (std::size_t t = 0; t < kElementTypes; ++t) {
-        if (figures.elements[t] == 0 || figures.min_scaled_jacobian[t] > 0) continue;
-        throw Error(ExitCode::kMeshing, std::string("the mesh is not valid: the worst scaled Jacobian of ") +
-                                            kElementNames[t] + " is " +
-                                            short_number(figures.min_scaled_jacobian[t]) + kNothingWritten);
-    }
-}
-
-void refuse_defects(const CheckReport& check) {
-    if (check.valid()) return;
-    throw Error(ExitCode::kMeshing,
-                "the mesh is not valid: " + describe(check.defects.front()) + kNothingWritten);
-}
-
-/// The files are written: the user may want to look at what is bad.
-void refuse_below(const Mesh& mesh, double floor) {
-    if (floor < 0) return;
-    const std::vector<float> values = scaled_jacobians(mesh);
-    const auto below = std::count_if(values.begin(), values.end(),
-                                     [floor](float value) { return static_cast<double>(value) < floor; });
-    if (below == 0) return;
-    const WorstElement worst = element_quality(mesh, 1).worst.front();
-    throw Error(ExitCode::kQuality,
-                "quality floor " + short_number(floor) + " not met: " + std::to_string(below) + " of " +
-                    std::to_string(values.size()) + " elements are below; the worst is " + describe(worst));
 }
 
 }  // namespace

@@ -1,0 +1,202 @@
+// `mortise batch LIST -o FOLDER`: many models, one mesh file each, with everything warm.
+//
+// Each job is a process with a mesher of its own (device, kernels, one host thread), so a model that brings
+// one down costs that model only. Models are taken in any order, results are told in the order of the list.
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <map>
+#include <thread>
+
+#include "host/cli/commands.hpp"
+#include "host/cli/documents.hpp"
+#include "host/cli/files.hpp"
+#include "host/cli/progress.hpp"
+#include "host/cli/quality_text.hpp"
+#include "host/cli/refusals.hpp"
+#include "host/cli/signals.hpp"
+#include "host/cli/worker_pool.hpp"
+#include "mortise/check.hpp"
+#include "mortise/io.hpp"
+
+namespace mortise::cli {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) {
+    return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+struct Item {
+    std::string model;
+    std::string output;
+};
+
+/// One model a line; blank lines and those that begin with # say nothing. "-" is standard input.
+std::vector<Item> read_list(const Arguments& arguments) {
+    std::ifstream file;
+    if (arguments.file != "-") {
+        file.open(arguments.file);
+        if (!file) throw Error(ExitCode::kFiles, arguments.file + ": cannot be read");
+    }
+    std::istream& in = arguments.file == "-" ? std::cin : file;
+    std::vector<Item> items;
+    std::map<std::string, std::string> writers;
+    std::string line;
+    for (std::size_t number = 1; std::getline(in, line); ++number) {
+        const std::size_t begin = line.find_first_not_of(" \t\r");
+        if (begin == std::string::npos || line[begin] == '#') continue;
+        const std::size_t end = line.find_last_not_of(" \t\r");
+        Item item;
+        item.model = line.substr(begin, end - begin + 1);
+        const std::filesystem::path folder = arguments.outputs.front();
+        item.output =
+            (folder / (std::filesystem::path(item.model).stem().string() + "." + arguments.format)).string();
+        const auto [writer, fresh] = writers.emplace(item.output, item.model);
+        if (!fresh) {
+            throw Error(ExitCode::kUsage, arguments.file + ":" + std::to_string(number) + ": '" + item.model +
+                                              "' and '" + writer->second + "' would both be written to '" +
+                                              item.output + "'; rename one, or use two folders");
+        }
+        items.push_back(std::move(item));
+    }
+    if (items.empty()) throw Error(ExitCode::kUsage, arguments.file + ": lists no models");
+    return items;
+}
+
+/// What became of a model, as JSON from a worker: `report` as printed by --json, `line` for people.
+Json mesh_one(Mesher& mesher, const Arguments& arguments, const MeshOptions& options, const Item& item) {
+    const auto start = Clock::now();
+    Json outcome = {{"code", 0}, {"line", ""}, {"warnings", Json::array()}};
+    Json document = {{"model", item.model}};
+    const auto fail = [&](ExitCode code, const std::string& message) {
+        outcome["code"] = static_cast<int>(code);
+        outcome["line"] = one_line(message);
+        document["error"] = one_line(message);
+    };
+    try {
+        const Model model = read_model(item.model, arguments.read);
+        MeshReport report;
+        const Mesh mesh = mesher.generate(model, options, &report);
+        const MeshFigures figures = figures_of(mesh);
+        outcome["warnings"] = report.warnings;
+        refuse_inverted(figures);
+        if (arguments.check) refuse_defects(check_mesh(mesh));
+        write_mesh(mesh, item.output);
+        if (arguments.json) document.update(mesh_document(mesh, report, figures));
+        document["outputs"] = Json::array({item.output});
+        outcome["line"] = item.model + ": " + std::to_string(mesh.element_count()) + " elements, " +
+                          short_number(seconds_since(start), 3) + " s, " + item.output;
+        refuse_below(mesh, arguments.quality_floor);
+    } catch (const Error& error) {
+        fail(error.code(), error.what());
+    } catch (const std::bad_alloc&) {
+        fail(ExitCode::kDevice, item.model + ": out of memory; use a smaller --level or fewer --jobs");
+    } catch (const std::exception& error) {
+        fail(ExitCode::kMeshing, item.model + ": internal error, please report it: " + error.what());
+    }
+    document["exit_code"] = outcome["code"];
+    document["seconds"] = seconds_since(start);
+    if (arguments.json) outcome["report"] = std::move(document);
+    return outcome;
+}
+
+/// A worker that did not come back.
+Json lost(const Item& item, int how) {
+    const std::string end =
+        how > 0 ? "ended by signal " + std::to_string(how) : "ended with exit code " + std::to_string(-how);
+    const std::string line =
+        item.model + ": its process " + end + "; please report it, if memory was not short";
+    return {{"code", static_cast<int>(ExitCode::kMeshing)},
+            {"line", line},
+            {"warnings", Json::array()},
+            {"report",
+             {{"model", item.model}, {"error", line}, {"exit_code", static_cast<int>(ExitCode::kMeshing)}}}};
+}
+
+/// Tells outcomes in the order of the list, as soon as those before them are there.
+class Teller {
+  public:
+    Teller(const Arguments& arguments, const std::vector<Item>& items)
+        : arguments_(arguments), items_(items), progress_(arguments.quiet), outcomes_(items.size()) {}
+
+    void add(std::size_t i, Json outcome) {
+        outcomes_[i] = std::move(outcome);
+        while (next_ < outcomes_.size() && !outcomes_[next_].is_null()) tell(outcomes_[next_++]);
+        progress_.show("batch", static_cast<double>(next_) / static_cast<double>(outcomes_.size()));
+    }
+
+    ExitCode finish(double seconds) {
+        progress_.clear();
+        if (!arguments_.json && !arguments_.quiet) {
+            print(std::to_string(items_.size() - failed_) + " of " + std::to_string(items_.size()) +
+                  " models meshed in " + short_number(seconds, 3) + " s, " +
+                  short_number(60 * static_cast<double>(items_.size()) / seconds, 3) + " a minute\n");
+        }
+        return first_failure_;
+    }
+
+  private:
+    void tell(Json& outcome) {
+        progress_.clear();
+        const std::string model = items_[next_ - 1].model;
+        for (const auto& warning : outcome["warnings"])
+            progress_.warn(model + ": " + warning.get<std::string>());
+        const auto code = static_cast<ExitCode>(outcome["code"].get<int>());
+        const std::string line = outcome["line"];
+        if (code != ExitCode::kOk) {
+            ++failed_;
+            if (first_failure_ == ExitCode::kOk) first_failure_ = code;
+            if (!arguments_.json) std::cerr << "mortise: " << line << "\n";
+        }
+        if (arguments_.json) {
+            print(outcome["report"].dump() + "\n");
+        } else if (code == ExitCode::kOk && !arguments_.quiet) {
+            print(line + "\n");
+        }
+        outcome = Json::object();  // told; its memory is given back
+    }
+
+    const Arguments& arguments_;
+    const std::vector<Item>& items_;
+    Progress progress_;
+    std::vector<Json> outcomes_;
+    std::size_t next_ = 0;
+    std::size_t failed_ = 0;
+    ExitCode first_failure_ = ExitCode::kOk;
+};
+
+}  // namespace
+
+ExitCode batch_command(const Arguments& arguments) {
+    const auto start = Clock::now();
+    const std::vector<Item> items = read_list(arguments);
+    std::error_code trouble;
+    std::filesystem::create_directories(arguments.outputs.front(), trouble);
+    check_mesh_output(items.front().output);
+
+    MeshOptions options = arguments.options;
+    const unsigned cores = std::max(1u, std::thread::hardware_concurrency());
+    const std::size_t jobs = std::min<std::size_t>(
+        arguments.jobs > 0 ? static_cast<std::size_t>(arguments.jobs) : cores, items.size());
+    if (jobs > 1 && options.threads == 0) options.threads = 1;
+    options.progress = [](const char*, double) {
+        report_aborts();
+        return true;
+    };
+
+    Mesher mesher(options.device, options.work_group_size);  // each process opens its own
+    Teller teller(arguments, items);
+    run_in_processes(
+        items.size(), jobs,
+        [&](std::size_t i) { return mesh_one(mesher, arguments, options, items[i]).dump(); },
+        [&](std::size_t i, const std::string& result, int how) {
+            teller.add(i, result.empty() ? lost(items[i], how) : Json::parse(result));
+        });
+    return teller.finish(seconds_since(start));
+}
+
+}  // namespace mortise::cli

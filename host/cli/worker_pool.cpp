@@ -1,0 +1,173 @@
+#include "host/cli/worker_pool.hpp"
+
+#include <poll.h>
+#include <signal.h>
+#include <sys/mman.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cerrno>
+#include <cstdint>
+#include <cstring>
+#include <new>
+#include <vector>
+
+#include "mortise/error.hpp"
+
+namespace mortise::cli {
+namespace {
+
+constexpr std::uint64_t kIdle = ~std::uint64_t{0};
+
+/// In memory that parent and children share.
+struct Shared {
+    std::atomic<std::uint64_t> next{0};
+    std::atomic<std::uint64_t> current[1];  ///< per worker: the item at hand; as many as there are workers
+};
+
+struct Worker {
+    pid_t process = -1;
+    int pipe = -1;
+    std::string received;
+};
+
+struct Header {
+    std::uint64_t item;
+    std::uint64_t length;
+};
+
+void write_all(int file, const void* data, std::size_t size) {
+    const char* at = static_cast<const char*>(data);
+    while (size > 0) {
+        const ssize_t written = write(file, at, size);
+        if (written < 0 && errno == EINTR) continue;
+        if (written <= 0) _exit(static_cast<int>(ExitCode::kFiles));  // the parent is gone
+        at += written;
+        size -= static_cast<std::size_t>(written);
+    }
+}
+
+class Pool {
+  public:
+    Pool(std::size_t count, std::size_t jobs, const std::function<std::string(std::size_t)>& work,
+         const std::function<void(std::size_t, std::string, int)>& done)
+        : count_(count), work_(work), done_(done), workers_(jobs) {
+        bytes_ = sizeof(Shared) + jobs * sizeof(std::atomic<std::uint64_t>);
+        void* memory = mmap(nullptr, bytes_, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+        if (memory == MAP_FAILED) throw std::bad_alloc();
+        shared_ = new (memory) Shared;
+        for (std::size_t w = 0; w < jobs; ++w) new (&shared_->current[w]) std::atomic<std::uint64_t>(kIdle);
+    }
+    ~Pool() {
+        for (const Worker& worker : workers_) {
+            if (worker.process <= 0) continue;
+            kill(worker.process, SIGTERM);
+            waitpid(worker.process, nullptr, 0);
+        }
+        munmap(static_cast<void*>(shared_), bytes_);
+    }
+    Pool(const Pool&) = delete;
+    Pool& operator=(const Pool&) = delete;
+
+    void run() {
+        for (std::size_t w = 0; w < workers_.size(); ++w) start(w);
+        std::vector<pollfd> files(workers_.size());
+        while (std::any_of(workers_.begin(), workers_.end(), [](const Worker& w) { return w.pipe >= 0; })) {
+            for (std::size_t w = 0; w < workers_.size(); ++w) files[w] = {workers_[w].pipe, POLLIN, 0};
+            if (poll(files.data(), files.size(), -1) < 0 && errno != EINTR) break;
+            for (std::size_t w = 0; w < workers_.size(); ++w) {
+                if ((files[w].revents & (POLLIN | POLLHUP)) != 0) receive(w);
+            }
+        }
+    }
+
+  private:
+    void start(std::size_t w) {
+        int ends[2];
+        if (pipe(ends) != 0) throw Error(ExitCode::kFiles, std::string("no pipe: ") + std::strerror(errno));
+        const pid_t process = fork();
+        if (process < 0) {
+            close(ends[0]);
+            close(ends[1]);
+            throw Error(ExitCode::kFiles, std::string("no process: ") + std::strerror(errno));
+        }
+        if (process == 0) {
+            prctl(PR_SET_PDEATHSIG, SIGTERM);
+            close(ends[0]);
+            for (const Worker& other : workers_) {
+                if (other.pipe >= 0) close(other.pipe);
+            }
+            serve(w, ends[1]);
+        }
+        close(ends[1]);
+        workers_[w] = {process, ends[0], {}};
+    }
+
+    [[noreturn]] void serve(std::size_t w, int file) {
+        for (std::uint64_t item = shared_->next++; item < count_; item = shared_->next++) {
+            shared_->current[w] = item;
+            const std::string result = work_(static_cast<std::size_t>(item));
+            const Header header{item, result.size()};
+            write_all(file, &header, sizeof header);
+            write_all(file, result.data(), result.size());
+            shared_->current[w] = kIdle;
+        }
+        _exit(0);  // nothing of the parent's is to be undone here
+    }
+
+    void receive(std::size_t w) {
+        Worker& worker = workers_[w];
+        char buffer[65536];
+        const ssize_t size = read(worker.pipe, buffer, sizeof buffer);
+        if (size < 0 && errno == EINTR) return;
+        if (size > 0) {
+            worker.received.append(buffer, static_cast<std::size_t>(size));
+            take_results(worker);
+            return;
+        }
+        close(worker.pipe);
+        int status = 0;
+        waitpid(worker.process, &status, 0);
+        const std::uint64_t item = shared_->current[w].exchange(kIdle);
+        const bool complete = worker.received.empty();
+        worker = Worker{};
+        if (item == kIdle && complete) return;
+        if (item != kIdle) {
+            done_(static_cast<std::size_t>(item), {},
+                  WIFSIGNALED(status) ? WTERMSIG(status) : -WEXITSTATUS(status));
+        }
+        if (shared_->next < count_) start(w);
+    }
+
+    void take_results(Worker& worker) {
+        for (;;) {
+            Header header;
+            if (worker.received.size() < sizeof header) return;
+            std::memcpy(&header, worker.received.data(), sizeof header);
+            if (worker.received.size() - sizeof header < header.length) return;
+            std::string result = worker.received.substr(sizeof header, header.length);
+            worker.received.erase(0, sizeof header + header.length);
+            done_(static_cast<std::size_t>(header.item), std::move(result), 0);
+        }
+    }
+
+    std::size_t count_;
+    const std::function<std::string(std::size_t)>& work_;
+    const std::function<void(std::size_t, std::string, int)>& done_;
+    std::vector<Worker> workers_;
+    Shared* shared_ = nullptr;
+    std::size_t bytes_ = 0;
+};
+
+}  // namespace
+
+void run_in_processes(std::size_t count, std::size_t jobs,
+                      const std::function<std::string(std::size_t)>& work,
+                      const std::function<void(std::size_t, std::string, int)>& done) {
+    Pool(count, jobs, work, done).run();
+}
+
+}  // namespace mortise::cli
