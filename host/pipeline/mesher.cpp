@@ -183,6 +183,20 @@ void describe_mesh(const tape::CompiledModel& compiled, const tape::BoundModel& 
     stages.end(mesh.element_count());
 }
 
+/// A region without elements: named in the file, but not in the mesh.
+void warn_of_empty_regions(const Mesh& mesh, const std::string& source, MeshReport& report) {
+    std::vector<bool> present(mesh.region_names.size() + 1, false);
+    for (const ElementBlock& block : mesh.elements) {
+        for (const std::uint16_t region : block.region) present[region] = true;
+    }
+    for (std::size_t r = 1; r < present.size() && mesh.element_count() > 0; ++r) {
+        if (present[r]) continue;
+        report.warnings.push_back(source + ": region '" + mesh.region_names[r - 1] +
+                                  "' has no elements: it is empty, covered by regions before it, or thinner "
+                                  "than the cells");
+    }
+}
+
 /// What the report wants of all extractions.
 struct Extracted {
     cnio::CellCounters counters;
@@ -323,6 +337,7 @@ Mesh Mesher::generate(const Model& model, const MeshOptions& options, MeshReport
         stages.end(counters.zone_elements);
     }
     mesh.region_names = compiled.region_names;
+    warn_of_empty_regions(mesh, model.source, out);
     if (mesh.element_count() == 0) {
         throw Error(ExitCode::kInput, model.source +
                                           ": the solid is empty, or thinner than the cells everywhere; "

@@ -12,6 +12,8 @@ namespace {
 
 /// Faces of models often lie on grid planes: what stays in this margin of the node belongs to its neighbour.
 constexpr double kDrawnIn = 1 - 1.0 / 64;
+/// Where nothing passes inside: a small feature may lie in the margin.
+constexpr double kBarelyDrawnIn = 1 - 1.0 / 4096;
 /// But a wall between such a face and a sheet that passes through the node is this node's.
 constexpr double kDrawnOut = 1 + 1.0 / 64;
 constexpr double kParallel = 0.9063;  ///< cosine of 25°
@@ -202,13 +204,20 @@ bool SheetFinder::make_sheet(std::uint32_t surface, const tape::Cell& cell, Shee
 }
 
 void SheetFinder::run(const std::uint32_t* words, std::size_t length, const tape::Cell& cell) {
-    const tape::Cell drawn_in = {{cell.centre[0], cell.centre[1], cell.centre[2]}, kDrawnIn * cell.half};
     surfaces_.clear();
     for (std::size_t i = 0; i < length; ++i) {
         if (tape_operation(words[i]) == kTapeLiteral) surfaces_.push_back(tape_surface(words[i]));
     }
     std::sort(surfaces_.begin(), surfaces_.end());
     surfaces_.erase(std::unique(surfaces_.begin(), surfaces_.end()), surfaces_.end());
+    find_inside(cell, kDrawnIn);
+    if (sheets_.empty()) find_inside(cell, kBarelyDrawnIn);
+    add_touching(cell);
+}
+
+/// Sheets in the cell, which is drawn in by a factor.
+void SheetFinder::find_inside(const tape::Cell& cell, double factor) {
+    const tape::Cell drawn_in = {{cell.centre[0], cell.centre[1], cell.centre[2]}, factor * cell.half};
     signs_.assign(surfaces_.size(), 0);
     sheets_.clear();
     for (std::size_t i = 0; i < surfaces_.size(); ++i) {
@@ -219,7 +228,6 @@ void SheetFinder::run(const std::uint32_t* words, std::size_t length, const tape
         else
             signs_[i] = at_centre <= 0 ? -1 : 1;
     }
-    add_touching(cell);
 }
 
 /// Sheets on the node's boundary that are parallel to one inside.

@@ -43,6 +43,7 @@ class SheetFinder {
     const std::vector<std::int8_t>& signs() const { return signs_; }
 
   private:
+    void find_inside(const tape::Cell& cell, double factor);
     void add_touching(const tape::Cell& cell);
     bool make_sheet(std::uint32_t surface, const tape::Cell& cell, Sheet& sheet, double& at_centre) const;
     bool make_patch(const tape::Cell& cell, Sheet& sheet, double& at_centre) const;

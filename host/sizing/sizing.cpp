@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "host/common/parallel.hpp"
+#include "host/sizing/thin.hpp"
 #include "host/sizing/topology.hpp"
 #include "kernels/shared/expression_bounds.h"
 #include "kernels/shared/lattice.h"
@@ -107,6 +108,8 @@ std::vector<std::uint8_t> Sizer::split_undecided(const std::vector<TreeNode>& no
     const bool curved = field_.curvature_elements > 0;
     std::vector<Topology> views(static_cast<std::size_t>(thread_count(threads)),
                                 Topology(model_, field_.finest));
+    std::vector<std::vector<SheetTrace>> traces(chunk_count(nodes.size(), kChunk));
+    std::vector<std::uint32_t> trace_counts(nodes.size(), 0);
     parallel_chunks(nodes.size(), kChunk, threads, [&](std::size_t begin, std::size_t end, int thread) {
         Topology& view = views[static_cast<std::size_t>(thread)];
         for (std::size_t i = begin; i < end; ++i) {
@@ -121,10 +124,30 @@ std::vector<std::uint8_t> Sizer::split_undecided(const std::vector<TreeNode>& no
                 view.load(words, length, cell);
                 split = (field_.features && !view.is_simple()) ||
                         (curved && view.turn() > kTwoPi / field_.curvature_elements);
+                if (field_.features) {
+                    auto& list = traces[begin / kChunk];
+                    for (const Sheet& s : view.sheets())
+                        list.push_back({s.surface, s.flat, s.orientation, s.foot, s.normal});
+                    trace_counts[i] = static_cast<std::uint32_t>(view.sheets().size());
+                }
             }
             which[i] = split ? 1 : 0;
         }
     });
+    if (field_.features &&
+        std::is_sorted(nodes.begin(), nodes.end(),
+                       [](const TreeNode& a, const TreeNode& b) { return a.morton < b.morton; })) {
+        SheetTraces sheets;
+        for (const std::uint32_t count : trace_counts) sheets.begin.push_back(sheets.begin.back() + count);
+        for (const auto& list : traces) sheets.trace.insert(sheets.trace.end(), list.begin(), list.end());
+        const double edge = std::ldexp(1.0, -level);
+        mark_thin(
+            nodes, level, sheets, field_.finest > 0 ? 0.5 * field_.finest : edge / 256,
+            [&views](std::uint32_t a, std::uint32_t b, const tape::Cell& cell, int thread) {
+                return views[static_cast<std::size_t>(thread)].meet_near(a, b, cell);
+            },
+            threads, which);
+    }
     return which;
 }
 

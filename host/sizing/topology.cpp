@@ -8,7 +8,7 @@ namespace mortise::sizing {
 namespace {
 
 constexpr double kSameSheet = 0.9063;   ///< cosine of 25°
-constexpr double kMeet = 1.0 / 256;     ///< of a node: sheets this close touch
+constexpr double kMeet = 1.0 / 256;     ///< of a node: sheets this close touch, if no finest leaf is told
 constexpr double kNearCrease = 1;       ///< edges from the node
 constexpr double kNearSharpCrease = 2;  ///< likewise; a wedge of 27° is thinner than a node up to there
 
@@ -87,7 +87,7 @@ void Topology::orient_by_tape(const std::uint32_t* words, std::size_t length) {
 }
 
 /// Sheets that come as close to a point touch there.
-double Topology::touching() const { return std::max(2 * kMeet * cell_.half, 0.25 * finest_); }
+double Topology::touching() const { return finest_ > 0 ? 0.25 * finest_ : 2 * kMeet * cell_.half; }
 
 Vec3 Topology::outward(const Sheet& sheet) const {
     const double sign = sheet.orientation < 0 ? -1 : 1;
@@ -143,6 +143,16 @@ Topology::Meeting Topology::meet(const std::vector<const Sheet*>& sheets, double
         if (!is_within(at, cell_, 3 + 4 * edges)) break;
     }
     return Meeting::kNone;
+}
+
+bool Topology::meet_near(std::uint32_t a, std::uint32_t b, const tape::Cell& cell) {
+    Sheet first;
+    Sheet second;
+    first.surface = a;
+    second.surface = b;
+    cell_ = cell;
+    Vec3 at{};
+    return meet({&first, &second}, kNearSharpCrease, at) != Meeting::kNone;
 }
 
 /// Whether the solid ends at all of these sheets around a point on them outside the node: by the whole tape.

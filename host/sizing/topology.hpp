@@ -32,6 +32,8 @@ class Topology {
     bool is_simple();
     /// Those that count; the region in the node is a function of their signs.
     const std::vector<Sheet>& sheets() const { return sheets_; }
+    /// Whether two surfaces have a crease, or touch, within two edges of a cell.
+    bool meet_near(std::uint32_t a, std::uint32_t b, const tape::Cell& cell);
     /// Largest angle by which a surface's normal turns along an edge's length.
     double turn() const;
 

@@ -180,6 +180,36 @@ TEST_CASE("features: thin walls get small cells, plain creases and corners do no
     CHECK(cube.report.finest_level == 4);
 }
 
+TEST_CASE("features: walls and gaps that a grid plane cuts are seen") {
+    // A thin web in the middle of two end plates: the grid's middle plane runs through it.
+    const Model web = parse(R"(union() {
+        cube([40, 0.4, 40], center = true);
+        multmatrix([[1,0,0,-20],[0,1,0,0],[0,0,1,0],[0,0,0,1]]) { cube([4, 40, 40], center = true); }
+        multmatrix([[1,0,0,20],[0,1,0,0],[0,0,1,0],[0,0,0,1]]) { cube([4, 40, 40], center = true); }
+    })",
+                            "csg");
+    MeshOptions options;
+    options.level = 4;
+    options.refine = 4;
+    const Meshed meshed = mesh_and_check(web, options);
+    CHECK(meshed.defects == "");
+    CHECK(meshed.report.finest_level >= 6);
+    CHECK(*std::min_element(meshed.check.min_scaled_jacobian.begin(),
+                            meshed.check.min_scaled_jacobian.end()) > 0.15);
+    // Two balls with a gap of a tenth of a cell between them.
+    const Model balls = parse(R"(union() {
+        sphere(r = 10);
+        multmatrix([[1,0,0,20.3],[0,1,0,0],[0,0,1,0],[0,0,0,1]]) { sphere(r = 10); }
+    })",
+                              "csg");
+    options.refine = 5;
+    const Meshed gap = mesh_and_check(balls, options);
+    CHECK(gap.defects == "");
+    CHECK(gap.check.components == 2);
+    CHECK(gap.report.finest_level >= 7);
+    CHECK(leaves_at(gap.report, 4) > 0);
+}
+
 TEST_CASE("curvature: as many cells to a full turn as asked") {
     const Model model = parse("cylinder(r = 1, h = 10, $fn = 0);", "csg");
     MeshOptions options;
