@@ -13,6 +13,7 @@
 #include "host/device/device.hpp"
 #include "host/features/features.hpp"
 #include "host/improve/improve.hpp"
+#include "host/octree/coincident.hpp"
 #include "host/octree/octree.hpp"
 #include "host/pipeline/grading.hpp"
 #include "host/pipeline/root_box.hpp"
@@ -308,6 +309,7 @@ Mesh Mesher::generate(const Model& model, const MeshOptions& options, MeshReport
     stages.begin("octree", 0.05);
     octree::DeviceTree on_device;
     octree::Octree tree = pipeline::build_tree(device, options, bound, sizes, &on_device);
+    octree::drop_coincident(device, bound, tree, on_device, options.threads);
     stages.end(tree.cells_evaluated);
 
     stages.begin("probe", 0.28);

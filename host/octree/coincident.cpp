@@ -1,0 +1,236 @@
+#include "host/octree/coincident.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+
+#include "host/common/parallel.hpp"
+#include "host/tape/reference.hpp"
+
+namespace mortise::octree {
+namespace {
+
+constexpr std::size_t kChunk = 512;
+constexpr std::size_t kFewest = 3;
+constexpr std::size_t kMost = 6;      ///< surfaces of a leaf that is looked at
+constexpr double kOnSurface = 1e-6;   ///< edges: closer than signs can tell (kSignTolerance)
+constexpr double kIndependent = 0.1;  ///< sine between two gradients
+constexpr double kAlong = 1e-3;       ///< sine between the crease and the third surface
+constexpr double kReach = 1.5;        ///< edges from the leaf's centre, along each axis
+constexpr int kDirections = 360;
+
+double dot(const Vec3& a, const Vec3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+Vec3 cross(const Vec3& a, const Vec3& b) {
+    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+
+struct Frame {
+    Vec3 at{};     ///< on the crease of two surfaces
+    Vec3 first{};  ///< their unit normals
+    Vec3 second{};
+    Vec3 along{};  ///< unit direction of the crease
+};
+
+class LeafSimplifier {
+  public:
+    LeafSimplifier(const tape::BoundModel& model, const Octree& tree) : model_(model), tree_(tree) {}
+
+    /// The leaf's new tape; nothing if it stays.
+    std::optional<std::vector<std::uint32_t>> run(const TreeNode& leaf) {
+        const std::uint32_t* words = tree_.tapes.data() + leaf.tape_offset;
+        tape_.assign(words, words + leaf.tape_length);
+        edge_ = Octree::edge_of(tree_.level_of(leaf.morton));
+        for (std::size_t j = 0; j < 3; ++j)
+            centre_[j] = gather_bits(leaf.morton >> j) * tree_.finest_edge() + 0.5 * edge_;
+        bool changed = false;
+        while (list_surfaces() && drop_one()) changed = true;
+        if (!changed) return std::nullopt;
+        return tape_;
+    }
+
+  private:
+    bool list_surfaces() {
+        surfaces_.clear();
+        for (const std::uint32_t word : tape_) {
+            if (tape_operation(word) == kTapeSpatial) return false;
+            if (tape_operation(word) == kTapeLiteral) surfaces_.push_back(tape_surface(word));
+        }
+        std::sort(surfaces_.begin(), surfaces_.end());
+        surfaces_.erase(std::unique(surfaces_.begin(), surfaces_.end()), surfaces_.end());
+        return surfaces_.size() >= kFewest && surfaces_.size() <= kMost;
+    }
+
+    bool drop_one() {
+        const std::size_t n = surfaces_.size();
+        for (std::size_t a = 0; a < n; ++a) {
+            for (std::size_t b = a + 1; b < n; ++b) {
+                Frame frame;
+                if (!find_crease(a, b, centre_, frame)) continue;
+                for (std::size_t c = 0; c < n; ++c) {
+                    if (c != a && c != b && holds_crease(a, b, c, frame) && replace(a, b, c, frame))
+                        return true;
+                }
+            }
+        }
+        return false;
+    }
+
+    /// Value over the length of the gradient, and the unit gradient.
+    bool sample(std::size_t surface, const Vec3& x, double& distance, Vec3& normal) const {
+        const SurfaceSample s = surface_sample(&model_.surfaces[surfaces_[surface]],
+                                               model_.expression_ops.data(), x[0], x[1], x[2]);
+        normal = {s.gradient[0], s.gradient[1], s.gradient[2]};
+        const double length = std::sqrt(dot(normal, normal));
+        if (!(length > 0 && length < kMortiseInfinity)) return false;
+        for (double& x_j : normal) x_j /= length;
+        distance = s.value / length;
+        return std::isfinite(distance);
+    }
+
+    /// Newton's method, by steps of least length, onto two surfaces.
+    bool find_crease(std::size_t a, std::size_t b, const Vec3& start, Frame& frame) const {
+        frame.at = start;
+        for (int step = 0; step < 12; ++step) {
+            double da = 0;
+            double db = 0;
+            if (!sample(a, frame.at, da, frame.first) || !sample(b, frame.at, db, frame.second)) return false;
+            frame.along = cross(frame.first, frame.second);
+            const double sine = std::sqrt(dot(frame.along, frame.along));
+            if (sine < kIndependent) return false;
+            for (double& x : frame.along) x /= sine;
+            const double cosine = dot(frame.first, frame.second);
+            // Solve for the move u first + v second that takes both to zero.
+            const double u = (-da + cosine * db) / (sine * sine);
+            const double v = (-db + cosine * da) / (sine * sine);
+            for (std::size_t j = 0; j < 3; ++j) {
+                frame.at[j] += u * frame.first[j] + v * frame.second[j];
+                if (!(std::fabs(frame.at[j] - centre_[j]) <= 2 * kReach * edge_)) return false;
+            }
+            if (std::fabs(da) + std::fabs(db) < 1e-3 * kOnSurface * edge_) {
+                return is_near(frame.at);
+            }
+        }
+        return false;
+    }
+
+    bool is_near(const Vec3& x) const {
+        bool near = true;
+        for (std::size_t j = 0; j < 3; ++j) near = near && std::fabs(x[j] - centre_[j]) <= kReach * edge_;
+        return near;
+    }
+
+    /// Whether a third surface passes through the crease here and half an edge to both sides.
+    bool holds_crease(std::size_t a, std::size_t b, std::size_t c, const Frame& middle) const {
+        for (const double along : {0.0, -0.5, 0.5}) {
+            Frame frame = middle;
+            if (along != 0) {
+                Vec3 start = middle.at;
+                for (std::size_t j = 0; j < 3; ++j) start[j] += along * edge_ * middle.along[j];
+                if (!find_crease(a, b, start, frame)) continue;  // ends, or leaves the neighbourhood
+            }
+            double distance = 0;
+            Vec3 normal{};
+            if (!sample(c, frame.at, distance, normal) || std::fabs(distance) > kOnSurface * edge_)
+                return false;
+            if (std::fabs(dot(normal, frame.along)) > kAlong) return false;
+            for (const Vec3& other : {frame.first, frame.second}) {
+                const Vec3 turn = cross(normal, other);
+                if (dot(turn, turn) < kIndependent * kIndependent) return false;
+            }
+        }
+        return true;
+    }
+
+    /// Puts another literal for that of c, if the solid stays the same for all signs that occur.
+    bool replace(std::size_t a, std::size_t b, std::size_t c, const Frame& frame) {
+        double distance = 0;
+        Vec3 normal{};
+        if (!sample(c, frame.at, distance, normal)) return false;
+        bool occurs[8] = {};  // bit 0: inside a, 1: inside b, 2: inside c
+        const Vec3 across = cross(frame.along, frame.first);
+        for (int i = 0; i < kDirections; ++i) {
+            const double angle = 2 * 3.14159265358979323846 * i / kDirections;
+            Vec3 d{};
+            for (std::size_t j = 0; j < 3; ++j)
+                d[j] = std::cos(angle) * frame.first[j] + std::sin(angle) * across[j];
+            const double at[3] = {dot(d, frame.first), dot(d, frame.second), dot(d, normal)};
+            if (std::min({std::fabs(at[0]), std::fabs(at[1]), std::fabs(at[2])}) < 0.01) continue;
+            occurs[(at[0] < 0 ? 1 : 0) | (at[1] < 0 ? 2 : 0) | (at[2] < 0 ? 4 : 0)] = true;
+        }
+        for (const std::size_t by : {a, b}) {
+            for (const std::uint32_t negated : {0u, 1u}) {
+                if (!is_same(a, b, c, by, negated, occurs)) continue;
+                for (std::uint32_t& word : tape_) {
+                    if (tape_operation(word) == kTapeLiteral && tape_surface(word) == surfaces_[c])
+                        word = make_literal(surfaces_[by], tape_negated(word) ^ negated);
+                }
+                return true;
+            }
+        }
+        return false;
+    }
+
+    bool is_same(std::size_t a, std::size_t b, std::size_t c, std::size_t by, std::uint32_t negated,
+                 const bool* occurs) const {
+        const std::size_t n = surfaces_.size();
+        std::vector<std::int8_t> signs(n);
+        for (std::uint32_t choice = 0; choice < (1u << n); ++choice) {
+            const auto inside = [choice](std::size_t s) { return (choice >> s) & 1u; };
+            if (!occurs[inside(a) | (inside(b) << 1) | (inside(c) << 2)]) continue;
+            for (std::size_t s = 0; s < n; ++s) signs[s] = static_cast<std::int8_t>(inside(s) != 0 ? -1 : 1);
+            const std::int32_t before = value(signs);
+            signs[c] = static_cast<std::int8_t>((inside(by) ^ negated) != 0 ? -1 : 1);
+            if (value(signs) != before) return false;
+        }
+        return true;
+    }
+
+    std::int32_t value(const std::vector<std::int8_t>& signs) const {
+        return tape::evaluate_signs(tape_.data(), tape_.size(), surfaces_.data(), surfaces_.size(),
+                                    signs.data());
+    }
+
+    const tape::BoundModel& model_;
+    const Octree& tree_;
+    std::vector<std::uint32_t> tape_;
+    std::vector<std::uint32_t> surfaces_;
+    Vec3 centre_{};
+    double edge_ = 0;
+};
+
+}  // namespace
+
+std::uint64_t drop_coincident(device::Device& device, const tape::BoundModel& model, Octree& tree,
+                              DeviceTree& on_device, int threads) {
+    struct Change {
+        std::uint32_t leaf;
+        std::vector<std::uint32_t> tape;
+    };
+    std::vector<std::vector<Change>> found(chunk_count(tree.nio.size(), kChunk));
+    parallel_chunks(tree.nio.size(), kChunk, threads, [&](std::size_t begin, std::size_t end, int) {
+        LeafSimplifier simplifier(model, tree);
+        for (std::size_t i = begin; i < end; ++i) {
+            if (tree.nio[i].tape_length < kFewest) continue;
+            if (auto tape = simplifier.run(tree.nio[i]))
+                found[begin / kChunk].push_back({static_cast<std::uint32_t>(i), std::move(*tape)});
+        }
+    });
+    std::uint64_t changed = 0;
+    for (const auto& list : found) {
+        for (const Change& change : list) {
+            TreeNode& leaf = tree.nio[change.leaf];
+            leaf.tape_offset = static_cast<std::uint32_t>(tree.tapes.size());
+            leaf.tape_length = static_cast<std::uint32_t>(change.tape.size());
+            tree.tapes.insert(tree.tapes.end(), change.tape.begin(), change.tape.end());
+            ++changed;
+        }
+    }
+    if (changed > 0) {
+        on_device.nio = device.upload(tree.nio);
+        on_device.tapes = device.upload(tree.tapes);
+    }
+    return changed;
+}
+
+}  // namespace mortise::octree
