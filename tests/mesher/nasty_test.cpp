@@ -251,4 +251,47 @@ TEST_CASE("empty and unbounded solids are refused") {
           })).substr(0, 2) == "2 ");
 }
 
+TEST_CASE("three surfaces through one curve make no slivers") {
+    const auto worst = [](const Meshed& meshed) {
+        double result = 1;
+        for (std::size_t t = 0; t < kElementTypes; ++t) {
+            if (meshed.check.elements[t] > 0) result = std::min(result, meshed.check.min_scaled_jacobian[t]);
+        }
+        return result;
+    };
+    // A frustum on a cylinder of the same radius, narrowing (a convex rim) and widening (a concave one): the
+    // plane between them passes through the rim and is no face of the solid.
+    for (const double top : {4.5, 11.0}) {
+        CAPTURE(top);
+        const Model model = one_solid([&](Model& m) {
+            const NodeIndex frustum = m.add_transform(translation({0, 0, 1}), add_frustum(m, 8, top, 0, 4));
+            return unite(m, {frustum, add_cylinder(m, 8, 0, 1)});
+        });
+        for (const int level : {5, 6}) {
+            CAPTURE(level);
+            const Meshed meshed = mesh_and_check(model, level);
+            CHECK(meshed.defects == "");
+            CHECK(worst(meshed) > 0.1);
+            const double volume = kPi * (64 + 4.0 / 3 * (64 + top * top + 8 * top));
+            CHECK(meshed.check.volume == doctest::Approx(volume).epsilon(0.004));
+            CHECK(meshed.check.euler_characteristic == 2);
+        }
+    }
+    // Three planes through one line, turned so that none lies on the grid: a roof on a box with a plane
+    // between.
+    const Model roof = one_solid([](Model& m) {
+        const NodeIndex box = add_box(m, {-3, -2, -2}, {3, 2, 0});
+        const NodeIndex above = m.add_primitive(half_space({0, 0, 0}, {0, 0, -1}));
+        const NodeIndex left = m.add_primitive(half_space({0, -2, 0}, {0, -1, 1}));
+        const NodeIndex right = m.add_primitive(half_space({0, 2, 0}, {0, 1, 1}));
+        const NodeIndex ends = add_box(m, {-3, -9, -9}, {3, 9, 9});
+        const NodeIndex both = unite(m, {box, intersect(m, {above, left, right, ends})});
+        return m.add_transform(rotation({0.3, 0.5, 0.8}, 0.7), both);
+    });
+    const Meshed meshed = mesh_and_check(roof, 5);
+    CHECK(meshed.defects == "");
+    CHECK(meshed.check.volume == doctest::Approx(6 * 4 * 2 + 6 * 4).epsilon(1e-9));
+    CHECK(worst(meshed) > 0.05);
+}
+
 }  // namespace mortise::test
