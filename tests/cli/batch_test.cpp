@@ -1,0 +1,119 @@
+// mortise batch: many models, each told and written for itself.
+#include <doctest/doctest.h>
+
+#include <signal.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "tests/cli/program.hpp"
+
+namespace {
+
+using Json = nlohmann::json;
+using Names = std::vector<std::string>;
+
+std::vector<std::string> lines_of(const std::string& text) {
+    std::vector<std::string> lines;
+    std::istringstream in(text);
+    for (std::string line; std::getline(in, line);) lines.push_back(line);
+    return lines;
+}
+
+}  // namespace
+
+TEST_CASE("batch: the same files as one by one, told in the order of the list") {
+    const ScratchFolder scratch;
+    const std::string list =
+        scratch.write("list.txt", "# parts\n\n" + asset("star.csg") + "\n  " + asset("block.csg") + "  \n" +
+                                      asset("bracket.csg") + "\r\n");
+    const Outcome batch = run({"batch", list, "-o", scratch.file("meshes"), "--level", "4", "--check"});
+    REQUIRE(batch.code == 0);
+    CHECK(batch.err.empty());
+    const auto lines = lines_of(batch.out);
+    REQUIRE(lines.size() == 4);
+    CHECK(contains(lines[0], "star.csg: "));
+    CHECK(contains(lines[1], "block.csg: "));
+    CHECK(contains(lines[2], "bracket.csg: "));
+    CHECK(contains(lines[3], "3 of 3 models meshed"));
+    CHECK(scratch.names("meshes") == Names{"block.vtu", "bracket.vtu", "star.vtu"});
+    const std::string single = scratch.file("single.vtu");
+    REQUIRE(run({asset("bracket.csg"), "-o", single, "--level", "4"}).code == 0);
+    CHECK(read_file(single) == read_file(scratch.file("meshes/bracket.vtu")));
+
+    const Outcome one_job = run({"batch", list, "-o", scratch.file("one"), "--level", "4", "--jobs", "1",
+                                 "--format", "msh", "--json"});
+    REQUIRE(one_job.code == 0);
+    CHECK(scratch.names("one") == Names{"block.msh", "bracket.msh", "star.msh"});
+    const auto objects = lines_of(one_job.out);
+    REQUIRE(objects.size() == 3);
+    CHECK(Json::parse(objects[1])["elements"]["hexahedra"] > 0);
+    CHECK(Json::parse(objects[1])["exit_code"] == 0);
+}
+
+TEST_CASE("batch: a model that fails costs itself only") {
+    const ScratchFolder scratch;
+    const std::string broken = scratch.write("broken.csg", "cube([1, 1, 1]) {");
+    const std::string empty = scratch.write("empty.csg", "difference() { cube(1); cube(2); }");
+    const std::string list = scratch.write(
+        "list.txt", broken + "\n" + asset("block.csg") + "\n" + empty + "\n" + scratch.file("none.csg"));
+    const Outcome batch = run({"batch", list, "-o", scratch.file("meshes"), "--level", "3"});
+    CHECK(batch.code == 2);  // of the first
+    CHECK(contains(batch.out, "1 of 4 models meshed"));
+    const auto errors = lines_of(batch.err);
+    REQUIRE(errors.size() == 3);
+    CHECK(contains(errors[0], "broken.csg:1:"));
+    CHECK(contains(errors[1], "empty.csg"));
+    CHECK(contains(errors[2], "none.csg"));
+    CHECK(scratch.names("meshes") == Names{"block.vtu"});
+
+    const Outcome json =
+        run({"batch", list, "-o", scratch.file("meshes"), "--level", "3", "--json", "--jobs", "2"});
+    CHECK(json.code == 2);
+    const auto objects = lines_of(json.out);
+    REQUIRE(objects.size() == 4);
+    CHECK(Json::parse(objects[0])["exit_code"] == 2);
+    CHECK(contains(Json::parse(objects[0])["error"], "broken.csg:1:"));
+    CHECK(Json::parse(objects[3])["exit_code"] == 6);
+}
+
+TEST_CASE("batch: bad command lines and lists") {
+    const ScratchFolder scratch;
+    const std::string list = scratch.write("list.txt", asset("block.csg") + "\n");
+    const auto refused = [](const std::vector<std::string>& words, int code, const char* part) {
+        CAPTURE(part);
+        const Outcome outcome = run(words);
+        CHECK(outcome.code == code);
+        CHECK(is_one_line(outcome.err, "mortise: "));
+        CHECK(contains(outcome.err, part));
+    };
+    const std::string folder = scratch.file("meshes");
+    refused({"batch"}, 1, "mortise batch LIST -o FOLDER");
+    refused({"batch", list}, 1, "-o FOLDER");
+    refused({"batch", list, "-o", folder, "--jobs", "0"}, 1, "--jobs");
+    refused({"batch", list, "-o", folder, "--format", "stl"}, 1, "vtu or msh");
+    refused({"batch", list, "-o", folder, "--level", "77"}, 1, "77");
+    refused({"batch", scratch.file("no list"), "-o", folder}, 6, "no list");
+    refused({"batch", scratch.write("blank.txt", "\n# nothing\n"), "-o", folder}, 1, "lists no models");
+    refused(
+        {"batch", scratch.write("twice.txt", asset("block.csg") + "\n/elsewhere/block.geo\n"), "-o", folder},
+        1, "twice.txt:2: ");
+    refused({"batch", list, "-o", "/proc/nowhere/meshes"}, 6, "/proc/nowhere");
+}
+
+TEST_CASE("batch: an interrupted run leaves no half-written file") {
+    const ScratchFolder scratch;
+    std::string text;
+    for (const char* name : {"gyroid.csg", "housing.csg", "bracket.csg", "star.csg"})
+        text += asset(name) + "\n";
+    Program program({"batch", scratch.write("list.txt", text), "-o", scratch.file("meshes"), "--level", "6"});
+    program.send(SIGTERM);
+    const Outcome outcome = program.wait();
+    CHECK(outcome.signal == SIGTERM);
+    for (const std::string& name : scratch.names("meshes")) {
+        CAPTURE(name);
+        CHECK(name.size() > 4);
+        CHECK(name.substr(name.size() - 4) == ".vtu");
+    }
+}
