@@ -13,7 +13,8 @@ namespace mortise::octree {
 namespace {
 
 constexpr std::size_t kChunk = 4096;
-constexpr int kDirectoryLevel = 6;  ///< finest, of the cells of the directory: 1 MB
+constexpr std::uint64_t kMostSplit = 1u << 25;  ///< split nodes: eight times as many leaves
+constexpr int kDirectoryLevel = 6;              ///< finest, of the cells of the directory: 1 MB
 
 /// One leaf before the bitmaps are made.
 struct Entry {
@@ -92,6 +93,7 @@ class Builder {
                 descent.set_nodes(nodes);
             }
             for (const TreeNode& node : nodes) split_[static_cast<std::size_t>(level)].push_back(node.morton);
+            count_split(nodes.size(), level);
         }
         tree_.cells_evaluated += descent.cells_evaluated();
         const std::size_t in_count = descent.in_count();
@@ -103,10 +105,22 @@ class Builder {
                     (level < grading_.coarsest_in ||
                      (grading_.split_in &&
                       grading_.split_in(morton, level, static_cast<std::uint16_t>(root.region))));
-                if (wanted) split_[static_cast<std::size_t>(level)].push_back(morton);
+                if (wanted) {
+                    split_[static_cast<std::size_t>(level)].push_back(morton);
+                    count_split(1, level);
+                }
                 return wanted;
             });
         }
+    }
+
+    void count_split(std::uint64_t nodes, int level) {
+        split_count_ += nodes;
+        if (split_count_ <= kMostSplit) return;
+        throw Error(ExitCode::kUsage, "the sizes that are asked for need more than " +
+                                          std::to_string(8 * kMostSplit / 1000000) +
+                                          " million cells, at level " + std::to_string(level + 1) +
+                                          " already; ask for larger cells, or set --size-min");
     }
 
     bool is_split(std::uint64_t morton, int level) const {
@@ -284,6 +298,7 @@ class Builder {
     SplitNodes undecided_;  ///< leaves of the first pass: what touches them is not larger, as far as possible
     std::vector<Entry> entries_;
     std::vector<TreeNode> found_;  ///< NIO leaves as found
+    std::uint64_t split_count_ = 0;
 };
 
 }  // namespace
