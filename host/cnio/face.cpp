@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "host/cnio/cell.hpp"
+#include "host/common/cube_grid.hpp"
 #include "host/tape/reference.hpp"
 
 namespace mortise::cnio {
@@ -204,14 +205,12 @@ FaceMode Cell::patch_mode(const std::vector<LocalNode>& loop, const Patch& patch
     return zeros == 2 && changes == 2 ? FaceMode::kCut : FaceMode::kFan;
 }
 
-/// A whole face some of whose edges are split, without a new node: a triangle cut off at each corner between
-/// two middles, and what is left divided through the middles.
+/// A whole face some of whose edges are split: the face rule of host/common/cube_grid.hpp.
 void Cell::divide_hanging(const std::vector<LocalNode>& loop, const Patch& patch,
                           std::vector<Facet>& facets) {
-    const auto& corner = patch.corner;
-    std::array<LocalNode, 4> middle;  // of side i, from corner i to corner i + 1
-    middle.fill(kNoNode);
-    std::size_t count = 0;
+    std::array<LocalNode, 8> at{};
+    std::copy(patch.corner.begin(), patch.corner.end(), at.begin());
+    unsigned sides = 0;
     std::size_t side = 3;
     for (const LocalNode node : loop) {
         const std::size_t c = corner_of(patch, node);
@@ -219,41 +218,12 @@ void Cell::divide_hanging(const std::vector<LocalNode>& loop, const Patch& patch
             side = c;
             continue;
         }
-        middle[side] = node;
-        ++count;
+        at[4 + side] = node;
+        sides |= 1u << side;
     }
-    const auto triangle = [&facets](LocalNode a, LocalNode b, LocalNode c) {
-        facets.push_back({{a, b, c, c}, 3});
-    };
-    const auto has = [&middle](std::size_t i) { return middle[i % 4] != kNoNode; };
-    for (std::size_t i = 0; i < 4; ++i) {
-        if (has(i) && has(i + 3)) triangle(corner[i], middle[i], middle[(i + 3) % 4]);
-    }
-    if (count == 4) {
-        facets.push_back({{middle[0], middle[1], middle[2], middle[3]}, 4});
-        return;
-    }
-    // Turn the face so that its first side is split, and the one before it is not.
-    std::size_t first = 0;
-    while (!has(first) || has(first + 3)) ++first;
-    const auto c = [&](std::size_t i) { return corner[(first + i) % 4]; };
-    const auto m = [&](std::size_t i) { return middle[(first + i) % 4]; };
-    if (count == 1) {
-        triangle(c(0), m(0), c(3));
-        triangle(m(0), c(2), c(3));
-        triangle(m(0), c(1), c(2));
-    } else if (count == 3) {
-        triangle(m(0), m(1), m(2));
-        facets.push_back({{c(0), m(0), m(2), c(3)}, 4});
-    } else if (has(first + 1)) {
-        triangle(c(0), m(0), c(3));
-        triangle(m(0), m(1), c(3));
-        triangle(m(1), c(2), c(3));
-    } else {
-        // Opposite sides: from the lower one, so that both cells list the two halves in one order.
-        const std::size_t low = std::min(first, (first + 2) % 4);
-        facets.push_back({{corner[low], middle[low], middle[low + 2], corner[(low + 3) % 4]}, 4});
-        facets.push_back({{middle[low], corner[low + 1], corner[low + 2], middle[low + 2]}, 4});
+    for (const SplitFacet& facet : split_face(sides)) {
+        const auto node = [&](std::size_t k) { return at[facet.place[k]]; };
+        facets.push_back({{node(0), node(1), node(2), node(facet.count == 4 ? 3 : 2)}, facet.count});
     }
 }
 

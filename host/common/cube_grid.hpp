@@ -5,7 +5,9 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <initializer_list>
 #include <utility>
+#include <vector>
 
 namespace mortise {
 
@@ -50,6 +52,53 @@ constexpr bool is_split_pattern(SplitPattern pattern) {
         }
     }
     return true;
+}
+
+/// A facet of a whole face some of whose sides are split. Places 0–3 are the face's corners in order, 4 + i
+/// the middle of the side from corner i on.
+struct SplitFacet {
+    std::array<std::uint8_t, 4> place{};
+    std::uint8_t count = 0;  ///< 3 or 4
+};
+
+/// The face rule: no new node; a triangle cut off at each corner between two middles, and what is left
+/// divided through the middles. Bit i of `sides`: side i is split.
+inline std::vector<SplitFacet> split_face(unsigned sides) {
+    std::vector<SplitFacet> facets;
+    const auto has = [sides](unsigned i) { return ((sides >> (i % 4)) & 1) != 0; };
+    const auto add = [&facets](std::initializer_list<unsigned> places) {
+        SplitFacet facet;
+        for (const unsigned place : places) facet.place[facet.count++] = static_cast<std::uint8_t>(place);
+        facets.push_back(facet);
+    };
+    const unsigned count = unsigned{has(0)} + unsigned{has(1)} + unsigned{has(2)} + unsigned{has(3)};
+    for (unsigned i = 0; i < 4; ++i) {
+        if (has(i) && has(i + 3)) add({i, 4 + i, 4 + (i + 3) % 4});
+    }
+    if (count == 0) add({0, 1, 2, 3});
+    if (count == 4) add({4, 5, 6, 7});
+    if (count == 0 || count == 4) return facets;
+    // From the first side that is split while the one before it is not.
+    unsigned first = 0;
+    while (!has(first) || has(first + 3)) ++first;
+    const auto c = [first](unsigned i) { return (first + i) % 4; };
+    const auto m = [first](unsigned i) { return 4 + (first + i) % 4; };
+    if (count == 1) {
+        add({c(0), m(0), c(3)});
+        add({m(0), c(2), c(3)});
+        add({m(0), c(1), c(2)});
+    } else if (count == 3) {
+        add({m(0), m(1), m(2)});
+        add({c(0), m(0), m(2), c(3)});
+    } else if (has(first + 1)) {
+        add({c(0), m(0), c(3)});
+        add({m(0), m(1), c(3)});
+        add({m(1), c(2), c(3)});
+    } else {
+        add({c(0), m(0), m(2), c(3)});
+        add({m(0), c(1), c(2), m(2)});
+    }
+    return facets;
 }
 
 struct CubeSymmetry {

@@ -71,40 +71,22 @@ void add_face(int f, SplitPattern pattern, std::vector<TransitionElement>& facet
     }
     const std::uint8_t corner[4] = {at(0, 0), at(2, 0), at(2, 2), at(0, 2)};
     const std::uint8_t middle[4] = {at(1, 0), at(2, 1), at(1, 2), at(0, 1)};
-    bool is_split[4] = {};
-    int count = 0;
+    unsigned sides = 0;
     for (int e = 0; e < 12; ++e) {
         if (((pattern >> e) & 1) == 0) continue;
-        for (int i = 0; i < 4; ++i) {
-            if (edge_middle(e) != middle[i]) continue;
-            is_split[i] = true;
-            ++count;
+        for (unsigned i = 0; i < 4; ++i) {
+            if (edge_middle(e) == middle[i]) sides |= 1u << i;
         }
     }
-    if (count == 0) return quad(corner[0], corner[1], corner[2], corner[3]);
-    for (int i = 0; i < 4; ++i) {
-        const int before = (i + 3) % 4;
-        if (is_split[i] && is_split[before]) triangle(corner[i], middle[i], middle[before]);
-    }
-    if (count == 4) return quad(middle[0], middle[1], middle[2], middle[3]);
-    int first = 0;
-    while (!is_split[first] || is_split[(first + 3) % 4]) ++first;
-    const auto c = [&](int i) { return corner[(first + i) % 4]; };
-    const auto m = [&](int i) { return middle[(first + i) % 4]; };
-    if (count == 1) {
-        triangle(c(0), m(0), c(3));
-        triangle(m(0), c(2), c(3));
-        triangle(m(0), c(1), c(2));
-    } else if (count == 3) {
-        triangle(m(0), m(1), m(2));
-        quad(c(0), m(0), m(2), c(3));
-    } else if (is_split[(first + 1) % 4]) {
-        triangle(c(0), m(0), c(3));
-        triangle(m(0), m(1), c(3));
-        triangle(m(1), c(2), c(3));
-    } else {
-        quad(c(0), m(0), m(2), c(3));
-        quad(m(0), c(1), c(2), m(2));
+    for (const SplitFacet& facet : split_face(sides)) {
+        const auto node = [&](std::size_t k) {
+            const std::uint8_t place = facet.place[k];
+            return place < 4 ? corner[place] : middle[place - 4];
+        };
+        if (facet.count == 3)
+            triangle(node(0), node(1), node(2));
+        else
+            quad(node(0), node(1), node(2), node(3));
     }
 }
 
