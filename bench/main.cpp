@@ -24,7 +24,8 @@ namespace {
 
 using nlohmann::json;
 
-const std::vector<std::string> kSections = {"copy", "octree", "mesh", "threads", "command", "gmsh"};
+const std::vector<std::string> kSections = {"copy",    "octree",    "mesh", "threads",
+                                            "command", "jacobians", "gmsh"};
 
 /// Share of the machine's cores used by others above which figures are marked as unreliable.
 constexpr double kBusy = 0.1;
@@ -104,6 +105,7 @@ void run_sections(const Arguments& arguments) {
         [&] { return mesh_section(settings, copy_rate); },
         [&] { return threads_section(settings); },
         [&] { return command_section(settings); },
+        [&] { return jacobians_section(settings); },
         [&] { return gmsh_section(settings); },
     };
     for (std::size_t i = 0; i < kSections.size(); ++i) {
@@ -129,10 +131,12 @@ void add_options(CLI::App& app, Arguments& arguments) {
                    "the program `mortise`, to time the whole command")
         ->check(CLI::ExistingFile);
     app.add_option("--json", arguments.json_path, "write all figures, with every sample, to this file");
-    app.add_option("--only", arguments.only, "sections to run: copy octree mesh threads command gmsh")
+    app.add_option("--only", arguments.only,
+                   "sections to run: copy octree mesh threads command jacobians gmsh")
         ->check(CLI::IsMember(kSections));
-    app.add_flag("--quick", arguments.quick,
-                 "level 3, one run, small copies, no Gmsh: shows that it works, measures nothing");
+    app.add_flag(
+        "--quick", arguments.quick,
+        "level 3, one run, small copies, no CLBlast, no Gmsh: shows that it works, measures nothing");
 }
 
 /// `mortise_bench worker KIND ...`: not in the help, as only measure_in_child calls it.
@@ -165,7 +169,7 @@ int run(int argc, char** argv) {
         settings.command_repeats = 1;
         settings.level_limit = 3;
         settings.copy_bytes = std::size_t{4} << 20;
-        if (arguments.only.empty()) arguments.only.assign(kSections.begin(), kSections.end() - 1);
+        if (arguments.only.empty()) arguments.only.assign(kSections.begin(), kSections.end() - 2);
     }
     run_sections(arguments);
     return 0;

@@ -16,8 +16,10 @@ void run_worker(const Task& task) {
         result = measure_octree(task);
     } else if (task.kind == "mesh") {
         result = measure_mesh(task);
+    } else if (task.kind == "jacobians") {
+        result = measure_jacobians(task);
     } else {
-        throw Error(ExitCode::kUsage, "worker '" + task.kind + "': expected copy, octree or mesh");
+        throw Error(ExitCode::kUsage, "worker '" + task.kind + "': expected copy, octree, mesh or jacobians");
     }
     std::printf("%s\n", result.dump().c_str());
 }

@@ -12,7 +12,7 @@ namespace mortise::bench {
 
 /// What a worker is to measure.
 struct Task {
-    std::string kind;              ///< "copy", "octree" or "mesh"
+    std::string kind;              ///< "copy", "octree", "mesh" or "jacobians"
     std::string model = "sphere";  ///< for make_model; not for "copy"
     int level = 6;                 ///< not for "copy"
     int threads = 1;               ///< host threads, and device threads if the device is PoCL's CPU
@@ -34,6 +34,11 @@ nlohmann::json measure_octree(const Task& task);
 /// small
 ///  mesh), "peak_bytes" (after the first run), "runs": [{"seconds", "stages": [{"stage", "wall", "cpu"}]}]}
 nlohmann::json measure_mesh(const Task& task);
+
+/// Meshes the model, then computes its scaled Jacobians on the host, by our kernel and by CLBlast.
+/// {"device", "is_gpu", "elements", "own_first_seconds", "product_first_seconds" (kernels built or loaded),
+///  "runs": [{"host_seconds", "own_seconds", "product_seconds"}]}
+nlohmann::json measure_jacobians(const Task& task);
 
 /// The worker's side: measures and prints.
 void run_worker(const Task& task);

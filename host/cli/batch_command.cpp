@@ -81,16 +81,16 @@ Json mesh_one(Mesher& mesher, const Arguments& arguments, const MeshOptions& opt
         const Model model = read_model(item.model, arguments.read);
         MeshReport report;
         const Mesh mesh = mesher.generate(model, options, &report);
-        const MeshFigures figures = figures_of(mesh);
+        const MeshFigures figures = figures_of(mesh, report.scaled_jacobians);
         outcome["warnings"] = report.warnings;
         refuse_inverted(figures);
         if (arguments.check) refuse_defects(check_mesh(mesh));
-        write_mesh(mesh, item.output);
+        write_mesh(mesh, item.output, report.scaled_jacobians);
         if (arguments.json) document.update(mesh_document(mesh, report, figures));
         document["outputs"] = Json::array({item.output});
         outcome["line"] = item.model + ": " + std::to_string(mesh.element_count()) + " elements, " +
                           short_number(seconds_since(start), 3) + " s, " + item.output;
-        refuse_below(mesh, arguments.quality_floor);
+        refuse_below(mesh, report.scaled_jacobians, arguments.quality_floor);
     } catch (const Error& error) {
         fail(error.code(), error.what());
     } catch (const std::bad_alloc&) {

@@ -50,9 +50,8 @@ Json missed_document(const std::vector<MissedFeature>& missed) {
 
 }  // namespace
 
-MeshFigures figures_of(const Mesh& mesh) {
+MeshFigures figures_of(const Mesh& mesh, const std::vector<float>& jacobians) {
     MeshFigures figures;
-    const std::vector<float> jacobians = scaled_jacobians(mesh);
     std::size_t next = 0;
     for (std::size_t t = 0; t < kElementTypes; ++t) {
         const ElementBlock& block = mesh.elements[t];

@@ -4,6 +4,7 @@
 #include <array>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 #include "mortise/check.hpp"
 #include "mortise/mesher.hpp"
@@ -21,7 +22,7 @@ struct MeshFigures {
     std::array<std::uint64_t, 4> kinds{};                     ///< by ElementKind
     std::array<double, kElementTypes> min_scaled_jacobian{};  ///< 1 where a type has no elements
 };
-MeshFigures figures_of(const Mesh& mesh);
+MeshFigures figures_of(const Mesh& mesh, const std::vector<float>& jacobians);
 
 Json mesh_document(const Mesh& mesh, const MeshReport& report, const MeshFigures& figures);
 Json check_document(const CheckReport& report);

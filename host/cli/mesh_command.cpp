@@ -105,7 +105,8 @@ ExitCode mesh_command(const Arguments& arguments) {
 
     MeshFigures figures;
     progress.show("figures", kChecking);
-    timed("figures", after, mesh.element_count(), [&] { figures = figures_of(mesh); });
+    timed("figures", after, mesh.element_count(),
+          [&] { figures = figures_of(mesh, report.scaled_jacobians); });
     refuse_inverted(figures);
     CheckReport check;
     if (arguments.check) {
@@ -115,7 +116,7 @@ ExitCode mesh_command(const Arguments& arguments) {
     }
     progress.show("write", kWriting);
     timed("write", after, mesh.element_count(), [&] {
-        for (const std::string& path : arguments.outputs) write_mesh(mesh, path);
+        for (const std::string& path : arguments.outputs) write_mesh(mesh, path, report.scaled_jacobians);
     });
     if (!arguments.features.empty()) {
         timed("write features", after, report.features.curves.size(),
@@ -140,7 +141,7 @@ ExitCode mesh_command(const Arguments& arguments) {
     }
     if (!arguments.json && !arguments.quiet) print(summary(arguments, mesh, report, figures));
     if (!arguments.json && report.quality) print(quality_text(*report.quality, &report.features));
-    refuse_below(mesh, arguments.quality_floor);
+    refuse_below(mesh, report.scaled_jacobians, arguments.quality_floor);
     return ExitCode::kOk;
 }
 

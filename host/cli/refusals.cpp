@@ -28,16 +28,15 @@ void refuse_defects(const CheckReport& check) {
                 "the mesh is not valid: " + describe(check.defects.front()) + kNothingWritten);
 }
 
-void refuse_below(const Mesh& mesh, double floor) {
+void refuse_below(const Mesh& mesh, const std::vector<float>& jacobians, double floor) {
     if (floor < 0) return;
-    const std::vector<float> values = scaled_jacobians(mesh);
-    const auto below = std::count_if(values.begin(), values.end(),
+    const auto below = std::count_if(jacobians.begin(), jacobians.end(),
                                      [floor](float value) { return static_cast<double>(value) < floor; });
     if (below == 0) return;
     const WorstElement worst = element_quality(mesh, 1).worst.front();
-    throw Error(ExitCode::kQuality,
-                "quality floor " + short_number(floor) + " not met: " + std::to_string(below) + " of " +
-                    std::to_string(values.size()) + " elements are below; the worst is " + describe(worst));
+    throw Error(ExitCode::kQuality, "quality floor " + short_number(floor) + " not met: " +
+                                        std::to_string(below) + " of " + std::to_string(jacobians.size()) +
+                                        " elements are below; the worst is " + describe(worst));
 }
 
 }  // namespace mortise::cli

@@ -15,6 +15,6 @@ void refuse_defects(const CheckReport& check);
 
 /// Throws Error(kQuality) if an element's scaled Jacobian is below the floor; a negative floor asks for
 /// nothing. The files are written: the user may want to look at what is bad.
-void refuse_below(const Mesh& mesh, double floor);
+void refuse_below(const Mesh& mesh, const std::vector<float>& jacobians, double floor);
 
 }  // namespace mortise::cli

@@ -283,6 +283,11 @@ class Device {
     std::uint64_t exclusive_scan_u32(const Buffer& in, Buffer& out, std::size_t n);
     std::uint64_t exclusive_scan_u64(const Buffer& in, Buffer& out, std::size_t n);
 
+    /// C = A · B in double precision by CLBlast. Matrices are stored by columns without gaps: A is m × k, B
+    /// k × n, C m × n, and C is neither A nor B. Returns at once, except that CLBlast builds its kernels at
+    /// the first call of a process (tens of seconds on a CPU). `times` counts the last of its kernels only.
+    Event multiply(const Buffer& a, const Buffer& b, Buffer& c, std::size_t m, std::size_t n, std::size_t k);
+
     void finish();  ///< Waits for everything launched so far.
 
     std::vector<KernelTime> times() const;  ///< Waits; sorted by seconds, longest first.

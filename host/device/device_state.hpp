@@ -1,6 +1,6 @@
 // Internal to host/device: what stands behind the public handles, in Boost.Compute types. Included by
-// device.cpp, programs.cpp and memory.cpp only, which are thereby the only users of Boost.Compute; it takes
-// the few headers it needs, as <boost/compute.hpp> takes 20 s to compile.
+// device.cpp, programs.cpp, memory.cpp and multiply.cpp only, which are thereby the only users of
+// Boost.Compute; it takes the few headers it needs, as <boost/compute.hpp> takes 20 s to compile.
 #pragma once
 
 #include <algorithm>

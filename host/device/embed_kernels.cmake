@@ -18,4 +18,4 @@ target_sources(mortise_device PRIVATE ${mortise_embedded})
 
 # Private: nothing outside host/device sees OpenCL.
 target_compile_definitions(mortise_device PRIVATE CL_TARGET_OPENCL_VERSION=120)
-target_link_libraries(mortise_device PRIVATE OpenCL::OpenCL Boost::headers)
+target_link_libraries(mortise_device PRIVATE OpenCL::OpenCL clblast Boost::headers)

@@ -9,7 +9,8 @@
 
 namespace mortise::io {
 
-void write_vtu(const Mesh& mesh, TemporaryFile& file);
+/// `jacobians`: scaled_jacobians(mesh), or empty: they are computed.
+void write_vtu(const Mesh& mesh, const std::vector<float>& jacobians, TemporaryFile& file);
 Mesh read_vtu(const FileReader& file);
 
 void write_msh(const Mesh& mesh, TemporaryFile& file);

@@ -71,14 +71,16 @@ std::string io::find_range_error(const Mesh& mesh) {
     return {};
 }
 
-void write_mesh(const Mesh& mesh, const std::string& path) {
+void write_mesh(const Mesh& mesh, const std::string& path, const std::vector<float>& jacobians) {
     const Format format = format_of(path);
-    const std::string error = io::find_range_error(mesh);
+    std::string error = io::find_range_error(mesh);
+    if (error.empty() && !jacobians.empty() && jacobians.size() != mesh.element_count())
+        error = "scaled Jacobians and elements of unequal number";
     if (!error.empty())
         throw Error(ExitCode::kMeshing,
                     "cannot write '" + path + "': invalid mesh: " + error + "; see check_mesh");
     io::TemporaryFile file(path);
-    format == Format::kVtu ? io::write_vtu(mesh, file) : io::write_msh(mesh, file);
+    format == Format::kVtu ? io::write_vtu(mesh, jacobians, file) : io::write_msh(mesh, file);
     file.commit();
 }
 

@@ -102,7 +102,7 @@ void add_cells(const Mesh& mesh, const char* type_name, VtkXmlWriter& writer) {
 
 }  // namespace
 
-void write_vtu(const Mesh& mesh, TemporaryFile& file) {
+void write_vtu(const Mesh& mesh, const std::vector<float>& jacobians, TemporaryFile& file) {
     VtkXmlWriter writer(file, "UnstructuredGrid");
     writer.text("<UnstructuredGrid>");
     writer.text("<FieldData>");
@@ -133,7 +133,8 @@ void write_vtu(const Mesh& mesh, TemporaryFile& file) {
     } else {
         add_cells<std::int64_t>(mesh, "Int64", writer);
     }
-    const std::vector<float> quality = scaled_jacobians(mesh);
+    const std::vector<float> computed = jacobians.empty() ? scaled_jacobians(mesh) : std::vector<float>{};
+    const std::vector<float>& quality = jacobians.empty() ? computed : jacobians;
     writer.array("Float32", "scaled_jacobian", "", quality.size() * sizeof(float),
                  memory_source(quality.data()));
     writer.text("</CellData>");

@@ -13,6 +13,7 @@
 #include "host/device/device.hpp"
 #include "host/features/features.hpp"
 #include "host/improve/improve.hpp"
+#include "host/jacobian/jacobian.hpp"
 #include "host/octree/coincident.hpp"
 #include "host/octree/octree.hpp"
 #include "host/pipeline/grading.hpp"
@@ -304,6 +305,7 @@ Mesh Mesher::generate(const Model& model, const MeshOptions& options, MeshReport
     stages.begin("device", 0.02);
     device::Device& device = implementation_->open();
     out.device = device.info().name;
+    const std::optional<jacobian::Method> jacobian_method = jacobian::wanted_method();
     stages.end(1);
 
     stages.begin("octree", 0.05);
@@ -352,6 +354,12 @@ Mesh Mesher::generate(const Model& model, const MeshOptions& options, MeshReport
         stages.end(mesh.element_count());
     }
     describe_mesh(compiled, bound, leaves, options, stages, mesh, out);
+    if (report != nullptr) {
+        stages.begin("jacobians", 0.99);
+        out.scaled_jacobians = jacobian::scaled_jacobians(
+            device, mesh, jacobian_method.value_or(jacobian::usual_method(device, mesh.element_count())));
+        stages.end(mesh.element_count());
+    }
 
     out.level = root.level;
     out.cell_size = root.cell();

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "mortise/mesh.hpp"
 #include "mortise/quality.hpp"
@@ -11,7 +12,9 @@ namespace mortise {
 /// Writes a mesh; the format follows from the extension: .vtu (VTK XML, appended, zlib-compressed), .msh
 /// (Gmsh 4.1, binary). Written to a temporary name beside `path` and renamed at the end, so a file of that
 /// name is always whole. Throws Error(kUsage) for an unknown extension, Error(kFiles) with the cause.
-void write_mesh(const Mesh& mesh, const std::string& path);
+///
+/// `jacobians`: what scaled_jacobians(mesh) gives (mortise/check.hpp), if it is known already.
+void write_mesh(const Mesh& mesh, const std::string& path, const std::vector<float>& jacobians = {});
 
 /// Throws what write_mesh(mesh, path) would throw for the name alone: unknown extension, missing or
 /// unwritable folder. Called before the work starts.

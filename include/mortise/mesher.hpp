@@ -97,6 +97,8 @@ struct MeshReport {
     std::optional<QualityReport> quality;  ///< if MeshOptions::quality
     std::vector<StageTime> stages;
     std::vector<std::string> warnings;
+    /// Per element, as by scaled_jacobians(mesh) of mortise/check.hpp.
+    std::vector<float> scaled_jacobians;
 };
 
 /// What a mesh of the model would have, without making one.

@@ -134,6 +134,30 @@ TEST_CASE("the same bytes for every number of threads and work-group size, and -
     CHECK(read_file(a) == read_file(b));
 }
 
+TEST_CASE("scaled Jacobians of host and device: the same bytes, the same figures") {
+    const ScratchFolder scratch;
+    std::string bytes;
+    Json figures;
+    for (const char* way : {"host", "own"}) {
+        CAPTURE(way);
+        const std::string vtu = scratch.file(std::string(way) + ".vtu");
+        const Outcome outcome =
+            run({asset("bracket.csg"), "-o", vtu, "--level", "4", "--json"}, {{"MORTISE_JACOBIANS", way}});
+        REQUIRE(outcome.code == 0);
+        const Json document = Json::parse(outcome.out);
+        if (bytes.empty()) {
+            bytes = read_file(vtu);
+            figures = document["min_scaled_jacobian"];
+        }
+        CHECK(read_file(vtu) == bytes);
+        CHECK(document["min_scaled_jacobian"] == figures);
+    }
+    const Outcome wrong = run({asset("bracket.csg"), "-o", scratch.file("a.vtu"), "--level", "2"},
+                              {{"MORTISE_JACOBIANS", "blas"}});
+    CHECK(wrong.code == 1);
+    CHECK(is_one_line(wrong.err, "mortise: MORTISE_JACOBIANS is 'blas'"));
+}
+
 TEST_CASE("a warning is one line on stderr, said once, and the run goes on") {
     const ScratchFolder scratch;
     scratch.names("out");

@@ -148,6 +148,21 @@ TEST_CASE("the file's cell arrays are announced") {
         CHECK(bytes.find("Name=\"" + std::string(name) + "\"") != std::string::npos);
 }
 
+TEST_CASE("scaled Jacobians that are known are written as they are") {
+    const Folder folder;
+    const Mesh mesh = mixed();
+    std::vector<float> jacobians = scaled_jacobians(mesh);
+    write_mesh(mesh, folder.file("computed.vtu"));
+    write_mesh(mesh, folder.file("given.vtu"), jacobians);
+    CHECK(read_bytes(folder.file("computed.vtu")) == read_bytes(folder.file("given.vtu")));
+    jacobians[0] = 0.125f;
+    write_mesh(mesh, folder.file("other.vtu"), jacobians);
+    CHECK(read_bytes(folder.file("computed.vtu")) != read_bytes(folder.file("other.vtu")));
+    jacobians.pop_back();
+    CHECK(error_of([&] { write_mesh(mesh, folder.file("few.vtu"), jacobians); }).code() ==
+          ExitCode::kMeshing);
+}
+
 TEST_CASE(
     "formats wind elements as documented: VTK's wedge has its first triangle facing away from the other") {
     // Triple product of the edges from the format's first node to its second, third and the one above it.

@@ -1,0 +1,31 @@
+// Scaled Jacobians of all elements on the device: what mortise::scaled_jacobians (mortise/check.hpp) computes
+// on the host, which stays the independent check of it.
+//
+// Two ways there, with the same bits: our own kernel, element by element; or CLBlast's product of the nodes'
+// coordinates with a matrix of 0, 1 and -1 for each element type, (3N × 8)·(8 × 24) for hexahedra, which
+// gives the edges at all corners with one rounding each, as subtraction does. On PoCL our kernel is twice as
+// fast as the host and twenty times as fast as the product (bench: section jacobians).
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "host/device/device.hpp"
+#include "mortise/mesh.hpp"
+
+namespace mortise::jacobian {
+
+enum class Method { kHost, kOwn, kProduct };
+
+/// $MORTISE_JACOBIANS: "host", "own" or "clblast"; nothing if it is not set. Throws Error(kUsage) for another
+/// word.
+std::optional<Method> wanted_method();
+
+/// The host for small meshes, where loading kernels takes longer; else own kernel on CPUs, product on GPUs.
+Method usual_method(const device::Device& device, std::size_t elements);
+
+/// Scaled Jacobian per element, in the order of mesh.elements. Node numbers must be in range. CLBlast builds
+/// its kernels, for many seconds where the driver has not kept them, at the first product of a process.
+std::vector<float> scaled_jacobians(device::Device& device, const Mesh& mesh, Method method);
+
+}  // namespace mortise::jacobian
