@@ -79,7 +79,10 @@ Json mesh_document(const Mesh& mesh, const MeshReport& report, const MeshFigures
     json["device"] = report.device;
     json["level"] = report.level;
     json["finest_level"] = report.finest_level;
-    if (!report.leaves.empty()) json["cells_by_level"] = report.leaves;
+    if (!report.leaves.empty()) {
+        json["cells_by_level"] = report.leaves;
+        json["transition_cells"] = report.transition_cells;
+    }
     json["cell_size"] = report.cell_size;
     json["root_box"] = {{"min", report.root.min}, {"max", report.root.max}};
     json["nodes"] = mesh.node_count();

@@ -54,7 +54,16 @@ std::string summary(const Arguments& arguments, const Mesh& mesh, const MeshRepo
     std::string text = arguments.file + ": " + std::to_string(mesh.element_count()) + " elements, " +
                        std::to_string(mesh.node_count()) + " nodes; level " + std::to_string(report.level) +
                        ", cell size " + short_number(report.cell_size) + "\n";
-    if (!report.leaves.empty()) text += "  cells      " + list_levels(report.leaves) + "\n";
+    if (!report.leaves.empty()) {
+        text += "  cells      " + list_levels(report.leaves);
+        if (report.transition_cells > 0) {
+            const double each =
+                static_cast<double>(figures.kinds[3]) / static_cast<double>(report.transition_cells);
+            text += "; " + std::to_string(report.transition_cells) + " inside beside smaller ones";
+            if (figures.kinds[3] > 0) text += ", of " + short_number(each, 3) + " elements each";
+        }
+        text += "\n";
+    }
     text += "  elements   " + list_elements(figures.elements) + "\n";
     text += "  worst      scaled Jacobian " + list_jacobians(figures.elements, figures.min_scaled_jacobian) +
             "\n";

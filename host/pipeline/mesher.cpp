@@ -323,6 +323,9 @@ Mesh Mesher::generate(const Model& model, const MeshOptions& options, MeshReport
     stages.begin("classify", 0.3);
     out.in_cells = tree.in_count;
     out.nio_cells = tree.nio.size();
+    const auto transition_cells = static_cast<std::uint64_t>(
+        std::count_if(tree.transitions.begin(), tree.transitions.end(),
+                      [&tree](std::uint32_t leaf) { return tree.nio[leaf].tape_length == 0; }));
     std::vector<std::uint32_t> complex = probed.leaves;
     complex.insert(complex.end(), tree.transitions.begin(), tree.transitions.end());
     const snio::Classification classification =
@@ -367,6 +370,7 @@ Mesh Mesher::generate(const Model& model, const MeshOptions& options, MeshReport
     if (tree.graded) {
         out.leaves.assign(static_cast<std::size_t>(tree.level) + 1, 0);
         for (const std::uint8_t leaf_level : tree.leaf_levels) ++out.leaves[leaf_level];
+        out.transition_cells = transition_cells;
     }
     out.root = {root.origin,
                 {root.origin[0] + root.side, root.origin[1] + root.side, root.origin[2] + root.side}};

@@ -12,7 +12,7 @@ namespace {
 
 /// Faces of models often lie on grid planes: what stays in this margin of the node belongs to its neighbour.
 constexpr double kDrawnIn = 1 - 1.0 / 64;
-/// Where nothing passes inside: a small feature may lie in the margin.
+/// To look closely: a small feature may lie in the margin.
 constexpr double kBarelyDrawnIn = 1 - 1.0 / 4096;
 /// But a wall between such a face and a sheet that passes through the node is this node's.
 constexpr double kDrawnOut = 1 + 1.0 / 64;
@@ -203,15 +203,14 @@ bool SheetFinder::make_sheet(std::uint32_t surface, const tape::Cell& cell, Shee
     return true;
 }
 
-void SheetFinder::run(const std::uint32_t* words, std::size_t length, const tape::Cell& cell) {
+void SheetFinder::run(const std::uint32_t* words, std::size_t length, const tape::Cell& cell, bool closely) {
     surfaces_.clear();
     for (std::size_t i = 0; i < length; ++i) {
         if (tape_operation(words[i]) == kTapeLiteral) surfaces_.push_back(tape_surface(words[i]));
     }
     std::sort(surfaces_.begin(), surfaces_.end());
     surfaces_.erase(std::unique(surfaces_.begin(), surfaces_.end()), surfaces_.end());
-    find_inside(cell, kDrawnIn);
-    if (sheets_.empty()) find_inside(cell, kBarelyDrawnIn);
+    find_inside(cell, closely ? kBarelyDrawnIn : kDrawnIn);
     add_touching(cell);
 }
 

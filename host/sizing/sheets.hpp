@@ -30,8 +30,8 @@ class SheetFinder {
   public:
     explicit SheetFinder(const tape::BoundModel& model) : model_(model) {}
 
-    /// Fills sheets() and other_sign().
-    void run(const std::uint32_t* words, std::size_t length, const tape::Cell& cell);
+    /// Fills sheets() and signs(). `closely`: also what lies near the node's boundary.
+    void run(const std::uint32_t* words, std::size_t length, const tape::Cell& cell, bool closely = false);
 
     /// By surface, ascending. A surface that touches only the node's boundary is none, unless it is parallel
     /// to a sheet inside.

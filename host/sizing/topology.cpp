@@ -40,9 +40,13 @@ Topology::Topology(const tape::BoundModel& model, double finest)
 
 void Topology::load(const std::uint32_t* words, std::size_t length, const tape::Cell& cell) {
     cell_ = cell;
-    finder_.run(words, length, cell);
-    sheets_ = finder_.sheets();
-    keep_bounding(words, length);
+    // Where nothing bounds the solid inside, it does so near the node's boundary.
+    for (const bool closely : {false, true}) {
+        finder_.run(words, length, cell, closely);
+        sheets_ = finder_.sheets();
+        keep_bounding(words, length);
+        if (!sheets_.empty()) return;
+    }
 }
 
 /// Leaves the sheets at which the region changes, and finds their sides.

@@ -81,9 +81,10 @@ struct MeshReport {
     std::string device;
     int level = 0;
     double cell_size = 0;
-    int finest_level = 0;               ///< of the smallest cells
-    std::vector<std::uint64_t> leaves;  ///< cells that are not OUT, by level; empty: all have `level`
-    Box3 root{};                        ///< the root box, a cube
+    int finest_level = 0;                ///< of the smallest cells
+    std::vector<std::uint64_t> leaves;   ///< cells that are not OUT, by level; empty: all have `level`
+    std::uint64_t transition_cells = 0;  ///< inside a region, beside smaller ones: elements of kTransition
+    Box3 root{};                         ///< the root box, a cube
     std::uint64_t cells_evaluated = 0;
     std::uint64_t in_cells = 0;
     std::uint64_t nio_cells = 0;

@@ -105,6 +105,26 @@ tlo air;
           1e6);
 }
 
+TEST_CASE("refinement finds a coin in a box a thousand times larger by itself") {
+    const Model model = parse(R"(algebraic3d
+solid coin = cylinder(0,0,-1;0,0,1;10) and plane(0,0,-0.5;0,0,-1) and plane(0,0,0.5;0,0,1);
+solid air = orthobrick(-10000,-10000,-10000;10000,10000,10000) and not coin;
+tlo coin;
+tlo air;
+)",
+                              "geo");
+    MeshOptions options;
+    options.level = 3;
+    options.refine = 13;
+    const Meshed meshed = mesh_and_check(model, options);
+    CHECK(meshed.defects == "");
+    CHECK(meshed.report.finest_level >= 13);
+    CHECK(meshed.report.transition_cells > 0);
+    CHECK(meshed.mesh.element_count() < 200000);
+    REQUIRE(meshed.check.region_volume.size() == 2);
+    CHECK(meshed.check.region_volume[0] == doctest::Approx(100 * kPi).epsilon(0.03));
+}
+
 TEST_CASE("sizes around a point, at least and at most") {
     const Model model = parse("cube([10, 10, 10]);", "csg");
     MeshOptions options;
