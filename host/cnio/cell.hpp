@@ -134,6 +134,10 @@ class Cell {
     /// surface.
     int value_sign(std::size_t surface, const LatticePoint& p) const;
 
+    /// The cell's centre; where surfaces pass close to it, the point next to it on up to three of them: an
+    /// apex beside a surface would make simplices as flat as it is close (apex.cpp).
+    LatticePoint apex() const;
+
     /// Appends a node with pure signs for every surface, of the entity at hand.
     LocalNode add_node(const LatticePoint& p, std::uint8_t faces, std::uint16_t code = kExtraCode,
                        std::uint8_t middles = 0);
@@ -162,6 +166,8 @@ class Cell {
 
   private:
     // cell.cpp
+    double distance_to(std::size_t surface, const double* x) const;
+    bool project(const std::vector<std::size_t>& surfaces, double* x) const;
     void load_surroundings();
     void load_tape();
     void load_active_sets();

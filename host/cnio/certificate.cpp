@@ -39,8 +39,7 @@ CellRecord Certificate::run(const TreeNode& leaf, CellArena& arena, const Lattic
         whole_region_ = std::max(region, 0);
         if (whole_region_ > 0) fill_whole();
     } else {
-        LatticePoint at = cell_.centre();
-        if (apex != nullptr) at = *apex;
+        LatticePoint at = apex != nullptr ? *apex : hides_surface() ? cell_.centre() : cell_.apex();
         for (std::int32_t& x : at) x *= apex != nullptr ? cell_.units() / kCellUnits : 1;
         cone(at);
         bool again = true;
@@ -85,6 +84,17 @@ void Certificate::fill_whole() {
         }
         whole_.push_back(whole);
     }
+}
+
+/// Whether only the centre tells that some surface passes through the cell: the apex stays there then.
+bool Certificate::hides_surface() const {
+    for (std::size_t s = 0; s < cell_.surface_count(); ++s) {
+        const int centre = cell_.pure_sign(s, cell_.centre(), cell_.size());
+        bool alone = centre != 0;
+        for (std::size_t c = 0; c < 8 && alone; ++c) alone = cell_.sign(c, s) == -centre;
+        if (alone) return true;
+    }
+    return false;
 }
 
 bool Certificate::is_full() const {

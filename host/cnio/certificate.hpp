@@ -112,6 +112,7 @@ class Certificate {
     bool is_uniform(std::int32_t* region) const;
     bool is_full() const;
     void fill_whole();
+    bool hides_surface() const;
     void cone(const LatticePoint& at);
     void add_simplex(const std::array<LocalNode, 4>& node);
     LocalNode add_cap(const Facet& quad, const LatticePoint& apex);

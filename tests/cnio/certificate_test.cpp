@@ -270,7 +270,7 @@ TEST_CASE("well-behaved models mesh without any trouble") {
         // quadrilateral's signs. Planes do not.
         const bool planar = source.regions[0].name == "box";
         CHECK(mesh.counters.forced_caps <= (planar ? 0 : mesh.cells.size() / 50));
-        CHECK(mesh.counters.snapped == 0);
+        CHECK(mesh.counters.snapped <= 2);  // roots beside an apex
         check_cells(mesh, 1);
         const FaceCounts counts = check_faces(mesh);
         CHECK(counts.compared > 500);
