@@ -251,6 +251,25 @@ TEST_CASE("empty and unbounded solids are refused") {
           })).substr(0, 2) == "2 ");
 }
 
+TEST_CASE("faces that pass just beside the centres of cells make no slivers") {
+    // An angle with a hole: along y the faces lie 1e-4 of a cell beside the middle planes of cells.
+    const Model model = one_solid([](Model& m) {
+        const NodeIndex angle = unite(m, {add_box(m, {0, 0, 0}, {2.0964, 1.6073, 0.4535}),
+                                          add_box(m, {0, 0, 0}, {0.4535, 1.6073, 1.4675})});
+        const NodeIndex hole =
+            m.add_transform(translation({1.4675, 0.8037, 0}), add_cylinder(m, 0.4632, -1, 2));
+        return subtract(m, {angle, hole});
+    });
+    const Meshed meshed = mesh_and_check(model, 5);
+    CHECK(meshed.defects == "");
+    CHECK(meshed.report.refused_splits == 0);
+    CHECK(meshed.report.unresolved == 0);
+    CHECK(meshed.check.min_scaled_jacobian[3] > 0.15);
+    const double volume =
+        1.6073 * (2.0964 * 0.4535 + 0.4535 * (1.4675 - 0.4535)) - kPi * 0.4632 * 0.4632 * 0.4535;
+    CHECK(meshed.check.volume == doctest::Approx(volume).epsilon(1e-3));
+}
+
 TEST_CASE("three surfaces through one curve make no slivers") {
     const auto worst = [](const Meshed& meshed) {
         double result = 1;
