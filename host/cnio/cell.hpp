@@ -167,7 +167,6 @@ class Cell {
   private:
     // cell.cpp
     double distance_to(std::size_t surface, const double* x) const;
-    bool project(const std::vector<std::size_t>& surfaces, double* x) const;
     void load_surroundings();
     void load_tape();
     void load_active_sets();

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/tape/projection.hpp"
 #include "host/tape/reference.hpp"
 #include "host/tape/singular_point.hpp"
 #include "kernels/shared/surface.h"
@@ -10,7 +11,6 @@
 namespace mortise::improve {
 namespace {
 
-constexpr int kIterations = 12;
 constexpr double kConverged = 1e-11;       ///< of a cell: the last step of Newton's method
 constexpr double kProjectionReach = 0.25;  ///< cells: farther, the stratum is not what the mesh shows
 constexpr double kTangent = 0.05;          ///< sine between gradients below which surfaces count as tangent
@@ -73,37 +73,12 @@ bool Surfaces::is_plane(std::uint32_t surface) const {
 }
 
 bool Surfaces::project(const std::uint32_t* surfaces, std::size_t count, double size, Point* x) const {
-    if (count == 0 || count > 3) return false;
-    const double reach = kProjectionReach * size;
-    const double converged = std::max(kConverged * size, rounding_);
-    const Point start = *x;
-    Point p = start;
-    for (int i = 0; i < kIterations; ++i) {
-        // Steps of minimum norm: in the span of the unit gradients, orthogonalised one after the other.
-        Point step = {0, 0, 0};
-        Point basis[3];
-        for (std::size_t k = 0; k < count; ++k) {
-            const Sample s = sample(surfaces[k], p);
-            if (!s.valid) return false;
-            const double norm = length(s.gradient);
-            const Point unit = (1 / norm) * s.gradient;
-            Point direction = unit;
-            for (std::size_t j = 0; j < k; ++j) direction = direction - dot(unit, basis[j]) * basis[j];
-            const double sine = length(direction);
-            if (sine < kTangent) return false;
-            basis[k] = (1 / sine) * direction;
-            // Along basis[k] the surface's linearisation must vanish at p + step.
-            const double residual = s.value / norm + dot(unit, step);
-            step = step - (residual / sine) * basis[k];
-        }
-        p = p + step;
-        if (squared_length(p - start) > reach * reach) return false;
-        if (squared_length(step) < converged * converged) {
-            *x = p;
-            return true;
-        }
-    }
-    return false;
+    double at[3] = {(*x)[0] * cell_, (*x)[1] * cell_, (*x)[2] * cell_};
+    const double settled = std::max(kConverged * size, rounding_);
+    const tape::ProjectionLimits limits = {kProjectionReach * size * cell_, kTangent, settled * cell_};
+    if (!tape::project(model_, surfaces, count, limits, at)) return false;
+    for (std::size_t j = 0; j < 3; ++j) (*x)[j] = at[j] / cell_;
+    return true;
 }
 
 }  // namespace mortise::improve

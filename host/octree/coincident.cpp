@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "host/common/parallel.hpp"
+#include "host/tape/projection.hpp"
 #include "host/tape/reference.hpp"
 
 namespace mortise::octree {
@@ -88,30 +89,20 @@ class LeafSimplifier {
         return std::isfinite(distance);
     }
 
-    /// Newton's method, by steps of least length, onto two surfaces.
+    /// The foot of a point on two surfaces, with their normals there; false if they do not cross near the
+    /// leaf.
     bool find_crease(std::size_t a, std::size_t b, const Vec3& start, Frame& frame) const {
+        const std::uint32_t both[2] = {surfaces_[a], surfaces_[b]};
+        const tape::ProjectionLimits limits = {2 * kReach * edge_, kIndependent, 1e-9 * edge_};
         frame.at = start;
-        for (int step = 0; step < 12; ++step) {
-            double da = 0;
-            double db = 0;
-            if (!sample(a, frame.at, da, frame.first) || !sample(b, frame.at, db, frame.second)) return false;
-            frame.along = cross(frame.first, frame.second);
-            const double sine = std::sqrt(dot(frame.along, frame.along));
-            if (sine < kIndependent) return false;
-            for (double& x : frame.along) x /= sine;
-            const double cosine = dot(frame.first, frame.second);
-            // Solve for the move u first + v second that takes both to zero.
-            const double u = (-da + cosine * db) / (sine * sine);
-            const double v = (-db + cosine * da) / (sine * sine);
-            for (std::size_t j = 0; j < 3; ++j) {
-                frame.at[j] += u * frame.first[j] + v * frame.second[j];
-                if (!(std::fabs(frame.at[j] - centre_[j]) <= 2 * kReach * edge_)) return false;
-            }
-            if (std::fabs(da) + std::fabs(db) < 1e-3 * kOnSurface * edge_) {
-                return is_near(frame.at);
-            }
-        }
-        return false;
+        if (!tape::project(model_, both, 2, limits, frame.at.data()) || !is_near(frame.at)) return false;
+        double distance = 0;
+        if (!sample(a, frame.at, distance, frame.first) || !sample(b, frame.at, distance, frame.second))
+            return false;
+        frame.along = cross(frame.first, frame.second);
+        const double sine = std::sqrt(dot(frame.along, frame.along));
+        for (double& x : frame.along) x /= sine;
+        return sine > 0;
     }
 
     bool is_near(const Vec3& x) const {
