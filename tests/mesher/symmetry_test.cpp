@@ -67,6 +67,7 @@ TEST_CASE("a translation moves the mesh") {
 TEST_CASE("the 48 symmetries of the cube keep cells, topology and volume") {
     const Model model = plain_model();
     const Meshed plain = mesh_in_box(model, {0, 0, 0}, 4);
+    const Meshed unimproved = mesh_in_box(model, {0, 0, 0}, 4, false);
     CHECK(plain.defects == "");
     std::size_t order[3] = {0, 1, 2};
     do {
@@ -81,6 +82,10 @@ TEST_CASE("the 48 symmetries of the cube keep cells, topology and volume") {
             CHECK(image.report.in_cells == plain.report.in_cells);
             CHECK(image.report.nio_cells == plain.report.nio_cells);
             CHECK(image.check.euler_characteristic == plain.check.euler_characteristic);
+            const Meshed image_unimproved = mesh_in_box(transformed(model, map), {0, 0, 0}, 4, false);
+            CHECK(image_unimproved.check.volume == doctest::Approx(unimproved.check.volume).epsilon(3e-3));
+            CHECK(image_unimproved.check.boundary_area ==
+                  doctest::Approx(unimproved.check.boundary_area).epsilon(3e-3));
             // The hole's radius is 1.2 cells: chords cost 0.9 % of the volume at most.
             CHECK(image.check.volume == doctest::Approx(plain.check.volume).epsilon(6e-3));
             CHECK(image.check.boundary_area == doctest::Approx(plain.check.boundary_area).epsilon(6e-3));
