@@ -11,6 +11,29 @@ CellSet::CellSet(int level, const LeafGrid* leaves) : leaves_(leaves) {
     }
     size_ = (std::int64_t{1} << level) + 2;
     bits_.resize(static_cast<std::size_t>((size_ * size_ * size_ + 63) / 64));
+    bricks_ = size_ / kBrick + 1;
+    near_.resize(brick(0, 0, bricks_));
+    holds_.resize(near_.size());
+}
+
+void CellSet::mark_near(const std::array<std::int64_t, 3>& at) {
+    const std::int64_t centre[3] = {at[0] / kBrick, at[1] / kBrick, at[2] / kBrick};
+    std::uint8_t& held = holds_[brick(centre[0], centre[1], centre[2])];
+    if (held != 0) return;
+    held = 1;
+    // The third brick from here begins kReach + 1 cells away at least; the ring is one cell wide.
+    constexpr std::int64_t kBricks = kReach / kBrick;
+    std::int64_t low[3], high[3];
+    for (std::size_t j = 0; j < 3; ++j) {
+        low[j] = std::max<std::int64_t>(centre[j] - kBricks, 0);
+        high[j] = std::min(centre[j] + kBricks, bricks_ - 1);
+    }
+    for (std::int64_t z = low[2]; z <= high[2]; ++z) {
+        for (std::int64_t y = low[1]; y <= high[1]; ++y) {
+            const auto row = near_.begin() + static_cast<std::ptrdiff_t>(brick(0, y, z));
+            std::fill(row + low[0], row + high[0] + 1, std::uint8_t{1});
+        }
+    }
 }
 
 CellId CellSet::index_graded(const Point& p, CellId hint) const {
@@ -30,7 +53,8 @@ CellId CellSet::index_graded(const Point& p, CellId hint) const {
 void CellSet::set_ring(CellId i) {
     if (leaves_ == nullptr) {
         const auto cell = static_cast<std::int64_t>(i);
-        const std::int64_t at[3] = {cell % size_, cell / size_ % size_, cell / size_ / size_};
+        const std::array<std::int64_t, 3> at = {cell % size_, cell / size_ % size_, cell / size_ / size_};
+        mark_near(at);
         for (int k = 0; k < 27; ++k) {
             const std::int64_t x = at[0] + k % 3 - 1;
             const std::int64_t y = at[1] + k / 3 % 3 - 1;

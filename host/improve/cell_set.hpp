@@ -6,7 +6,7 @@
 #pragma once
 
 #include <algorithm>
-#include <cmath>
+#include <array>
 #include <cstdint>
 #include <set>
 #include <vector>
@@ -28,11 +28,13 @@ class CellSet {
     /// The cell that a point belongs to. `hint`: an earlier result for a point that may be near.
     CellId index(const Point& p, CellId hint = 0) const {
         if (leaves_ != nullptr) return index_graded(p, hint);
-        std::int64_t at[3];
-        for (std::size_t j = 0; j < 3; ++j) {
-            at[j] = std::clamp<std::int64_t>(static_cast<std::int64_t>(std::floor(p[j])) + 1, 0, size_ - 1);
-        }
+        const auto at = place(p);
         return static_cast<CellId>((at[2] * size_ + at[1]) * size_ + at[0]);
+    }
+    /// Uniform trees: false only if all cells of the set are at least kReach cells from p.
+    bool is_near(const Point& p) const {
+        const auto at = place(p);
+        return near_[brick(at[0] / kBrick, at[1] / kBrick, at[2] / kBrick)] != 0;
     }
     bool test(CellId i) const {
         if (is_outside(i)) return test_outside(i);
@@ -54,7 +56,10 @@ class CellSet {
 
     static bool is_outside(CellId i) { return (i & kOutside) != 0; }
 
+    static constexpr std::int64_t kReach = 8;
+
   private:
+    static constexpr std::int64_t kBrick = 4;  ///< edge of the bricks of near_
     static constexpr CellId kOutside = CellId{1} << 63;
     static constexpr int kClassBits = 5;
 
@@ -65,12 +70,28 @@ class CellSet {
         if (!is_outside(i)) return cube_of(*leaves_, i);
         return {(i & ~kOutside) >> kClassBits, static_cast<int>(i & ((1 << kClassBits) - 1))};
     }
+    /// Cells from the corner of the ring around the root box. Cutting off instead of rounding down is the
+    /// same after clamping.
+    std::array<std::int64_t, 3> place(const Point& p) const {
+        std::array<std::int64_t, 3> at;
+        for (std::size_t j = 0; j < 3; ++j)
+            at[j] = std::clamp<std::int64_t>(static_cast<std::int64_t>(p[j] + 1), 0, size_ - 1);
+        return at;
+    }
+    std::size_t brick(std::int64_t x, std::int64_t y, std::int64_t z) const {
+        return static_cast<std::size_t>((z * bricks_ + y) * bricks_ + x);
+    }
+    void mark_near(const std::array<std::int64_t, 3>& at);
     CellId index_graded(const Point& p, CellId hint) const;
     bool test_outside(CellId i) const;
 
     const LeafGrid* leaves_;
-    std::int64_t size_ = 0;
     std::vector<std::uint64_t> bits_;
+    // Uniform trees: cells along an edge; bricks near cells of the set, and bricks that hold some.
+    std::int64_t size_ = 0;
+    std::int64_t bricks_ = 0;
+    std::vector<std::uint8_t> near_;
+    std::vector<std::uint8_t> holds_;
     // Graded trees: cells whose ring is in the set, as bits and as cubes; cubes taken out again.
     std::vector<std::uint64_t> rings_;
     std::set<CellId> outer_rings_;

@@ -1,19 +1,27 @@
 #include <algorithm>
 
+#include "host/common/parallel.hpp"
 #include "host/improve/zone.hpp"
 
 namespace mortise::improve {
 namespace {
 
+constexpr std::size_t kChunk = 65536;
+
+/// Takes out what is marked, `stride` values each; what stays keeps its order.
 template <class T>
 void keep(std::vector<T>& values, const std::vector<std::uint8_t>& taken, std::size_t stride) {
-    auto to = static_cast<std::size_t>(std::find(taken.begin(), taken.end(), 1) - taken.begin());
-    for (std::size_t i = to; i < taken.size(); ++i) {
-        if (taken[i] != 0) continue;
-        for (std::size_t k = 0; k < stride; ++k) values[to * stride + k] = values[i * stride + k];
-        ++to;
+    const auto first = std::find(taken.begin(), taken.end(), 1);
+    auto to = values.begin() + (first - taken.begin()) * static_cast<std::ptrdiff_t>(stride);
+    for (auto run = first; run != taken.end();) {
+        const auto begin = std::find(run, taken.end(), 0);
+        run = std::find(begin, taken.end(), 1);
+        const auto value = [&](std::vector<std::uint8_t>::const_iterator i) {
+            return values.begin() + (i - taken.begin()) * static_cast<std::ptrdiff_t>(stride);
+        };
+        to = std::move(value(begin), value(run), to);
     }
-    values.resize(to * stride);
+    values.erase(to, values.end());
 }
 
 /// Nodes of the mesh for those of the zone. New nodes take the numbers of nodes that are gone; `unused`
@@ -40,7 +48,7 @@ std::vector<NodeId> number_nodes(const Zone& zone, std::size_t count, std::vecto
 }
 
 /// Takes nodes out that no element uses; the others keep their order.
-void remove_nodes(const std::vector<NodeId>& unused, Mesh& mesh) {
+void remove_nodes(const std::vector<NodeId>& unused, int threads, Mesh& mesh) {
     if (unused.empty()) return;
     std::vector<NodeId> number(mesh.node_count());
     std::size_t gone = 0;
@@ -50,18 +58,22 @@ void remove_nodes(const std::vector<NodeId>& unused, Mesh& mesh) {
             continue;
         }
         number[i] = static_cast<NodeId>(i - gone);
+        if (gone == 0) continue;
         for (std::size_t j = 0; j < 3; ++j) mesh.points[3 * (i - gone) + j] = mesh.points[3 * i + j];
     }
     mesh.points.resize(mesh.points.size() - 3 * unused.size());
-    for (ElementBlock& block : mesh.elements) {
-        for (NodeId& n : block.nodes) n = number[n];
-    }
-    for (NodeId& n : mesh.facets.nodes) n = number[n];
+    const auto renumber = [&](std::vector<NodeId>& nodes) {
+        parallel_chunks(nodes.size(), kChunk, threads, [&](std::size_t begin, std::size_t end, int) {
+            for (std::size_t i = begin; i < end; ++i) nodes[i] = number[nodes[i]];
+        });
+    };
+    for (ElementBlock& block : mesh.elements) renumber(block.nodes);
+    renumber(mesh.facets.nodes);
 }
 
 }  // namespace
 
-Mesh close_zone(Mesh mesh, const CellFrame& frame, const Zone& zone) {
+Mesh close_zone(Mesh mesh, const CellFrame& frame, const Zone& zone, int threads) {
     Mesh result = std::move(mesh);
     std::vector<NodeId> unused;
     const std::vector<NodeId> node = number_nodes(zone, result.node_count(), &unused);
@@ -132,7 +144,7 @@ Mesh close_zone(Mesh mesh, const CellFrame& frame, const Zone& zone) {
             facets.outside.push_back(outside);
         }
     }
-    remove_nodes(unused, result);
+    remove_nodes(unused, threads, result);
     return result;
 }
 

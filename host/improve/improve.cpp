@@ -191,6 +191,7 @@ Mesh improve(Mesh mesh, const tape::BoundModel& model, const Options& options, C
     CellFrame frame;
     frame.origin = {model.origin[0], model.origin[1], model.origin[2]};
     frame.cell = std::ldexp(model.side, -options.level);
+    frame.per_cell = 1 / frame.cell;
     frame.level = options.level;
     if (options.leaves != nullptr && !options.leaves->is_uniform()) frame.leaves = options.leaves;
     const Surfaces surfaces(model, options.level);
@@ -203,7 +204,7 @@ Mesh improve(Mesh mesh, const tape::BoundModel& model, const Options& options, C
         for (int pass = 0; pass < passes && (pass == 0 || !improver.is_done()); ++pass) {
             improver.pass(pass / kShifts, pass % kShifts, local);
         }
-        mesh = close_zone(std::move(mesh), frame, zone);
+        mesh = close_zone(std::move(mesh), frame, zone, options.threads);
     }
     if (counters != nullptr) *counters = local;
     return mesh;

@@ -12,6 +12,7 @@ constexpr std::size_t kChunk = 4096;
 /// A hexahedron, wedge or pyramid with an edge shorter than this, in edges of the smallest leaf at its ends,
 /// counts as poor: it may have right angles and still make its neighbours flat.
 constexpr double kShortestEdge = 0.35;
+constexpr double kRounder = 6755399441055744.0;
 
 double element_quality(const Mesh& mesh, const CellFrame& frame, const Element& e, double rounding) {
     std::array<Point, 8> p;
@@ -65,12 +66,12 @@ Element element(const Mesh& mesh, int t, std::size_t i) {
 }
 
 /// Nodes lie on the lattice of 2^-26 of a finest cell: rounding takes away what the map to model coordinates
-/// added.
+/// added. Adding and subtracting 1.5 × 2^52 rounds as std::rint does, without a call.
 Point in_cells(const Mesh& mesh, const CellFrame& frame, NodeId node) {
     Point p;
     for (std::size_t j = 0; j < 3; ++j) {
-        const double x = (mesh.points[3 * std::size_t{node} + j] - frame.origin[j]) / frame.cell;
-        p[j] = std::rint(x * kCellUnits) / kCellUnits;
+        const double x = (mesh.points[3 * std::size_t{node} + j] - frame.origin[j]) * frame.per_cell;
+        p[j] = ((x * kCellUnits + kRounder) - kRounder) * (1.0 / kCellUnits);
     }
     return p;
 }
@@ -94,24 +95,39 @@ Point place_of(const Mesh& mesh, const CellFrame& frame, int type, std::size_t i
 CellId Places::cell(const Mesh& mesh, const CellFrame& frame, const CellSet& cells, int type,
                     std::size_t i) const {
     const std::uint32_t known = cell_of[static_cast<std::size_t>(type)][i];
-    return known != kLookAnew ? known : cells.index(place_of(mesh, frame, type, i));
+    if (known != kLookAnew) return known;
+    return cells.index(place_of(mesh, frame, type, element[static_cast<std::size_t>(type)][i]));
 }
 
 void find_cells(const Mesh& mesh, const CellFrame& frame, const CellSet& cells, int threads, Places& places) {
+    struct Found {
+        std::vector<std::uint32_t> element;
+        std::vector<std::uint32_t> cell;
+    };
     for (int t = 0; t < kElementTypes; ++t) {
-        const std::size_t count = mesh.elements[static_cast<std::size_t>(t)].size();
-        std::vector<std::uint32_t>& cell_of = places.cell_of[static_cast<std::size_t>(t)];
-        cell_of.resize(count);
+        const auto type = static_cast<std::size_t>(t);
+        const std::size_t count = mesh.elements[type].size();
+        std::vector<Found> found(chunk_count(count, kChunk));
         parallel_chunks(count, kChunk, threads, [&](std::size_t begin, std::size_t end, int) {
+            Found& list = found[begin / kChunk];
             CellId at = 0;
             for (std::size_t i = begin; i < end; ++i) {
-                at = cells.index(place_of(mesh, frame, t, i), at);
-                cell_of[i] = at < Places::kLookAnew ? static_cast<std::uint32_t>(at) : Places::kLookAnew;
+                const Point place = place_of(mesh, frame, t, i);
+                if (!cells.is_graded() && !cells.is_near(place)) continue;
+                at = cells.index(place, at);
+                list.element.push_back(static_cast<std::uint32_t>(i));
+                list.cell.push_back(at < Places::kLookAnew ? static_cast<std::uint32_t>(at)
+                                                           : Places::kLookAnew);
             }
         });
+        for (const Found& list : found) {
+            places.element[type].insert(places.element[type].end(), list.element.begin(), list.element.end());
+            places.cell_of[type].insert(places.cell_of[type].end(), list.cell.begin(), list.cell.end());
+        }
     }
 }
 
+/// Graded trees list every element: the i-th is element i.
 void find_size_classes(const Mesh& mesh, const CellFrame& frame, const CellSet& cells, int threads,
                        Places& places) {
     // Which thread lowers a number last does not matter.

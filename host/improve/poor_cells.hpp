@@ -32,20 +32,25 @@ Point place_of(const Mesh& mesh, const CellFrame& frame, int type, std::size_t i
 /// Below this an element's neighbourhood is improved.
 inline constexpr double kPoorQuality = kGoodQuality;
 
-/// Where the elements of a mesh lie.
+/// Where the elements of a mesh lie: of a graded tree all of them, of a uniform one those near the zone.
 struct Places {
     static constexpr std::uint32_t kLookAnew = 0xffffffffu;
-    /// Per element its cell (fits: a uniform tree has at most level 10); kLookAnew: one without a leaf.
+    /// Per type: elements, ascending.
+    std::array<std::vector<std::uint32_t>, kElementTypes> element;
+    /// Parallel to `element`: its cell (fits: a uniform tree has at most level 10); kLookAnew: one without a
+    /// leaf.
     std::array<std::vector<std::uint32_t>, kElementTypes> cell_of;
     /// Per node the size class of the smallest cell around it; uniform trees: empty.
     std::vector<std::uint8_t> node_class;
 
     int size_class(NodeId node) const { return node_class.empty() ? 0 : node_class[node]; }
+    /// The cell of the i-th element of the list.
     CellId cell(const Mesh& mesh, const CellFrame& frame, const CellSet& cells, int type,
                 std::size_t i) const;
 };
 
-/// Fills Places::cell_of. `threads` host threads, here and below; results do not depend on them.
+/// Fills `element` and `cell_of`; of a uniform tree with the elements near the set. `threads` host threads,
+/// here and below; results do not depend on them.
 void find_cells(const Mesh& mesh, const CellFrame& frame, const CellSet& cells, int threads, Places& places);
 
 /// Fills Places::node_class, from cell_of.

@@ -1,16 +1,21 @@
 #include "host/improve/zone.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 
 #include "host/common/parallel.hpp"
+#include "host/improve/kept_quads.hpp"
 #include "host/improve/poor_cells.hpp"
 
 namespace mortise::improve {
 namespace {
 
 constexpr std::size_t kChunk = 4096;
+/// The last growth is not collected, the others reach two cells each, and an element that shares a node with
+/// one of the zone has its centroid within three cells of it: less than CellSet::kReach.
 constexpr int kGrowths = 3;
+static_assert(2 * (kGrowths - 1) + 3 < CellSet::kReach);
 constexpr double kSameDistance = 2e-5;  ///< cells
 constexpr double kLessTurned = 0.1;
 constexpr double kTipReach = 1.5;  ///< cells
@@ -18,58 +23,6 @@ constexpr double kTipReach = 1.5;  ///< cells
 constexpr int kCertainLevel = 11;
 /// A split into tetrahedra that is flatter than this is replaced by a cone from the element's centre.
 constexpr double kLowestSplit = 0.02;
-
-using QuadKey = std::array<NodeId, 4>;
-
-QuadKey quad_key(const NodeId* node) {
-    QuadKey key = {node[0], node[1], node[2], node[3]};
-    std::sort(key.begin(), key.end());
-    return key;
-}
-
-struct QuadUse {
-    QuadKey key;
-    std::uint32_t face;  ///< 8 × (element of the zone's list) + local face
-
-    bool operator<(const QuadUse& other) const {
-        return key != other.key ? key < other.key : face < other.face;
-    }
-};
-
-struct ElementRef {
-    std::uint8_t type;
-    std::size_t index;
-    CellId cell;
-    std::uint8_t kept;  ///< bit f: the quadrilateral face f stays whole
-};
-
-/// Which quadrilaterals of the zone's elements stay whole: those that an element outside also has.
-void mark_kept_quads(const Mesh& mesh, const std::vector<QuadKey>& outer, std::vector<ElementRef>& elements) {
-    std::vector<QuadUse> uses;
-    for (std::size_t i = 0; i < elements.size(); ++i) {
-        elements[i].kept = 0;
-        if (elements[i].type == static_cast<std::uint8_t>(ElementType::kTetrahedron)) continue;
-        const Element e = element(mesh, elements[i].type, elements[i].index);
-        const LocalFaces faces = local_faces(e.type);
-        for (int f = 0; f < faces.count; ++f) {
-            const LocalFace& face = faces.faces[f];
-            if (face[3] < 0) continue;
-            NodeId node[4];
-            for (std::size_t k = 0; k < 4; ++k) node[k] = e.node[face[k]];
-            uses.push_back(
-                {quad_key(node), static_cast<std::uint32_t>(8 * i) + static_cast<std::uint32_t>(f)});
-        }
-    }
-    std::sort(uses.begin(), uses.end());
-    for (std::size_t i = 0; i < uses.size();) {
-        std::size_t end = i + 1;
-        while (end < uses.size() && uses[end].key == uses[i].key) ++end;
-        if (end == i + 1 && !std::binary_search(outer.begin(), outer.end(), uses[i].key)) {
-            elements[uses[i].face / 8].kept |= static_cast<std::uint8_t>(1u << (uses[i].face % 8));
-        }
-        i = end;
-    }
-}
 
 struct TriangleKey {
     std::array<std::uint32_t, 3> node;  ///< ascending
@@ -118,7 +71,8 @@ class Opener {
         if (poor.empty()) return {};
         for (const CellId cell : poor) cells_.set_ring(cell);
         if (!cells_.is_graded()) find_cells(mesh_, frame_, cells_, threads_, places_);
-        find_outer_quads();
+        outer_quads_ = outer_quads(mesh_);
+        place_.assign(mesh_.node_count(), kNone);
         for (int round = 0; round < kGrowths; ++round) {
             collect();
             // An element that cannot be split leaves the zone with its cell, and the others see its faces
@@ -139,49 +93,53 @@ class Opener {
     }
 
   private:
-    void find_outer_quads() {
-        const FacetBlock& facets = mesh_.facets;
-        for (std::size_t i = 0; i < facets.size(); ++i) {
-            const NodeId* node = facets.nodes.data() + 4 * i;
-            if (node[2] != node[3] && facets.outside[i] == 0) outer_quads_.push_back(quad_key(node));
-        }
-        std::sort(outer_quads_.begin(), outer_quads_.end());
-    }
-
     void collect() {
+        for (const NodeId node : zone_.mesh_node) {
+            if (node != kNone) place_[node] = kNone;
+        }
         zone_ = Zone{};
         zone_.finest_class = unit_class_;
         zone_.unit = edge_of(unit_class_);
         zone_.rounding = rounding_;
         elements_.clear();
         for (int t = 0; t < kElementTypes; ++t) {
-            const std::size_t count = mesh_.elements[static_cast<std::size_t>(t)].size();
-            std::vector<std::uint8_t>& taken = zone_.taken[static_cast<std::size_t>(t)];
-            taken.assign(count, 0);
-            std::vector<std::vector<ElementRef>> found(chunk_count(count, kChunk));
-            parallel_chunks(count, kChunk, threads_, [&](std::size_t begin, std::size_t end, int) {
+            const auto type = static_cast<std::size_t>(t);
+            const std::vector<std::uint32_t>& listed = places_.element[type];
+            std::vector<std::uint8_t>& taken = zone_.taken[type];
+            taken.assign(mesh_.elements[type].size(), 0);
+            std::vector<std::vector<ElementRef>> found(chunk_count(listed.size(), kChunk));
+            parallel_chunks(listed.size(), kChunk, threads_, [&](std::size_t begin, std::size_t end, int) {
                 for (std::size_t i = begin; i < end; ++i) {
                     const CellId cell = places_.cell(mesh_, frame_, cells_, t, i);
                     if (!cells_.test(cell)) continue;
-                    taken[i] = 1;
-                    found[begin / kChunk].push_back({static_cast<std::uint8_t>(t), i, cell, 0});
+                    taken[listed[i]] = 1;
+                    found[begin / kChunk].push_back({static_cast<std::uint8_t>(t), listed[i], cell, 0});
                 }
             });
             for (const auto& list : found) elements_.insert(elements_.end(), list.begin(), list.end());
         }
         mark_kept_quads(mesh_, outer_quads_, elements_);
-        // Nodes, in the order of their numbers.
-        place_.assign(mesh_.node_count(), kNone);
+        number_nodes();
+    }
+
+    /// Nodes of the zone, in the order of their numbers in the mesh.
+    void number_nodes() {
+        std::vector<std::uint64_t> used((mesh_.node_count() + 63) / 64);
         for (const ElementRef& r : elements_) {
             const Element e = element(mesh_, r.type, r.index);
-            for (std::size_t k = 0; k < e.count; ++k) place_[e.node[k]] = 0;
+            for (std::size_t k = 0; k < e.count; ++k) {
+                used[e.node[k] / 64] |= std::uint64_t{1} << (e.node[k] % 64);
+            }
         }
-        for (std::size_t i = 0; i < place_.size(); ++i) {
-            if (place_[i] == kNone) continue;
-            place_[i] = static_cast<std::uint32_t>(zone_.points.size());
-            zone_.points.push_back(in_cells(mesh_, frame_, static_cast<NodeId>(i)));
-            zone_.size_class.push_back(static_cast<std::uint8_t>(places_.size_class(static_cast<NodeId>(i))));
-            zone_.mesh_node.push_back(static_cast<NodeId>(i));
+        for (std::size_t word = 0; word < used.size(); ++word) {
+            for (std::uint64_t bits = used[word]; bits != 0; bits &= bits - 1) {
+                const auto node =
+                    static_cast<NodeId>(64 * word + static_cast<std::size_t>(__builtin_ctzll(bits)));
+                place_[node] = static_cast<std::uint32_t>(zone_.points.size());
+                zone_.points.push_back(in_cells(mesh_, frame_, node));
+                zone_.size_class.push_back(static_cast<std::uint8_t>(places_.size_class(node)));
+                zone_.mesh_node.push_back(node);
+            }
         }
     }
 
@@ -284,21 +242,27 @@ class Opener {
     void finish_nodes() {
         const std::size_t count = zone_.points.size();
         zone_.original = zone_.points;
-        zone_.frozen.assign(count, 0);
         zone_.joined.assign(count, 0);
         for (const Pyramid& p : zone_.pyramids) {
             for (const ZoneNode node : p.node) zone_.joined[node] = 1;
         }
+        // The listed elements are enough: others share no node with the zone. Threads may mark the same node.
+        std::vector<std::atomic<std::uint8_t>> frozen(count);
         for (int t = 0; t < kElementTypes; ++t) {
             const std::vector<std::uint8_t>& taken = zone_.taken[static_cast<std::size_t>(t)];
-            for (std::size_t i = 0; i < taken.size(); ++i) {
-                if (taken[i] != 0) continue;
-                const Element e = element(mesh_, t, i);
-                for (std::size_t k = 0; k < e.count; ++k) {
-                    if (place_[e.node[k]] != kNone) zone_.frozen[place_[e.node[k]]] = 1;
+            const std::vector<std::uint32_t>& listed = places_.element[static_cast<std::size_t>(t)];
+            parallel_chunks(listed.size(), kChunk, threads_, [&](std::size_t begin, std::size_t end, int) {
+                for (std::size_t i = begin; i < end; ++i) {
+                    if (taken[listed[i]] != 0) continue;
+                    const Element e = element(mesh_, t, listed[i]);
+                    for (std::size_t k = 0; k < e.count; ++k) {
+                        const ZoneNode node = place_[e.node[k]];
+                        if (node != kNone) frozen[node].store(1, std::memory_order_relaxed);
+                    }
                 }
-            }
+            });
         }
+        zone_.frozen.assign(frozen.begin(), frozen.end());
     }
 
     /// Surfaces of each node: of the facets of the mesh that stay, and of those that the zone has taken.

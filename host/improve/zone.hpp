@@ -77,7 +77,8 @@ struct Zone {
 /// Where cells lie in model coordinates.
 struct CellFrame {
     Point origin;
-    double cell;  ///< edge of a finest cell in model units
+    double cell;      ///< edge of a finest cell in model units
+    double per_cell;  ///< its inverse
     int level;
     const LeafGrid* leaves = nullptr;  ///< null: uniform
 };
@@ -88,6 +89,6 @@ Zone open_zone(const Mesh& mesh, const CellFrame& frame, const Surfaces& surface
                const std::vector<Tip>& tips, int threads);
 
 /// Puts the zone's elements, facets and moved nodes in place of those that were taken.
-Mesh close_zone(Mesh mesh, const CellFrame& frame, const Zone& zone);
+Mesh close_zone(Mesh mesh, const CellFrame& frame, const Zone& zone, int threads);
 
 }  // namespace mortise::improve

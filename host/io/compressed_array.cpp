@@ -1,10 +1,11 @@
-// Block-wise zlib compression and decompression on all cores.
+// Block-wise compression in zlib's format, and back, on all cores. libdeflate takes half of zlib's time.
 #include "host/io/compressed_array.hpp"
 
-#include <zlib.h>
+#include <libdeflate.h>
 
 #include <algorithm>
 #include <memory>
+#include <new>
 #include <thread>
 
 #include "host/common/parallel.hpp"
@@ -13,37 +14,53 @@
 namespace mortise::io {
 namespace {
 
-/// zlib's own bound: 1032 bytes from each compressed byte.
+/// The format's own bound: 1032 bytes from each compressed byte.
 constexpr std::uint64_t kMaxExpansion = 1040;
 
 /// A sample of the block that shrinks by less than this many percent is not worth compressing.
 constexpr std::size_t kSampleSize = std::size_t{1} << 14;
 constexpr std::size_t kWorthPercent = 25;
 
+constexpr int kFastest = 1;
+constexpr int kStored = 0;
+
+struct FreeCompressor {
+    void operator()(libdeflate_compressor* c) const { libdeflate_free_compressor(c); }
+    void operator()(libdeflate_decompressor* d) const { libdeflate_free_decompressor(d); }
+};
+using Compressor = std::unique_ptr<libdeflate_compressor, FreeCompressor>;
+using Decompressor = std::unique_ptr<libdeflate_decompressor, FreeCompressor>;
+
+Compressor make_compressor(int level) {
+    Compressor compressor(libdeflate_alloc_compressor(level));
+    if (!compressor) throw std::bad_alloc();
+    return compressor;
+}
+
 struct Scratch {
-    Scratch() : space(kBlockSize / sizeof(std::uint64_t)), packed(compressBound(kBlockSize)) {}
+    Scratch() : space(kBlockSize / sizeof(std::uint64_t)) {
+        packed.resize(libdeflate_zlib_compress_bound(nullptr, kBlockSize));
+    }
     char* bytes() { return reinterpret_cast<char*>(space.data()); }
     std::vector<std::uint64_t> space;  ///< 64-bit for alignment
     std::vector<unsigned char> packed;
     std::size_t packed_size = 0;
+    Compressor fastest = make_compressor(kFastest);
+    Compressor stored = make_compressor(kStored);
 };
 
-std::size_t deflate_block(const char* data, std::size_t size, int level, Scratch& scratch) {
-    uLongf packed_size = scratch.packed.size();
-    const int status =
-        compress2(scratch.packed.data(), &packed_size, reinterpret_cast<const Bytef*>(data), size, level);
-    if (status != Z_OK) throw Error(ExitCode::kFiles, "zlib cannot compress: out of memory");
-    return packed_size;
+std::size_t pack(libdeflate_compressor* compressor, const char* data, std::size_t size, Scratch& scratch) {
+    return libdeflate_zlib_compress(compressor, data, size, scratch.packed.data(), scratch.packed.size());
 }
 
-/// Level 1, or level 0 (stored) where a sample from the middle hardly shrinks: coordinates off a grid.
+/// Stored as it is where a sample from the middle hardly shrinks: coordinates off a grid.
 void compress_block(const char* data, std::size_t size, Scratch& scratch) {
-    int level = Z_BEST_SPEED;
+    libdeflate_compressor* compressor = scratch.fastest.get();
     if (size > 2 * kSampleSize) {
-        const std::size_t sample = deflate_block(data + size / 2, kSampleSize, Z_BEST_SPEED, scratch);
-        if (sample * 100 > kSampleSize * (100 - kWorthPercent)) level = Z_NO_COMPRESSION;
+        const std::size_t sample = pack(compressor, data + size / 2, kSampleSize, scratch);
+        if (sample * 100 > kSampleSize * (100 - kWorthPercent)) compressor = scratch.stored.get();
     }
-    scratch.packed_size = deflate_block(data, size, level, scratch);
+    scratch.packed_size = pack(compressor, data, size, scratch);
 }
 
 }  // namespace
@@ -105,10 +122,12 @@ std::vector<char> read_compressed(const FileReader& file, std::uint64_t offset) 
         const std::size_t begin = i * static_cast<std::size_t>(block_size);
         const std::size_t expected =
             std::min<std::size_t>(static_cast<std::size_t>(block_size), bytes.size() - begin);
-        uLongf size = expected;
-        const int status =
-            uncompress(reinterpret_cast<Bytef*>(bytes.data() + begin), &size, packed.data(), packed.size());
-        if (status != Z_OK || size != expected) file.damaged("a compressed array does not unpack");
+        const Decompressor decompressor(libdeflate_alloc_decompressor());
+        if (!decompressor) throw std::bad_alloc();
+        // Without a place for the actual size, any other size is an error.
+        const libdeflate_result result = libdeflate_zlib_decompress(
+            decompressor.get(), packed.data(), packed.size(), bytes.data() + begin, expected, nullptr);
+        if (result != LIBDEFLATE_SUCCESS) file.damaged("a compressed array does not unpack");
     });
     return bytes;
 }

@@ -57,9 +57,11 @@ void add_cells(const Mesh& mesh, const char* type_name, VtkXmlWriter& writer) {
                 const NodeId* nodes = mesh.elements[t].nodes.data();
                 const std::array<int, 8>& order = kElementTable[t].vtk.nodes;
                 const std::size_t per_element = nodes_per_element(t);
-                for (std::size_t i = begin; i < end; ++i) {
-                    const std::size_t local = i % per_element;
-                    *out++ = static_cast<Index>(nodes[i - local + static_cast<std::size_t>(order[local])]);
+                std::size_t local = begin % per_element;
+                for (std::size_t i = begin - local; i < end; i += per_element, local = 0) {
+                    const std::size_t last_local = std::min(per_element, end - i);
+                    for (; local < last_local; ++local)
+                        *out++ = static_cast<Index>(nodes[i + static_cast<std::size_t>(order[local])]);
                 }
             });
         }));

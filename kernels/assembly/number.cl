@@ -26,8 +26,7 @@ uint owned_mask(const Tree* tree, __global const uint* used, ulong code, int lev
     uint owned = mask & (1u << kInteriorNodeBit);
     uint bit;
     for (uint c = 0; c < 8; ++c) {
-        if (((mask >> c) & 1) && vertex_owner(tree, used, x + (c & 1) * edge, y + ((c >> 1) & 1) * edge,
-                                              z + (c >> 2) * edge, &bit) == code) {
+        if (((mask >> c) & 1) && corner_owner(tree, used, code, x, y, z, edge, c, &bit) == code) {
             owned |= 1u << c;
         }
     }
@@ -171,12 +170,12 @@ uint node_id(const Tree* tree, __global const uint* owned, __global const uint* 
     }
 }
 
-// Number of grid vertex (x, y, z), in finest cells.
-uint vertex_id(const Tree* tree, __global const uint* used, __global const uint* owned,
-               __global const uint* base, __global const ulong* foreign, PieceRange range, uint x, uint y,
-               uint z) {
+// Number of corner c of the leaf at (x, y, z).
+uint corner_id(const Tree* tree, __global const uint* used, __global const uint* owned,
+               __global const uint* base, __global const ulong* foreign, PieceRange range, ulong code, uint x,
+               uint y, uint z, uint edge, uint c) {
     uint bit = 0;
-    const ulong owner = vertex_owner(tree, used, x, y, z, &bit);
+    const ulong owner = corner_owner(tree, used, code, x, y, z, edge, c, &bit);
     return node_id(tree, owned, base, foreign, range, owner, bit);
 }
 
@@ -205,8 +204,7 @@ MORTISE_KERNEL void write_hexahedra(TREE_PARAMETERS, __global const uint* used, 
             __global uint* out = hexahedra + 8 * (ulong)(rank - in_first + hexahedron_offsets[nio]);
             for (uint i = 0; i < 8; ++i) {
                 const uint c = kHexahedronCorner[i];
-                out[i] = vertex_id(&tree, used, owned, base, foreign, range, x + (c & 1) * edge,
-                                   y + ((c >> 1) & 1) * edge, z + (c >> 2) * edge);
+                out[i] = corner_id(&tree, used, owned, base, foreign, range, morton, x, y, z, edge, c);
             }
         }
     }
@@ -245,8 +243,7 @@ MORTISE_KERNEL void write_templates(TREE_PARAMETERS, __global const TreeNode* ni
         in_before = count_before(&tree, in_bits, in_rank, morton);
         for (uint c = 0; c < 8; ++c) {
             if ((mask >> c) & 1) {
-                ids[c] = vertex_id(&tree, used, owned, base, foreign, range, x + (c & 1) * edge,
-                                   y + ((c >> 1) & 1) * edge, z + (c >> 2) * edge);
+                ids[c] = corner_id(&tree, used, owned, base, foreign, range, morton, x, y, z, edge, c);
             }
         }
         for (uint e = 0; e < 12; ++e) {

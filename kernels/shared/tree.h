@@ -245,6 +245,31 @@ MORTISE_FUNCTION u64 vertex_owner(const Tree* tree, MORTISE_GLOBAL u32* used, u3
     return owner;
 }
 
+// The cell of a uniform tree one step back from `code` along the axes whose bits are set; kNoOwner beyond the
+// root box. The code's bits of one axis count down alone if the others' are zero.
+MORTISE_FUNCTION u64 cell_behind(u64 code, u32 axes) {
+    for (u32 a = 0; a < 3; ++a) {
+        const u64 bits = 0x1249249249249249UL << a;
+        if (((axes >> a) & 1) == 0) continue;
+        if ((code & bits) == 0) return kNoOwner;
+        code = (code & ~bits) | (((code & bits) - (1UL << a)) & bits);
+    }
+    return code;
+}
+
+// Owner of corner c of the leaf at (x, y, z): vertex_owner, but quick where IN cells of a uniform tree meet.
+MORTISE_FUNCTION u64 corner_owner(const Tree* tree, MORTISE_GLOBAL u32* used, u64 code, u32 x, u32 y, u32 z,
+                                  u32 edge, u32 c, u32* bit) {
+    if (!tree->shape.graded) {
+        const u64 behind = cell_behind(code, 7 - c);
+        if (behind != kNoOwner && test_bit(tree->in_bits, behind)) {
+            *bit = 7;
+            return behind;
+        }
+    }
+    return vertex_owner(tree, used, x + (c & 1) * edge, y + ((c >> 1) & 1) * edge, z + (c >> 2) * edge, bit);
+}
+
 // Owner of the single root on the edge of leaves of `edge_level` along `axis` from vertex (x, y, z), in
 // finest cells.
 MORTISE_FUNCTION u64 edge_owner(const Tree* tree, MORTISE_GLOBAL u32* used, i32 edge_level, u32 axis, u32 x,

@@ -257,6 +257,25 @@ TEST_CASE("a vertex or edge root belongs to the first in Morton order of the fin
             }
         }
     }
+    for (int trial = 0; trial < 6; ++trial) {
+        const RandomLeaves leaves(random, 40 * (trial % 2), trial % 2 != 0 || trial == 4);
+        const Tree tree = leaves.tree();
+        for (const auto& entry : leaves.entries) {
+            if (entry.kind == kLeafNone) continue;
+            const u32 x = gather_bits(entry.code), y = gather_bits(entry.code >> 1);
+            const u32 z = gather_bits(entry.code >> 2), edge = leaf_edge(&tree, entry.level);
+            for (u32 c = 0; c < 8; ++c) {
+                u32 expected_bit = 0;
+                u32 bit = 0;
+                const u64 expected =
+                    vertex_owner(&tree, leaves.used.data(), x + (c & 1) * edge, y + ((c >> 1) & 1) * edge,
+                                 z + (c >> 2) * edge, &expected_bit);
+                REQUIRE(corner_owner(&tree, leaves.used.data(), entry.code, x, y, z, edge, c, &bit) ==
+                        expected);
+                if (expected != kNoOwner) REQUIRE(bit == expected_bit);
+            }
+        }
+    }
     CHECK(mask_rank(0b1011010, 6) == 3);
     CHECK(mask_rank(0b1011010, 0) == 0);
 }

@@ -1,0 +1,63 @@
+#include "host/improve/kept_quads.hpp"
+
+#include <algorithm>
+
+namespace mortise::improve {
+namespace {
+
+QuadKey quad_key(const NodeId* node) {
+    QuadKey key = {node[0], node[1], node[2], node[3]};
+    std::sort(key.begin(), key.end());
+    return key;
+}
+
+struct QuadUse {
+    QuadKey key;
+    std::uint32_t face;  ///< 8 × (element of the zone's list) + local face
+
+    bool operator<(const QuadUse& other) const {
+        return key != other.key ? key < other.key : face < other.face;
+    }
+};
+
+}  // namespace
+
+std::vector<QuadKey> outer_quads(const Mesh& mesh) {
+    const FacetBlock& facets = mesh.facets;
+    std::vector<QuadKey> quads;
+    for (std::size_t i = 0; i < facets.size(); ++i) {
+        const NodeId* node = facets.nodes.data() + 4 * i;
+        if (node[2] != node[3] && facets.outside[i] == 0) quads.push_back(quad_key(node));
+    }
+    std::sort(quads.begin(), quads.end());
+    return quads;
+}
+
+void mark_kept_quads(const Mesh& mesh, const std::vector<QuadKey>& outer, std::vector<ElementRef>& elements) {
+    std::vector<QuadUse> uses;
+    for (std::size_t i = 0; i < elements.size(); ++i) {
+        elements[i].kept = 0;
+        if (elements[i].type == static_cast<std::uint8_t>(ElementType::kTetrahedron)) continue;
+        const Element e = element(mesh, elements[i].type, elements[i].index);
+        const LocalFaces faces = local_faces(e.type);
+        for (int f = 0; f < faces.count; ++f) {
+            const LocalFace& face = faces.faces[f];
+            if (face[3] < 0) continue;
+            NodeId node[4];
+            for (std::size_t k = 0; k < 4; ++k) node[k] = e.node[face[k]];
+            uses.push_back(
+                {quad_key(node), static_cast<std::uint32_t>(8 * i) + static_cast<std::uint32_t>(f)});
+        }
+    }
+    std::sort(uses.begin(), uses.end());
+    for (std::size_t i = 0; i < uses.size();) {
+        std::size_t end = i + 1;
+        while (end < uses.size() && uses[end].key == uses[i].key) ++end;
+        if (end == i + 1 && !std::binary_search(outer.begin(), outer.end(), uses[i].key)) {
+            elements[uses[i].face / 8].kept |= static_cast<std::uint8_t>(1u << (uses[i].face % 8));
+        }
+        i = end;
+    }
+}
+
+}  // namespace mortise::improve

@@ -1,0 +1,30 @@
+// The quadrilaterals between the zone and the elements left alone.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "host/improve/poor_cells.hpp"
+
+namespace mortise::improve {
+
+/// The four nodes of a quadrilateral, ascending.
+using QuadKey = std::array<NodeId, 4>;
+
+/// An element of the mesh that the zone takes.
+struct ElementRef {
+    std::uint8_t type;
+    std::size_t index;
+    CellId cell;
+    std::uint8_t kept;  ///< bit f: the quadrilateral face f stays whole
+};
+
+/// The quadrilateral facets of the outer boundary, ascending.
+std::vector<QuadKey> outer_quads(const Mesh& mesh);
+
+/// Marks the quadrilaterals that stay whole: those that an element outside also has. `outer` from
+/// outer_quads.
+void mark_kept_quads(const Mesh& mesh, const std::vector<QuadKey>& outer, std::vector<ElementRef>& elements);
+
+}  // namespace mortise::improve
