@@ -7,6 +7,9 @@ namespace {
 
 /// Searches per tetrahedron of the block, at most; blocks around ordinary features need two or three.
 constexpr std::uint64_t kMostTries = 4;
+/// Qualities computed per tetrahedron of the block, at most; ordinary blocks need less than 100, those full
+/// of slivers between nearly coincident surfaces more than 800, in vain.
+constexpr std::uint64_t kMostEvaluations = 100;
 constexpr std::uint8_t kEdgeEnds[6][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
 
 std::array<std::uint32_t, 3> sorted_face(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
@@ -77,6 +80,7 @@ void Block::load(const Zone& zone, const std::vector<std::uint32_t>& tetrahedra,
     }
     alive_.assign(tetrahedra_.size(), 1);
     original_ = tetrahedra_;
+    original_points_ = points_;
     clock_ = 1;
     changed_.assign(points_.size(), 0);
     rested_.assign(points_.size(), 0);
@@ -112,6 +116,7 @@ std::vector<Tetrahedron> Block::store(std::vector<Point>& points) const {
 }
 
 double Block::quality(const std::array<Local, 4>& n) const {
+    ++evaluated_;
     return tetrahedron_quality(points_[n[0]], points_[n[1]], points_[n[2]], points_[n[3]], rounding_);
 }
 
@@ -303,9 +308,11 @@ void Block::run(const BlockOptions& options) {
     collapse_short_edges();
     // Where the model itself has no room for good elements, the search must end.
     const std::uint64_t most = kMostTries * tetrahedra_.size();
+    const std::uint64_t most_evaluated = evaluated_ + kMostEvaluations * tetrahedra_.size();
     for (int round = 0; round < options.rounds && counters.tried < most; ++round) {
         bool changed = false;
         for (std::uint32_t i = 0; i < tetrahedra_.size(); ++i) {
+            if (evaluated_ > most_evaluated) break;
             if (alive_[i] == 0 || tetrahedra_[i].quality >= options.target || !has_changed(i)) continue;
             ++counters.tried;
             if (improve(i)) {

@@ -28,6 +28,7 @@ inline constexpr double kShortEdge = 0.35;
 struct BlockOptions {
     bool reposition = true;        ///< move nodes (besides their projection onto the model)
     bool change_boundary = true;   ///< false: facets stay as they are
+    bool move_boundary = true;     ///< false: their nodes do, too
     double target = kGoodQuality;  ///< elements at least this good are left alone
     int rounds = 6;
 };
@@ -38,7 +39,7 @@ struct BlockCounters {
     std::uint64_t swapped = 0;  ///< edges and faces removed
     std::uint64_t moved = 0;
     std::uint64_t tried = 0;     ///< elements for which changes were sought
-    std::uint64_t repeated = 0;  ///< blocks that were done again with their facets left alone
+    std::uint64_t repeated = 0;  ///< blocks that were done again with facets, or their nodes, left alone
     std::uint64_t given_up = 0;  ///< blocks that were left as they were
 };
 
@@ -55,7 +56,7 @@ class Block {
     void run(const BlockOptions& options);
 
     /// Whether the block still is a mesh with the same outside: every face has its partner, or is a facet, or
-    /// lies on the block's border as before; nodes do not coincide.
+    /// lies on the block's border as before; nodes do not coincide; facets do not cross.
     bool verify() const;
 
     /// Writes moved nodes to the zone's points, and returns the tetrahedra that are left.
@@ -106,6 +107,9 @@ class Block {
         std::vector<Local> nodes;  ///< tetrahedron i has nodes i and i + 1 (cyclic if closed)
         bool closed = false;
     };
+
+    // crossing.cpp
+    bool has_crossed() const;
 
     // block.cpp
     void apply(const Change& change);
@@ -166,7 +170,8 @@ class Block {
     std::vector<std::vector<std::uint32_t>> strata_;
     std::vector<Tetrahedron> tetrahedra_;
     std::vector<std::uint8_t> alive_;
-    std::vector<Tetrahedron> original_;   ///< as they were loaded
+    std::vector<Tetrahedron> original_;  ///< as they were loaded
+    std::vector<Point> original_points_;
     std::uint32_t clock_ = 0;             ///< counts changes
     std::vector<std::uint32_t> changed_;  ///< per node: when its star changed last
     std::vector<std::uint32_t> rested_;   ///< per node: when it was last found in its best place, plus 1
@@ -183,6 +188,7 @@ class Block {
     std::vector<std::pair<Local, std::uint32_t>>
         spokes_;  ///< neighbour, surface of a facet at the edge to it
     std::vector<std::array<Point, 3>> views_;
+    mutable std::uint64_t evaluated_ = 0;  ///< qualities computed
 };
 
 }  // namespace mortise::improve

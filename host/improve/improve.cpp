@@ -57,7 +57,7 @@ class Improver {
             // Whatever goes wrong in a block, the mesh stays valid: the block is done again more carefully,
             // or left as it was.
             BlockOptions tried = block_options;
-            for (int attempt = 0; attempt < 2; ++attempt) {
+            for (int attempt = 0; attempt < 3; ++attempt) {
                 block.counters = {};
                 block.load(zone_, group.tetrahedra, group.pyramids, free_, scratch);
                 block.run(tried);
@@ -66,6 +66,7 @@ class Improver {
                     counted[begin] = block.counters;
                     return;
                 }
+                tried.move_boundary = tried.change_boundary;
                 tried.change_boundary = false;
                 counted[begin].repeated = 1;
             }

@@ -46,6 +46,7 @@ double Block::worst_alignment(Local node) const {
 /// Nodes of the certificate lie on their surfaces to within the chords of curved creases: puts them there.
 /// Where a mesh touches itself, two nodes may have the same target: they stay.
 void Block::project_nodes() {
+    if (!options_.move_boundary) return;
     struct Target {
         Point at;
         Local node;
@@ -121,6 +122,7 @@ double Block::quality_at(const Point& p, double enough) {
     double worst = 2;
     for (std::size_t i = 0; i < views_.size(); ++i) {
         const auto& x = views_[i];
+        ++evaluated_;
         worst = std::min(worst, tetrahedron_quality(p, x[0], x[1], x[2], rounding_));
         if (worst > enough) continue;
         if (i > 0)
@@ -134,6 +136,7 @@ double Block::quality_at(const Point& p, double enough) {
 bool Block::smooth(Local node) {
     const std::vector<std::uint32_t>& on = strata_[node];
     if (free_[node] == 0 || tip_[node] != 0 || on.size() > 2 || star_[node].empty()) return false;
+    if (!on.empty() && !options_.move_boundary) return false;
     if (rested_[node] > changed_[node]) return false;
     if (on.size() == 2 && count_feature_edges(node) != 2) return false;
     rested_[node] = clock_ + 1;

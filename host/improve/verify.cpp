@@ -13,14 +13,14 @@ constexpr int kNodeBits = 21;
 
 /// The three nodes of a face, ascending, in one number.
 using FaceKey = std::uint64_t;
+constexpr FaceKey kNoFace = ~FaceKey{0};
 
 struct Face {
-    FaceKey node;
-    FaceTag tag;
-    std::uint16_t region;
-    bool even;  ///< outward order is an even permutation of the key's
-
-    bool operator<(const Face& other) const { return node < other.node; }
+    FaceKey node = kNoFace;
+    FaceTag tag = 0;
+    std::uint16_t region = 0;
+    bool even = false;  ///< outward order is an even permutation of the key's
+    bool paired = false;
 };
 
 /// Faces without a partner and facets on one side only: what the block shows to others.
@@ -37,11 +37,37 @@ struct Border {
     }
 };
 
+/// Faces by their nodes: open addressing, at most half full.
+class FaceTable {
+  public:
+    explicit FaceTable(std::size_t faces) {
+        while ((std::size_t{1} << bits_) < 2 * faces) ++bits_;
+        table_.resize(std::size_t{1} << bits_);
+    }
+    Face& at(FaceKey node) {
+        // Fibonacci hashing.
+        std::size_t i = static_cast<std::size_t>((node * 0x9e3779b97f4a7c15u) >> (64 - bits_));
+        while (table_[i].node != kNoFace && table_[i].node != node) i = (i + 1) & (table_.size() - 1);
+        return table_[i];
+    }
+    const std::vector<Face>& all() const { return table_; }
+
+  private:
+    int bits_ = 4;
+    std::vector<Face> table_;
+};
+
+bool is_pair(const Face& a, const Face& b) {
+    if (a.paired || a.even == b.even || (a.tag == 0) != (b.tag == 0)) return false;
+    const bool interface = a.tag != 0;
+    if (interface != (a.region != b.region)) return false;
+    return !interface || (a.tag ^ b.tag) == kTagInside;
+}
+
 /// Pairs the faces of the tetrahedra that `used` selects; false if one occurs where it must not.
 template <class Use>
 bool find_border(const std::vector<Tetrahedron>& tetrahedra, const Use& used, std::vector<Border>& border) {
-    std::vector<Face> faces;
-    faces.reserve(4 * tetrahedra.size());
+    FaceTable table(4 * tetrahedra.size());
     for (std::size_t i = 0; i < tetrahedra.size(); ++i) {
         if (!used(i)) continue;
         const Tetrahedron& t = tetrahedra[i];
@@ -51,26 +77,23 @@ bool find_border(const std::vector<Tetrahedron>& tetrahedra, const Use& used, st
             if (n[0] > n[1]) std::swap(n[0], n[1]), even = !even;
             if (n[1] > n[2]) std::swap(n[1], n[2]), even = !even;
             if (n[0] > n[1]) std::swap(n[0], n[1]), even = !even;
-            const Face face{(n[0] << (2 * kNodeBits)) | (n[1] << kNodeBits) | n[2], t.tag[f], t.region, even};
-            faces.push_back(face);
+            const Face face{(n[0] << (2 * kNodeBits)) | (n[1] << kNodeBits) | n[2], t.tag[f], t.region, even,
+                            false};
+            Face& known = table.at(face.node);
+            if (known.node == kNoFace) {
+                known = face;
+            } else if (is_pair(known, face)) {
+                known.paired = true;
+            } else {
+                return false;
+            }
         }
     }
-    std::sort(faces.begin(), faces.end());
-    for (std::size_t i = 0; i < faces.size();) {
-        std::size_t end = i + 1;
-        while (end < faces.size() && faces[end].node == faces[i].node) ++end;
-        const Face& a = faces[i];
-        if (end - i == 1) {
-            // Facets of the outer boundary may change; everything else is shared with others.
-            if (a.tag == 0 || (a.tag & kTagInterface) != 0) border.push_back({a.node, a.tag, a.even});
-        } else {
-            const Face& b = faces[i + 1];
-            if (end - i > 2 || a.even == b.even || (a.tag == 0) != (b.tag == 0)) return false;
-            const bool interface = a.tag != 0;
-            if (interface != (a.region != b.region)) return false;
-            if (interface && ((a.tag ^ b.tag) != kTagInside)) return false;
-        }
-        i = end;
+    for (const Face& face : table.all()) {
+        // Facets of the outer boundary may change; everything else is shared with others.
+        const bool is_border = face.tag == 0 || (face.tag & kTagInterface) != 0;
+        if (face.node != kNoFace && !face.paired && is_border)
+            border.push_back({face.node, face.tag, face.even});
     }
     std::sort(border.begin(), border.end());
     return true;
@@ -102,7 +125,7 @@ bool Block::verify() const {
             if (squared_length(d) < same * same) return false;
         }
     }
-    return true;
+    return !has_crossed();
 }
 
 }  // namespace mortise::improve
