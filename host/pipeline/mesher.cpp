@@ -30,6 +30,9 @@ namespace {
 
 using pipeline::Root;
 
+/// Surfaces closer than this everywhere are one: edges of the finest cells.
+constexpr double kMergeDistance = 1e-4;
+
 double process_seconds() {
     timespec now{};
     clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
@@ -284,7 +287,22 @@ Mesh Mesher::generate(const Model& model, const MeshOptions& options, MeshReport
                                           " yet; use larger cells");
     }
     tape::BoundModel bound = tape::bind(compiled, root.origin, root.side);
-    const pipeline::Sizes sizes = pipeline::plan_sizes(options, compiled, bound, bounds, root.level);
+    std::optional<pipeline::Sizes> planned;
+    planned.emplace(pipeline::plan_sizes(options, compiled, bound, bounds, root.level));
+    if (!options.strict) {
+        // Two surfaces that no cell can tell apart would only make slivers.
+        const double distance = std::ldexp(kMergeDistance, -planned->levels.finest());
+        tape::BoundModel merged = tape::bind(compiled, root.origin, root.side, distance);
+        if (merged.nearly_equal > 0) {
+            out.warnings.push_back(
+                std::to_string(merged.nearly_equal) +
+                " surfaces that lie within 1/10000 of a cell of another were taken for it; "
+                "--strict keeps them apart");
+            bound = std::move(merged);
+            planned.emplace(pipeline::plan_sizes(options, compiled, bound, bounds, root.level));
+        }
+    }
+    const pipeline::Sizes& sizes = *planned;
     const pipeline::Levels& levels = sizes.levels;
     check_precision(root, levels.finest(), model.source);
     stages.end(bound.surfaces.size());

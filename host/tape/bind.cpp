@@ -15,6 +15,8 @@ namespace {
 // Two surfaces whose normalised coefficients differ by less are one. Coordinates are in units of the root
 // box.
 constexpr double kMergeTolerance = 1e-10;
+/// How far apart a coefficient of surfaces within the merge distance may be, as a multiple of it.
+constexpr double kCoefficientReach = 16;
 
 Surface to_local(Surface s, const Vec3& origin, double side) {
     const int rows = s.kind == kSurfacePlane ? 1 : 3;
@@ -64,8 +66,8 @@ std::array<double, 16> signature(const Surface& s) {
 }
 
 /// +1 equal, -1 equal with the other sign, 0 different.
-int compare(const Surface& a, const std::array<double, 16>& ga, const Surface& b,
-            const std::array<double, 16>& gb, const std::vector<ExpressionOp>& ops) {
+int compare_exactly(const Surface& a, const std::array<double, 16>& ga, const Surface& b,
+                    const std::array<double, 16>& gb, const std::vector<ExpressionOp>& ops) {
     if (a.kind != b.kind) return 0;
     bool same = true;
     bool opposite = a.kind == kSurfacePlane || a.kind == kSurfaceQuadric;
@@ -86,6 +88,59 @@ int compare(const Surface& a, const std::array<double, 16>& ga, const Surface& b
         }
     }
     return same ? 1 : opposite ? -1 : 0;
+}
+
+/// Whether surfaces of one kind lie closer than `distance` in the whole cube: +1, -1 with the other sign, 0
+/// if not. Planes are compared at the cube's corners, others at points of `a`. Patches and formulas are not
+/// compared.
+int compare_nearly(const Surface& a, const Surface& b, double distance) {
+    constexpr int kSamples = 4;  // along each axis
+    constexpr int kLeastFound = 6;
+    constexpr int kSteps = 24;
+    constexpr double kSettled = 1e-13;
+    constexpr double kBeyond = 0.05;  // of the cube: points of `a` so far outside still count
+    if (a.kind != b.kind || a.kind == kSurfaceExpression || a.kind == kSurfacePatch) return 0;
+    if (a.kind == kSurfacePlane) {
+        const double side = a.map[0] * b.map[0] + a.map[1] * b.map[1] + a.map[2] * b.map[2] > 0 ? 1 : -1;
+        for (int c = 0; c < 8; ++c) {
+            double difference = a.map[3] - side * b.map[3];
+            for (int j = 0; j < 3; ++j) difference += ((c >> j) & 1) * (a.map[j] - side * b.map[j]);
+            if (!(std::fabs(difference) <= distance)) return 0;
+        }
+        return side > 0 ? 1 : -1;
+    }
+    int found = 0;
+    int sign = 0;
+    for (int k = 0; k < kSamples * kSamples * kSamples; ++k) {
+        Vec3 x = {(k % kSamples + 0.5) / kSamples, (k / kSamples % kSamples + 0.5) / kSamples,
+                  (k / kSamples / kSamples + 0.5) / kSamples};
+        double moved = 1;
+        SurfaceSample at{};
+        for (int step = 0; step < kSteps && moved > kSettled; ++step) {
+            at = surface_sample(&a, nullptr, x[0], x[1], x[2]);
+            double square = 0;
+            for (const double g : at.gradient) square += g * g;
+            if (!(square > 0)) break;
+            moved = std::fabs(at.value) / std::sqrt(square);
+            for (std::size_t j = 0; j < 3; ++j) x[j] -= at.value / square * at.gradient[j];
+        }
+        if (!(moved <= kSettled)) continue;
+        if (!(std::min({x[0], x[1], x[2]}) > -kBeyond && std::max({x[0], x[1], x[2]}) < 1 + kBeyond))
+            continue;
+        const SurfaceSample other = surface_sample(&b, nullptr, x[0], x[1], x[2]);
+        double square = 0;
+        double along = 0;
+        for (int j = 0; j < 3; ++j) {
+            square += other.gradient[j] * other.gradient[j];
+            along += other.gradient[j] * at.gradient[j];
+        }
+        if (!(other.value * other.value <= distance * distance * square)) return 0;
+        const int here = along > 0 ? 1 : -1;
+        if (sign != 0 && here != sign) return 0;
+        sign = here;
+        ++found;
+    }
+    return found >= kLeastFound ? sign : 0;
 }
 
 SurfaceBounds make_bounds(const Surface& s) {
@@ -116,7 +171,7 @@ bool is_empty(const std::vector<std::uint32_t>& tape) {
 
 }  // namespace
 
-BoundModel bind(const CompiledModel& compiled, const Vec3& origin, double side) {
+BoundModel bind(const CompiledModel& compiled, const Vec3& origin, double side, double merge_distance) {
     BoundModel bound;
     bound.origin = origin;
     bound.side = side;
@@ -131,17 +186,23 @@ BoundModel bind(const CompiledModel& compiled, const Vec3& origin, double side) 
         const Surface local = to_local(compiled.surfaces[i].surface, origin, side);
         const auto mine = signature(local);
         std::size_t found = bound.surfaces.size();
+        bool is_nearly = false;
         const double offset = std::fabs(mine[3]);
-        const double reach = 2 * kMergeTolerance * std::max(1.0, offset);
+        const double reach =
+            std::max(2 * kMergeTolerance * std::max(1.0, offset), kCoefficientReach * merge_distance);
         const auto end = by_offset.upper_bound(offset + reach);
         for (auto k = by_offset.lower_bound(offset - reach); k != end; ++k) {
             if (k->second >= found) continue;  // the first equal one, whatever the order here
-            const int equal =
-                compare(bound.surfaces[k->second], signatures[k->second], local, mine, bound.expression_ops);
+            const Surface& other = bound.surfaces[k->second];
+            int equal = compare_exactly(other, signatures[k->second], local, mine, bound.expression_ops);
+            const bool nearly = equal == 0;
+            if (nearly && merge_distance > 0) equal = compare_nearly(other, local, merge_distance);
             if (equal == 0) continue;
             found = k->second;
             flipped[i] = equal < 0 ? 1 : 0;
+            is_nearly = nearly;
         }
+        if (is_nearly) ++bound.nearly_equal;
         target[i] = static_cast<std::uint32_t>(found);
         const double size = compiled.surface_size[i] / side;
         if (found < bound.surfaces.size()) {

@@ -60,6 +60,7 @@ struct BoundModel {
     std::vector<std::uint32_t> surface_name;  ///< per surface, index into CompiledModel::surface_names
     std::vector<double> surface_size;         ///< per surface, as in CompiledModel, but box-local
     std::vector<double> region_size;          ///< per region, likewise
+    std::uint64_t nearly_equal = 0;           ///< surfaces merged with one that they are not equal to
     Vec3 origin{};                            ///< model coordinates of the cube's minimum corner
     double side = 1;
 };
@@ -68,9 +69,10 @@ struct BoundModel {
 /// Throws Error(kInput) for a formula that cannot be parsed and for a solid that is empty by its structure.
 CompiledModel compile(const Model& model, const Box3* clip = nullptr);
 
-/// Binds to the cube [origin, origin + side]^3 and merges equal surfaces. Polyhedra stay undivided
-/// (host/triangles): their cells are undecided.
-BoundModel bind(const CompiledModel& compiled, const Vec3& origin, double side);
+/// Binds to the cube [origin, origin + side]^3 and merges equal surfaces, and those that lie closer than
+/// `merge_distance`, in edges of the cube, to a surface before them everywhere in it. Polyhedra stay
+/// undivided (host/triangles): their cells are undecided.
+BoundModel bind(const CompiledModel& compiled, const Vec3& origin, double side, double merge_distance = 0);
 
 /// A box that holds the solid, each side within about 1/64 of its extent. Throws Error(kInput) if the solid
 /// is empty (as far as interval arithmetic can tell) or unbounded.
