@@ -20,7 +20,6 @@ Examples:
   mortise bracket.csg -o bracket.vtu --picture bracket.png
   mortise part.geo -o part.vtu -o part.msh --size 0.5 --report part.json
   mortise pipe.geo -o pipe.vtu --box -1 -1 0 1 1 4 --level 7
-  mortise check part.msh
 )";
 
 constexpr const char* kExitCodes = R"(
@@ -115,8 +114,15 @@ void refuse_empty_values(CLI::App& app) {
     }
 }
 
+void add_define(CLI::App& app, Arguments& arguments) {
+    app.add_option("-D,--define", arguments.read.definitions, "NAME=VALUE: a variable of .scad (repeatable)")
+        ->option_text("DEFINITION")
+        ->allow_extra_args(false);
+}
+
 /// How the file is understood.
-void add_shape_options(CLI::App& app, Words& words) {
+void add_shape_options(CLI::App& app, Arguments& arguments, Words& words) {
+    add_define(app, arguments);
     app.add_option("--box", words.box, "X0 Y0 Z0 X1 Y1 Z1: cut the solid there; required if it is infinite")
         ->option_text("CORNERS")
         ->type_size(6)
@@ -124,17 +130,18 @@ void add_shape_options(CLI::App& app, Words& words) {
         ->multi_option_policy(CLI::MultiOptionPolicy::Throw);
     app.add_option("--extrude", words.extrude, "solid of height H above a function of x and y (.vm, .frep)")
         ->option_text("H");
-    app.add_option("--facets", words.facets, "circles of .csg: smooth (default), or exact as OpenSCAD's")
+    app.add_option("--facets", words.facets,
+                   "circles of .csg, .scad: smooth (default), or exact as OpenSCAD's")
         ->option_text("smooth|exact");
 }
 
 void add_model_options(CLI::App& app, Arguments& arguments, Words& words) {
     app.add_option("MODEL", arguments.file,
-                   "model file: .csg, .geo, .stl, .obj, .off, .formula, .vm or .frep");
+                   "model file: .csg, .scad, .geo, .stl, .obj, .off, .formula, .vm or .frep");
     app.add_option("-o,--output", arguments.outputs, "mesh file, .vtu or .msh; may be given several times")
         ->option_text("FILE")
         ->allow_extra_args(false);
-    add_shape_options(app, words);
+    add_shape_options(app, arguments, words);
 }
 void add_size_options(CLI::App& app, Arguments& arguments, Words& words) {
     app.option_defaults()->group("Sizes of cells");
@@ -233,7 +240,7 @@ CLI::App* add_batch(CLI::App& app, Arguments& arguments, Words& words) {
     batch->add_option("--format", arguments.format, "of the mesh files: vtu (default) or msh")
         ->option_text("vtu|msh");
     batch->add_option("--jobs", words.jobs, "models meshed at once, default all cores")->option_text("COUNT");
-    add_shape_options(*batch, words);
+    add_shape_options(*batch, arguments, words);
     add_size_options(*batch, arguments, words);
     add_element_options(*batch, arguments, words);
     batch->option_defaults()->group("Reports and running");
@@ -373,11 +380,12 @@ Arguments parse_arguments(int count, const char* const* values) {
     CLI::App* devices = add_command(app, "devices", "mortise devices [--json]", "list OpenCL devices");
     CLI::App* doctor =
         add_command(app, "doctor", "mortise doctor", "check the OpenCL installation, and how to repair it");
-    CLI::App* info = add_command(app, "info", "mortise info MODEL [--extrude H] [--json]",
+    CLI::App* info = add_command(app, "info", "mortise info MODEL [-D NAME=VALUE] [--extrude H] [--json]",
                                  "what a model holds, without meshing it");
     info->add_option("MODEL", arguments.file);
     info->add_option("--extrude", words.extrude, "height of the solid above a function of x and y")
         ->option_text("H");
+    add_define(*info, arguments);
     for (CLI::App* command : {check, devices, info}) {
         refuse_empty_values(*command);
         command->add_flag("--json", arguments.json, "print JSON on stdout");

@@ -1,6 +1,7 @@
 // read_model and parse_model: fetch the text, choose the reader.
 #include <filesystem>
 
+#include "host/model/csg/scad_program.hpp"
 #include "host/model/file_content.hpp"
 #include "host/model/readers.hpp"
 #include "host/model/triangles/triangle_files.hpp"
@@ -25,19 +26,38 @@ bool is_known_format(const std::string& format) {
            is_function(format);
 }
 
+/// Messages name the .scad file and the place in its converted text.
+Model read_scad(const std::string& text, const std::string& path, const ReadOptions& options) {
+    model_reader::ConvertedScad converted = model_reader::convert_scad(path, text, options);
+    ReadOptions others = options;
+    others.definitions.clear();
+    Model model = parse_model(converted.csg, "csg", path + " (as .csg)", others);
+    model.source = path;
+    model.regions.front().name = std::filesystem::path(path).stem().string();
+    model.warnings.insert(model.warnings.begin(), converted.warnings.begin(), converted.warnings.end());
+    return model;
+}
+
 }  // namespace
 
 Model read_model(const std::string& path, const ReadOptions& options) {
     const std::string format = model_reader::format_of(path);
     // A missing file is a missing file, whatever its name.
     const std::string text = model_reader::read_file(path);
+    if (format == "scad") return read_scad(text, path, options);
     if (!is_known_format(format)) unknown_format(path, format);
     return parse_model(text, format, path, options);
 }
 
 Model parse_model(const std::string& text, const std::string& format, const std::string& source,
                   const ReadOptions& options) {
+    if (format == "scad") {
+        throw Error(ExitCode::kInput, source + ": a .scad file is read by its path only");
+    }
     if (!is_known_format(format)) unknown_format(source, format);
+    if (!options.definitions.empty()) {
+        throw Error(ExitCode::kUsage, source + ": --define is for OpenSCAD's .scad files only");
+    }
     if (options.extrude != 0 && !is_function(format)) {
         throw Error(ExitCode::kUsage,
                     source + ": --extrude is for functions of x and y (.vm, .frep, .formula) only");

@@ -134,13 +134,18 @@ enum class Facets : std::uint8_t {
 };
 
 struct ReadOptions {
-    Facets facets = Facets::kSmooth;  ///< .csg only
+    Facets facets = Facets::kSmooth;  ///< .csg and .scad only
     /// Height of the solid above a function of x and y alone (.vm, .frep, .formula); 0: refuse such a
     /// function.
     double extrude = 0;
+    /// .scad only: NAME=VALUE, each as if it stood at the end of the file.
+    std::vector<std::string> definitions;
+    /// .scad only: longest time for the program openscad, which converts it.
+    double conversion_seconds = 300;
 };
 
-/// Reads a model; the format follows from the extension (.csg, .geo, .stl, .obj, .off, .formula, .vm, .frep).
+/// Reads a model; the format follows from the extension (.csg, .scad, .geo, .stl, .obj, .off, .formula, .vm,
+/// .frep). A .scad file is converted by the program openscad, which must be installed.
 ///
 /// Throws Error(kFiles) if the file cannot be read and Error(kInput), with file:line:column, what was
 /// expected and what to do, for anything that is not understood. Nothing is skipped silently.
