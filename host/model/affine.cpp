@@ -60,6 +60,21 @@ Affine compose(const Affine& second, const Affine& first) {
     return result;
 }
 
+Affine inverse_of(const Affine& map) {
+    const Vec3 x = {map[0], map[4], map[8]};
+    const Vec3 y = {map[1], map[5], map[9]};
+    const Vec3 z = {map[2], map[6], map[10]};
+    const Vec3 origin = {map[3], map[7], map[11]};
+    const std::array<Vec3, 3> rows = {cross(y, z), cross(z, x), cross(x, y)};
+    const double determinant = dot(x, rows[0]);
+    Affine inverse{};
+    for (std::size_t k = 0; k < 3; ++k) {
+        for (std::size_t j = 0; j < 3; ++j) inverse[4 * k + j] = rows[k][j] / determinant;
+        inverse[4 * k + 3] = -dot(rows[k], origin) / determinant;
+    }
+    return inverse;
+}
+
 double relative_determinant(const Affine& map) {
     std::array<Vec3, 3> columns{};
     for (std::size_t k = 0; k < 3; ++k) {

@@ -24,6 +24,9 @@ Affine frame_along(const Vec3& axis, const Vec3& origin);
 /// first, then second.
 Affine compose(const Affine& second, const Affine& first);
 
+/// Precondition: regular.
+Affine inverse_of(const Affine& map);
+
 /// Determinant of the linear part after its columns were scaled to unit length: 1 for a map that keeps
 /// right angles, 0 for a singular one, whatever its scale. 0 if an entry is not finite.
 double relative_determinant(const Affine& map);

@@ -27,6 +27,7 @@ CsgOperand CsgScene::combined(CsgNode::Op op, std::vector<CsgOperand> operands) 
                                    [](const CsgOperand& operand) { return operand.kind == Kind::kSolid; });
     const Kind kind = solid ? Kind::kSolid : Kind::kFlat;
     std::vector<std::uint32_t> children;
+    SourceLocation where{};  // of the first operand that is something
     for (std::size_t i = 0; i < operands.size(); ++i) {
         CsgOperand& operand = operands[i];
         if (solid && operand.kind == Kind::kFlat) {
@@ -37,13 +38,13 @@ CsgOperand CsgScene::combined(CsgNode::Op op, std::vector<CsgOperand> operands) 
             operand.kind = Kind::kNothing;
         }
         if (operand.kind != Kind::kNothing) {
+            if (children.empty()) where = operand.where;
             children.push_back(operand.node);
         } else if (op == CsgNode::Op::kIntersection || (op == CsgNode::Op::kDifference && i == 0)) {
             return {};
         }
     }
     if (children.empty()) return {};
-    const SourceLocation where = operands[0].where;
     if (children.size() == 1) return {kind, children[0], where};
     return {kind,
             solid ? model.add_operation(op, std::move(children))

@@ -7,6 +7,7 @@
 
 #include "host/model/csg/csg_imports.hpp"
 #include "host/model/outlines/polygons.hpp"
+#include "host/model/solids/section.hpp"
 
 namespace mortise::model_reader {
 namespace {
@@ -262,12 +263,31 @@ CsgFinish read_resize(CsgScene&, const CsgNodeText& node) {
 }
 
 CsgFinish read_projection(CsgScene&, const CsgNodeText& node) {
+    if (const CsgArgument* file = node.arguments.find("file")) {
+        fail(node.source, file->where,
+             "'projection': the form with file = is not supported; use import() as its child");
+    }
+    refuse_unknown_arguments(node, {"cut", "convexity"}, 1);
     const bool cut = optional_boolean(node, "cut", 0);
     const SourceLocation where = node.where;
-    return [cut, where](CsgScene& scene, std::vector<CsgOperand>) -> CsgOperand {
-        fail_not_yet(scene.source, where,
-                     std::string("'projection' is not supported yet (the ") + (cut ? "section" : "shadow") +
-                         " of a solid)");
+    return [cut, where](CsgScene& scene, std::vector<CsgOperand> children) -> CsgOperand {
+        const bool flat = std::any_of(children.begin(), children.end(),
+                                      [](const CsgOperand& child) { return child.kind == Kind::kFlat; });
+        if (flat) {
+            scene.warn(where, "'projection' wants solids; 2D shapes among its children are left out");
+            children.erase(std::remove_if(children.begin(), children.end(),
+                                          [](const CsgOperand& child) { return child.kind == Kind::kFlat; }),
+                           children.end());
+        }
+        const CsgOperand child = scene.united(std::move(children));
+        if (child.kind == Kind::kNothing) return child;
+        const Wanted wanted{"projection", scene.source, where};
+        const std::optional<std::uint32_t> shape =
+            cut ? section(scene.model, child.node, kIdentity, node_boxes(scene.model, child.node), scene.flat,
+                          wanted)
+                : shadow(scene.model, child.node, scene.flat, wanted);
+        if (!shape) return {};
+        return {Kind::kFlat, *shape, where};
     };
 }
 

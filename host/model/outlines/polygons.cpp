@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 #include "mortise/error.hpp"
@@ -209,6 +210,15 @@ std::vector<Contours> components(const Contours& contours) {
     return result;
 }
 
+LatticePaths filled(const LatticePaths& paths, ClipperLib::PolyFillType rule) {
+    ClipperLib::Clipper clipper;
+    clipper.StrictlySimple(true);
+    clipper.AddPaths(paths, ClipperLib::ptSubject, true);
+    LatticePaths result;
+    clipper.Execute(ClipperLib::ctUnion, result, rule, rule);
+    return result;
+}
+
 }  // namespace
 
 PolygonLattice::PolygonLattice(double reach) : reach_(std::max(reach, kSmallest)) {
@@ -218,7 +228,7 @@ PolygonLattice::PolygonLattice(double reach) : reach_(std::max(reach, kSmallest)
     step_ = std::ldexp(1.0, std::ilogb(reach_) + 1 - kLatticeBits);
 }
 
-LatticePaths PolygonLattice::paths(const Contours& loops) const {
+LatticePaths PolygonLattice::rounded(const Contours& loops) const {
     LatticePaths rounded;
     for (const auto& loop : loops) {
         ClipperLib::Path path;
@@ -228,12 +238,40 @@ LatticePaths PolygonLattice::paths(const Contours& loops) const {
         }
         rounded.push_back(std::move(path));
     }
-    ClipperLib::Clipper clipper;
-    clipper.StrictlySimple(true);
-    clipper.AddPaths(rounded, ClipperLib::ptSubject, true);
-    LatticePaths result;
-    clipper.Execute(ClipperLib::ctUnion, result, ClipperLib::pftEvenOdd, ClipperLib::pftEvenOdd);
-    return result;
+    return rounded;
+}
+
+LatticePaths PolygonLattice::paths(const Contours& loops) const {
+    return filled(rounded(loops), ClipperLib::pftEvenOdd);
+}
+
+LatticePaths PolygonLattice::wound_paths(const Contours& loops) const {
+    // Clipper's time grows with the number of edges side by side: few loops at a time, then their unions.
+    constexpr std::size_t kFew = 32;
+    std::vector<LatticePaths> parts;
+    for (auto& path : rounded(loops)) {
+        if (parts.empty() || parts.back().size() == kFew) parts.emplace_back();
+        parts.back().push_back(std::move(path));
+    }
+    // Only outer loops may be united in parts: a hole stays with what it is a hole of.
+    const bool outer_only =
+        std::all_of(loops.begin(), loops.end(), [](const auto& loop) { return signed_area(loop) >= 0; });
+    if (!outer_only) {
+        LatticePaths all;
+        for (LatticePaths& part : parts) std::move(part.begin(), part.end(), std::back_inserter(all));
+        return filled(all, ClipperLib::pftPositive);
+    }
+    while (parts.size() > 1) {
+        std::vector<LatticePaths> next;
+        for (std::size_t i = 0; i < parts.size(); i += 2) {
+            LatticePaths pair = std::move(parts[i]);
+            if (i + 1 < parts.size())
+                std::move(parts[i + 1].begin(), parts[i + 1].end(), std::back_inserter(pair));
+            next.push_back(filled(pair, ClipperLib::pftPositive));
+        }
+        parts = std::move(next);
+    }
+    return parts.empty() ? LatticePaths{} : filled(parts[0], ClipperLib::pftPositive);
 }
 
 LatticePaths PolygonLattice::combined(FlatNode::Op op, std::vector<LatticePaths> operands) const {
@@ -292,6 +330,27 @@ Contours normalised(const Contours& loops) {
                kept.end());
     if (are_simple(kept, tolerance)) return nested(std::move(kept));
     return lattice.contours(lattice.paths(loops));
+}
+
+Contours wound(const Contours& loops) {
+    const double reach = reach_of(loops);
+    const double tolerance = kStraight * std::max(reach, kSmallest);
+    Contours kept = loops;
+    for (auto& loop : kept) straighten(loop, tolerance);
+    kept.erase(std::remove_if(kept.begin(), kept.end(), [](const auto& loop) { return loop.empty(); }),
+               kept.end());
+    const auto area = [](const Contours& contours) {
+        double sum = 0;
+        for (const auto& loop : contours) sum += signed_area(loop);
+        return sum;
+    };
+    if (are_simple(kept, tolerance)) {
+        // Outer loops and holes alternate already.
+        Contours result = nested(kept);
+        if (std::fabs(area(result) - area(kept)) <= tolerance * reach) return result;
+    }
+    const PolygonLattice lattice(reach);
+    return lattice.contours(lattice.wound_paths(loops));
 }
 
 namespace {

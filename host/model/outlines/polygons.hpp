@@ -20,12 +20,16 @@ class PolygonLattice {
 
     /// Rounds loops, even-odd, and resolves their crossings.
     LatticePaths paths(const Contours& loops) const;
+    /// Rounds oriented loops; what they wind around at least once.
+    LatticePaths wound_paths(const Contours& loops) const;
     LatticePaths combined(FlatNode::Op op, std::vector<LatticePaths> operands) const;
     /// Back to doubles: each outer loop followed by its holes; what is thinner than the rounding is dropped.
     Contours contours(const LatticePaths& paths) const;
     double step() const { return step_; }
 
   private:
+    LatticePaths rounded(const Contours& loops) const;
+
     double reach_;
     double step_;
 };
@@ -35,6 +39,9 @@ double signed_area(const std::vector<Vec2>& loop);
 /// Even-odd loops as simple loops that do not cross, ordered and oriented as FlatNode::contours, without
 /// collinear points. Loops that are simple and apart already keep their coordinates bit for bit.
 Contours normalised(const Contours& loops);
+
+/// Oriented loops (the inside on their left) as `normalised`: what they wind around at least once.
+Contours wound(const Contours& loops);
 
 enum class OffsetCorner { kRound, kMiter, kChamfer };
 
