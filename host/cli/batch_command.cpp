@@ -67,11 +67,17 @@ std::vector<Item> read_list(const Arguments& arguments) {
     return items;
 }
 
+/// Warnings of thousands of models would bury everything else: --json has them.
+std::string count_text(std::size_t warnings) {
+    if (warnings == 0) return {};
+    return "; " + std::to_string(warnings) + (warnings == 1 ? " warning" : " warnings");
+}
+
 /// What became of a model, as JSON from a worker: `report` as printed by --json, `line` for people.
 Json mesh_one(Mesher& mesher, const Arguments& arguments, const MeshOptions& options, const Item& item) {
     const auto start = Clock::now();
-    Json outcome = {{"code", 0}, {"line", ""}, {"warnings", Json::array()}};
-    Json document = {{"model", item.model}};
+    Json outcome = {{"code", 0}, {"line", ""}};
+    Json document = {{"model", item.model}, {"warnings", Json::array()}};
     const auto fail = [&](ExitCode code, const std::string& message) {
         outcome["code"] = static_cast<int>(code);
         outcome["line"] = one_line(message);
@@ -79,17 +85,19 @@ Json mesh_one(Mesher& mesher, const Arguments& arguments, const MeshOptions& opt
     };
     try {
         const Model model = read_model(item.model, arguments.read);
+        document["warnings"] = model.warnings;
         MeshReport report;
         const Mesh mesh = mesher.generate(model, options, &report);
         const MeshFigures figures = figures_of(mesh, report.scaled_jacobians);
-        outcome["warnings"] = report.warnings;
+        document["warnings"] = report.warnings;
         refuse_inverted(figures);
         if (arguments.check) refuse_defects(check_mesh(mesh));
         write_mesh(mesh, item.output, report.scaled_jacobians);
         if (arguments.json) document.update(mesh_document(mesh, report, figures));
         document["outputs"] = Json::array({item.output});
         outcome["line"] = item.model + ": " + std::to_string(mesh.element_count()) + " elements, " +
-                          short_number(seconds_since(start), 3) + " s, " + item.output;
+                          short_number(seconds_since(start), 3) + " s, " + item.output +
+                          count_text(report.warnings.size());
         refuse_below(mesh, report.scaled_jacobians, arguments.quality_floor);
     } catch (const Error& error) {
         fail(error.code(), error.what());
@@ -112,7 +120,6 @@ Json lost(const Item& item, int how) {
         item.model + ": its process " + end + "; please report it, if memory was not short";
     return {{"code", static_cast<int>(ExitCode::kMeshing)},
             {"line", line},
-            {"warnings", Json::array()},
             {"report",
              {{"model", item.model}, {"error", line}, {"exit_code", static_cast<int>(ExitCode::kMeshing)}}}};
 }
@@ -142,9 +149,6 @@ class Teller {
   private:
     void tell(Json& outcome) {
         progress_.clear();
-        const std::string model = items_[next_ - 1].model;
-        for (const auto& warning : outcome["warnings"])
-            progress_.warn(model + ": " + warning.get<std::string>());
         const auto code = static_cast<ExitCode>(outcome["code"].get<int>());
         const std::string line = outcome["line"];
         if (code != ExitCode::kOk) {

@@ -149,7 +149,9 @@ class Compiler {
             Frame& frame = stack.back();
             const CsgNode& node = model_.nodes[frame.node];
             if (!node.name.empty()) frame.name = &node.name;
-            if (node.max_size > 0) frame.size = std::min(frame.size, node.max_size);
+            for (const double size : {node.max_size, node.surface_size}) {
+                if (size > 0) frame.size = std::min(frame.size, size);
+            }
             if (node.op != CsgNode::Op::kPrimitive && frame.next < node.children.size()) {
                 const std::size_t i = frame.next++;
                 Frame child{node.children[i], frame.map, frame.negate, frame.name, frame.size, 0, {}};

@@ -85,6 +85,7 @@ struct CsgNode {
     Affine map = kIdentity;               ///< kTransform only
     std::string name;     ///< names the surfaces of the primitives below; the innermost non-empty name wins
     double max_size = 0;  ///< element size wanted on the surfaces below and inside; 0: none
+    double surface_size = 0;  ///< element size wanted on the surfaces below, not inside; 0: none
     /// A box known to hold the solid of this node, in its own frame: helps to find the model's bounds.
     std::optional<Box3> bounds;
     SourceLocation where;

@@ -78,6 +78,30 @@ TEST_CASE("batch: a model that fails costs itself only") {
     CHECK(Json::parse(objects[3])["exit_code"] == 6);
 }
 
+TEST_CASE("batch: warnings are counted; --json has them") {
+    const ScratchFolder scratch;
+    const std::string list = scratch.write(
+        "list.txt", scratch.write("one.csg", "cube(1); square(1);") + "\n" +
+                        scratch.write("two.csg", "cube(1); polygon(points = []); polyhedron();") + "\n" +
+                        asset("block.csg"));
+    const Outcome batch = run({"batch", list, "-o", scratch.file("meshes"), "--level", "3"});
+    CHECK(batch.code == 0);
+    CHECK(batch.err.empty());
+    const auto lines = lines_of(batch.out);
+    REQUIRE(lines.size() == 4);
+    CHECK(contains(lines[0], "one.vtu; 1 warning"));
+    CHECK_FALSE(contains(lines[0], "warnings"));
+    CHECK(contains(lines[1], "two.vtu; 2 warnings"));
+    CHECK_FALSE(contains(lines[2], "warning"));
+    const Outcome json = run({"batch", list, "-o", scratch.file("meshes"), "--level", "3", "--json"});
+    CHECK(json.err.empty());
+    const auto objects = lines_of(json.out);
+    REQUIRE(objects.size() == 3);
+    CHECK(Json::parse(objects[0])["warnings"].size() == 1);
+    CHECK(Json::parse(objects[1])["warnings"].size() == 2);
+    CHECK(Json::parse(objects[2])["warnings"].empty());
+}
+
 TEST_CASE("batch: bad command lines and lists") {
     const ScratchFolder scratch;
     const std::string list = scratch.write("list.txt", asset("block.csg") + "\n");

@@ -192,6 +192,30 @@ TEST_CASE("regions in order, with names, sizes and metadata") {
     CHECK_FALSE(model.clip);
 }
 
+TEST_CASE("tlo with a surface: sizes on the faces of a region, no region of its own") {
+    const Model model = read(
+        "solid top = plane(0,0,1;0,0,1); solid ball = sphere(0,0,0;2); solid a = ball and top;\n"
+        "solid b = ball and not top; solid far = plane(0,0,9;0,0,1);\n"
+        "tlo a; tlo b; tlo a top -maxh=0.25; tlo a top -maxh=0.5; tlo b ball -maxh=0.75 -col=[1,0,0];\n"
+        "tlo a far -maxh=1; tlo b top;\n");
+    CHECK(model.regions.size() == 2);
+    REQUIRE(model.warnings.size() == 1);
+    CHECK(model.warnings[0] == "m.geo:5:1: 'a' has no surface of that solid; its -maxh has no effect");
+    double plane = 0;
+    double sphere = 0;
+    for (const CsgNode& node : model.nodes) {
+        CHECK(node.max_size == 0);
+        if (node.op != CsgNode::Op::kPrimitive || node.surface_size == 0) continue;
+        (node.primitive.kind == Primitive::Kind::kConvex ? plane : sphere) += node.surface_size;
+    }
+    CHECK(plane == 0.25);
+    CHECK(sphere == 0.75);
+    CHECK(test::refusal("algebraic3d solid a = sphere(0,0,0;1); tlo a; tlo a a -maxh=0;", "geo")
+              .find("-maxh is 0") != std::string::npos);
+    CHECK(test::refusal("algebraic3d solid a = sphere(0,0,0;1); tlo a; tlo a b;", "geo").find("'b'") !=
+          std::string::npos);
+}
+
 TEST_CASE("boundingbox clips only if the file has one") {
     const Model model = read("solid a = plane(0,0,0;0,0,1); tlo a; boundingbox (-1, -2, -3; 4, 5, 6);");
     REQUIRE(model.clip);
@@ -291,7 +315,7 @@ TEST_CASE("statements that change nothing yet warn once per kind") {
         "define constant identprec = 1e-6\n"
         "point (1, 1, 1); stray");
     const char* expected[] = {"-bco",
-                              "'tlo' with a surface",
+                              "-bc",
                               "identify periodic",
                               "identify closesurfaces",
                               "singular face",

@@ -160,6 +160,18 @@ TEST_CASE("sizes of a .geo file: solids, parts of them, regions") {
     CHECK(sizer.in_size(0, 2, 2) == 0.8 / 4);
 }
 
+TEST_CASE("a size on surfaces alone is none of the region's") {
+    Model model;
+    const NodeIndex ball = add_ball(model, {0, 0, 0}, 0.5);
+    model.nodes[ball].surface_size = 0.1;
+    add_region(model, ball, "ball");
+    const tape::CompiledModel compiled = tape::compile(model);
+    CHECK(compiled.region_size.front() == std::numeric_limits<double>::infinity());
+    const tape::BoundModel bound = tape::bind(compiled, {-1, -1, -1}, 2);
+    REQUIRE(bound.surface_size.size() == 1);
+    CHECK(bound.surface_size[0] == 0.1 / 2);
+}
+
 TEST_CASE("surface and region sizes refine the leaves that hold them") {
     Model model;
     const NodeIndex part = add_ball(model, {0.3, 0, 0}, 0.2);

@@ -170,27 +170,32 @@ class GeoReader {
         return found->second;
     }
 
-    /// tlo NAME [flags] ;  or, for a surface region,  tlo NAME SURFACE [flags] ;
+    /// tlo NAME [flags] ;  or, for faces of a region,  tlo NAME SURFACE [flags] ;
     void read_region(SourceLocation where) {
         Region region;
         region.name = std::string(lexer_.token().text);
         region.root = take_solid("the name of a solid after 'tlo'");
         const bool is_surface = lexer_.token().kind == GeoToken::Kind::kName;
-        if (is_surface) take_solid("the name of a solid");
+        const std::uint32_t surface = is_surface ? take_solid("the name of a solid") : 0;
         std::string material;
         for (const GeoFlag& flag : lexer_.take_flags()) {
             if (flag.name == "maxh") {
                 region.max_size = positive_flag(flag);
             } else if (flag.name == "material") {
                 material = word_flag(flag);
-            } else if (!(is_surface && (flag.name == "bc" || flag.name == "bcname"))) {
+                if (is_surface) warn_of_flag(flag);
+            } else {
                 warn_of_flag(flag);
             }
         }
         if (!lexer_.is_symbol(';')) lexer_.fail_expected("';' or a flag after 'tlo " + region.name + "'");
         lexer_.next();
         if (is_surface) {
-            warn_once("surface region", where, "a 'tlo' with a surface is read but not used yet");
+            // No region of its own: a size on the faces, or display only.
+            if (region.max_size > 0 && !surfaces_.set_size(surface, region.root, region.max_size)) {
+                model_.warnings.push_back(place_text(source_, where) + "'" + region.name +
+                                          "' has no surface of that solid; its -maxh has no effect");
+            }
             return;
         }
         region.metadata = std::string(lexer_.trailing_comment());

@@ -68,15 +68,29 @@ void GeoSurfaces::set_face_conditions(std::uint32_t polyhedron, const std::vecto
     node.primitive.triangles = std::move(named);
 }
 
+std::vector<std::uint32_t> GeoSurfaces::common_primitives(std::uint32_t root, std::uint32_t region) const {
+    const std::vector<std::uint32_t> inside = reachable(region, false);
+    std::vector<std::uint32_t> found;
+    for (const std::uint32_t node : reachable(root, false)) {
+        const bool bounds = std::binary_search(inside.begin(), inside.end(), node);
+        if (bounds && model_.nodes[node].op == CsgNode::Op::kPrimitive) found.push_back(node);
+    }
+    return found;
+}
+
+bool GeoSurfaces::set_size(std::uint32_t root, std::uint32_t region, double size) {
+    const std::vector<std::uint32_t> targets = common_primitives(root, region);
+    for (const std::uint32_t node : targets) {
+        double& wish = model_.nodes[node].surface_size;
+        if (wish == 0 || size < wish) wish = size;
+    }
+    return !targets.empty();
+}
+
 bool GeoSurfaces::override_condition(std::uint32_t root, std::uint32_t region,
                                      const std::vector<std::uint32_t>& other_regions,
                                      const std::string& name) {
-    const std::vector<std::uint32_t> inside = reachable(region, false);
-    std::vector<std::uint32_t> targets;
-    for (const std::uint32_t node : reachable(root, false)) {
-        const bool bounds = std::binary_search(inside.begin(), inside.end(), node);
-        if (bounds && model_.nodes[node].op == CsgNode::Op::kPrimitive) targets.push_back(node);
-    }
+    const std::vector<std::uint32_t> targets = common_primitives(root, region);
     for (const std::uint32_t other : other_regions) {
         const std::vector<std::uint32_t> elsewhere = reachable(other, false);
         for (const std::uint32_t node : targets) {

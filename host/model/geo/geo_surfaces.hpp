@@ -28,6 +28,10 @@ class GeoSurfaces {
     bool override_condition(std::uint32_t root, std::uint32_t region,
                             const std::vector<std::uint32_t>& other_regions, const std::string& name);
 
+    /// Asks for elements of that size on the surfaces of `root` that bound `region` (a node); they may bound
+    /// other regions, too. False if there is none.
+    bool set_size(std::uint32_t root, std::uint32_t region, double size);
+
     /// Calls the surfaces of nodes [first, end) that have neither condition nor name after their solid.
     void set_solid(std::uint32_t first, const std::string& solid);
 
@@ -37,6 +41,8 @@ class GeoSurfaces {
 
   private:
     void set_primitive(std::uint32_t node, const std::string& name);
+    /// Primitives below both nodes.
+    std::vector<std::uint32_t> common_primitives(std::uint32_t root, std::uint32_t region) const;
     /// Nodes reachable from `root`, ascending. With `open_only`, not below a settled node.
     std::vector<std::uint32_t> reachable(std::uint32_t root, bool open_only) const;
     void grow() { settled_.resize(model_.nodes.size(), 0); }
