@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "host/common/parallel.hpp"
+#include "host/improve/clash.hpp"
 
 namespace mortise::improve {
 namespace {
@@ -40,6 +41,7 @@ class Improver {
     void pass(int pairing, int shift, Counters& counters) {
         group(pairing, kBlockCells / kShifts * shift);
         find_free_nodes();
+        const std::vector<Point> before = zone_.points;
         std::vector<std::vector<Tetrahedron>> results(groups_.size());
         const auto threads = static_cast<std::size_t>(thread_count(options_.threads));
         std::vector<std::vector<std::uint32_t>> place(threads);
@@ -57,7 +59,7 @@ class Improver {
             // Whatever goes wrong in a block, the mesh stays valid: the block is done again more carefully,
             // or left as it was.
             BlockOptions tried = block_options;
-            for (int attempt = 0; attempt < 3; ++attempt) {
+            for (int attempt = 0; attempt < 2; ++attempt) {
                 block.counters = {};
                 block.load(zone_, group.tetrahedra, group.pyramids, free_, scratch);
                 block.run(tried);
@@ -66,20 +68,16 @@ class Improver {
                     counted[begin] = block.counters;
                     return;
                 }
-                tried.move_boundary = tried.change_boundary;
                 tried.change_boundary = false;
+                tried.move_boundary = false;
                 counted[begin].repeated = 1;
             }
             for (const std::uint32_t i : group.tetrahedra) results[begin].push_back(zone_.tetrahedra[i]);
             counted[begin].given_up = 1;
         });
-        std::vector<Tetrahedron> all;
+        std::vector<Tetrahedron> all = join(results);
+        while (revert_clashes(before, all, results, counted)) all = join(results);
         for (std::size_t g = 0; g < groups_.size(); ++g) {
-            if (groups_[g].poor) {
-                all.insert(all.end(), results[g].begin(), results[g].end());
-            } else {
-                for (const std::uint32_t i : groups_[g].tetrahedra) all.push_back(zone_.tetrahedra[i]);
-            }
             counters.block.collapsed += counted[g].collapsed;
             counters.block.swapped += counted[g].swapped;
             counters.block.moved += counted[g].moved;
@@ -132,6 +130,40 @@ class Improver {
                            [&](const auto& tip) { return tip.first == n && zone_.points[n] != tip.second; });
     }
 
+    /// The tetrahedra of all blocks, new or as they were; sets first_.
+    std::vector<Tetrahedron> join(const std::vector<std::vector<Tetrahedron>>& results) {
+        std::vector<Tetrahedron> all;
+        first_.assign(1, 0);
+        for (std::size_t g = 0; g < groups_.size(); ++g) {
+            if (groups_[g].poor) {
+                all.insert(all.end(), results[g].begin(), results[g].end());
+            } else {
+                for (const std::uint32_t i : groups_[g].tetrahedra) all.push_back(zone_.tetrahedra[i]);
+            }
+            first_.push_back(all.size());
+        }
+        return all;
+    }
+
+    /// Takes back what blocks have done that do not go together; false if there are none.
+    bool revert_clashes(const std::vector<Point>& before, const std::vector<Tetrahedron>& all,
+                        std::vector<std::vector<Tetrahedron>>& results, std::vector<BlockCounters>& counted) {
+        std::vector<std::uint32_t> clashing = find_clashes(
+            {before, zone_.points, owner_, kMixed, all, first_}, kSameNode * zone_.unit, options_.threads);
+        const auto is_done = [&](std::uint32_t g) { return !groups_[g].poor || counted[g].given_up != 0; };
+        clashing.erase(std::remove_if(clashing.begin(), clashing.end(), is_done), clashing.end());
+        for (const std::uint32_t g : clashing) {
+            results[g].clear();
+            for (const std::uint32_t i : groups_[g].tetrahedra) results[g].push_back(zone_.tetrahedra[i]);
+            counted[g] = {};
+            counted[g].given_up = 1;
+        }
+        for (std::size_t n = 0; n < before.size() && !clashing.empty(); ++n) {
+            if (std::binary_search(clashing.begin(), clashing.end(), owner_[n])) zone_.points[n] = before[n];
+        }
+        return !clashing.empty();
+    }
+
     void group(int pairing, double shift) {
         const std::size_t tetrahedra = zone_.tetrahedra.size();
         std::vector<std::pair<std::uint64_t, std::uint32_t>> order(tetrahedra + zone_.pyramids.size());
@@ -163,9 +195,9 @@ class Improver {
     }
 
     void find_free_nodes() {
-        std::vector<std::uint32_t> owner(zone_.points.size(), kNone);
+        owner_.assign(zone_.points.size(), kNone);
         const auto use = [&](ZoneNode n, std::uint32_t group) {
-            owner[n] = owner[n] == kNone || owner[n] == group ? group : kMixed;
+            owner_[n] = owner_[n] == kNone || owner_[n] == group ? group : kMixed;
         };
         for (std::uint32_t g = 0; g < groups_.size(); ++g) {
             for (const std::uint32_t i : groups_[g].tetrahedra) {
@@ -176,13 +208,15 @@ class Improver {
             }
         }
         free_.assign(zone_.points.size(), 0);
-        for (std::size_t i = 0; i < owner.size(); ++i) free_[i] = owner[i] < kMixed && zone_.frozen[i] == 0;
+        for (std::size_t i = 0; i < owner_.size(); ++i) free_[i] = owner_[i] < kMixed && zone_.frozen[i] == 0;
     }
 
     Zone& zone_;
     const Surfaces& surfaces_;
     const Options& options_;
     std::vector<Group> groups_;
+    std::vector<std::size_t> first_;    ///< per group, and behind the last: its first tetrahedron after join
+    std::vector<std::uint32_t> owner_;  ///< per node its group; kMixed: several; kNone: not used
     std::vector<std::uint8_t> free_;
 };
 

@@ -2,11 +2,10 @@
 #include <numeric>
 
 #include "host/improve/block.hpp"
+#include "host/improve/clash.hpp"
 
 namespace mortise::improve {
 namespace {
-
-constexpr double kSameNode = 1e-9;  ///< finest leaves: nodes closer than this coincide
 
 /// Bits of a node's number in the key of a face.
 constexpr int kNodeBits = 21;

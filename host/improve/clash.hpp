@@ -1,0 +1,31 @@
+// Blocks whose results do not go together.
+//
+// Blocks do not know each other. Where skins or slivers lie closer together than positions can tell, two of
+// them may move nodes onto one place, or make one face anew, each on its own without fault.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "host/improve/zone.hpp"
+
+namespace mortise::improve {
+
+/// Nodes closer than this coincide: finest leaves.
+inline constexpr double kSameNode = 1e-9;
+
+/// What a pass over the blocks has made.
+struct PassResult {
+    const std::vector<Point>& before;         ///< positions before the pass
+    const std::vector<Point>& after;          ///< and now
+    const std::vector<std::uint32_t>& owner;  ///< per node its block, or `shared` and above
+    std::uint32_t shared;
+    const std::vector<Tetrahedron>& tetrahedra;  ///< block by block
+    const std::vector<std::size_t>& first;       ///< per block, and behind the last: its first tetrahedron
+};
+
+/// Blocks with a node that has come to lie on another block's, or with a face between shared nodes that has
+/// more than two tetrahedra, or two on one side; ascending. The result does not depend on `threads`.
+std::vector<std::uint32_t> find_clashes(const PassResult& pass, double same, int threads);
+
+}  // namespace mortise::improve
