@@ -272,3 +272,45 @@ TEST_CASE("bounds hold the solid, tightly where they are searched for, and say w
     add_region(slabs, intersect(slabs, {low, high, side}), "slabs");
     CHECK(!message(slabs).empty());
 }
+
+TEST_CASE("surfaces within the merge distance everywhere are one, with the right sign") {
+    const double distance = 1e-6;  // of the root cube
+    const auto count = [&](const Model& model, double merge) {
+        const tape::CompiledModel compiled = tape::compile(model);
+        return tape::bind(compiled, {-4, -4, -4}, 8, merge).surfaces.size();
+    };
+    const auto box = [](Model& m) { return add_box(m, {-1, -1, -1}, {1, 1, 1}); };
+    const auto ball = [](Model& m) { return add_ball(m, {0.3, 0.1, -0.2}, 1.1); };
+    const auto rod = [](Model& m) { return add_cylinder(m, 0.7, -2, 2); };
+    for (const double shift : {0.3, 3.0}) {
+        CAPTURE(shift);
+        const double by = shift * distance * 8;  // in model units
+        const bool merges = shift < 1;
+        const Affine along = {1, 0, 0, by, 0, 1, 0, by, 0, 0, 1, by};
+        CHECK(count(pair_of(box, along), 0) == 12);
+        CHECK(count(pair_of(box, along), distance) == (merges ? 6 : 12));
+        CHECK(count(pair_of(ball, along), 0) == 2);
+        CHECK(count(pair_of(ball, along), distance) == (merges ? 1 : 2));
+        CHECK(count(pair_of(rod, along), 0) == 6);
+        CHECK(count(pair_of(rod, along), distance) == (merges ? 3 : 6));
+    }
+    // A turn by an angle that moves the cube's far end by more than the distance keeps planes apart.
+    CHECK(count(pair_of(box, rotation({0, 0, 1}, 1e-5)), distance) > 6);
+
+    // Two boxes with a gap between them far below the distance become one: the planes cancel.
+    Model gap;
+    const NodeIndex left = add_box(gap, {-1, -1, -1}, {0, 1, 1});
+    const NodeIndex right = add_box(gap, {1e-7, -1, -1}, {1, 1, 1});
+    add_region(gap, unite(gap, {left, right}), "both");
+    const tape::CompiledModel compiled = tape::compile(gap);
+    const tape::BoundModel apart = tape::bind(compiled, {-4, -4, -4}, 8);
+    const tape::BoundModel merged = tape::bind(compiled, {-4, -4, -4}, 8, distance);
+    CHECK(apart.surfaces.size() == 8);
+    CHECK(merged.surfaces.size() == 7);
+    CHECK(merged.nearly_equal == 1);
+    const double middle[3] = {0.5 + 0.5e-7 / 8, 0.5, 0.5};
+    CHECK(tape::region_at(apart, middle[0], middle[1], middle[2]) == 0);
+    CHECK(tape::region_at(merged, 0.5 + 1e-6, 0.5, 0.5) == 1);
+    CHECK(tape::region_at(merged, 0.5 - 1e-6, 0.5, 0.5) == 1);
+    CHECK(tape::region_at(merged, 0.5, 0.7, 0.5) == 0);
+}
