@@ -10,6 +10,10 @@ constexpr std::uint64_t kMostTries = 4;
 /// Qualities computed per tetrahedron of the block, at most; ordinary blocks need less than 100, those full
 /// of slivers between nearly coincident surfaces more than 800, in vain.
 constexpr std::uint64_t kMostEvaluations = 100;
+constexpr int kLookAheads = 4;
+/// Trials of several steps in a block, at most; one per 16 tetrahedra are enough for ordinary parts.
+constexpr std::uint64_t kLeastTrials = 64;
+constexpr std::uint64_t kTetrahedraPerTrial = 16;
 constexpr std::uint8_t kEdgeEnds[6][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
 
 std::array<std::uint32_t, 3> sorted_face(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
@@ -87,6 +91,7 @@ void Block::load(const Zone& zone, const std::vector<std::uint32_t>& tetrahedra,
     seen_at_.assign(points_.size(), 0);
     tried_.assign(tetrahedra_.size(), 0);
     for (std::size_t i = 0; i < tetrahedra_.size(); ++i) tried_[i] = tetrahedra_[i].stuck ? 1 : 0;
+    looked_ = tried_;
     if (star_.size() < points_.size()) star_.resize(points_.size());
     if (pyramid_star_.size() < points_.size()) pyramid_star_.resize(points_.size());
     for (std::size_t i = 0; i < tetrahedra_.size(); ++i) {
@@ -139,6 +144,15 @@ void Block::touch(Local node) {
 
 void Block::apply(const Change& change) {
     ++clock_;
+    if (running_.on) {
+        for (const std::uint32_t i : change.removed) note_tetrahedron(i);
+        Trial::Step step;
+        step.removed = change.removed;
+        step.first_added = tetrahedra_.size();
+        for (const Change::Retag& r : change.retagged)
+            step.tags.push_back({r.tetrahedron, r.face, tetrahedra_[r.tetrahedron].tag[r.face]});
+        running_.steps.push_back(std::move(step));
+    }
     for (const std::uint32_t i : change.removed) {
         alive_[i] = 0;
         for (const Local n : tetrahedra_[i].node) {
@@ -153,6 +167,7 @@ void Block::apply(const Change& change) {
         tetrahedra_.push_back(t);
         alive_.push_back(1);
         tried_.push_back(0);
+        looked_.push_back(0);
         for (const Local n : t.node) {
             star_[n].push_back(i);
             changed_[n] = clock_;
@@ -302,18 +317,13 @@ bool Block::improve(std::uint32_t tetrahedron) {
     return moved;
 }
 
-void Block::run(const BlockOptions& options) {
-    options_ = options;
-    project_nodes();
-    collapse_short_edges();
-    // Where the model itself has no room for good elements, the search must end.
-    const std::uint64_t most = kMostTries * tetrahedra_.size();
-    const std::uint64_t most_evaluated = evaluated_ + kMostEvaluations * tetrahedra_.size();
-    for (int round = 0; round < options.rounds && counters.tried < most; ++round) {
+/// Sweeps over the poor elements.
+void Block::sweep() {
+    for (int round = 0; round < options_.rounds && counters.tried < most_tried_; ++round) {
         bool changed = false;
         for (std::uint32_t i = 0; i < tetrahedra_.size(); ++i) {
-            if (evaluated_ > most_evaluated) break;
-            if (alive_[i] == 0 || tetrahedra_[i].quality >= options.target || !has_changed(i)) continue;
+            if (evaluated_ > most_evaluated_) break;
+            if (alive_[i] == 0 || tetrahedra_[i].quality >= options_.target || !has_changed(i)) continue;
             ++counters.tried;
             if (improve(i)) {
                 changed = true;
@@ -322,11 +332,30 @@ void Block::run(const BlockOptions& options) {
             }
         }
         for (const auto& p : pyramids_) {
-            if (!options.reposition || pyramid_quality(corners(p)) >= options.target) continue;
+            if (!options_.reposition || pyramid_quality(corners(p)) >= options_.target) continue;
             for (const Local n : p) changed = smooth(n) || changed;
         }
         if (!changed) break;
     }
+}
+
+void Block::run(const BlockOptions& options) {
+    options_ = options;
+    const bool all_placed = project_nodes();
+    collapse_short_edges();
+    // Where the model itself has no room for good elements, the search must end.
+    most_tried_ = kMostTries * tetrahedra_.size();
+    most_evaluated_ = evaluated_ + kMostEvaluations * tetrahedra_.size();
+    trials_left_ = options.look_ahead ? kLeastTrials + tetrahedra_.size() / kTetrahedraPerTrial : 0;
+    const auto mend = [&] {
+        sweep();
+        for (int again = 0; again < kLookAheads && !is_spent() && look_ahead_all(); ++again) sweep();
+    };
+    mend();
+    if (all_placed || is_hopeless()) return;
+    // Nodes that could not be put on their stratum may have room there now.
+    project_nodes();
+    mend();
 }
 
 }  // namespace mortise::improve

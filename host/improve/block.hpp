@@ -29,6 +29,7 @@ struct BlockOptions {
     bool reposition = true;        ///< move nodes (besides their projection onto the model)
     bool change_boundary = true;   ///< false: facets stay as they are
     bool move_boundary = true;     ///< false: their nodes do, too
+    bool look_ahead = true;        ///< changes of several steps
     double target = kGoodQuality;  ///< elements at least this good are left alone
     int rounds = 6;
 };
@@ -38,6 +39,7 @@ struct BlockCounters {
     std::uint64_t collapsed = 0;
     std::uint64_t swapped = 0;  ///< edges and faces removed
     std::uint64_t moved = 0;
+    std::uint64_t compound = 0;  ///< changes of several steps (lookahead.cpp)
     std::uint64_t tried = 0;     ///< elements for which changes were sought
     std::uint64_t repeated = 0;  ///< blocks that were done again with facets, or their nodes, left alone
     std::uint64_t given_up = 0;  ///< blocks that were left as they were
@@ -126,14 +128,34 @@ class Block {
     double alignment(std::uint32_t surface, const Point& a, const Point& b, const Point& c) const;
     bool is_plane(std::uint32_t surface) const { return surfaces_.is_plane(surface); }
     bool improve(std::uint32_t tetrahedron);
+    void sweep();
+    bool is_spent() const { return counters.tried >= most_tried_ || evaluated_ > most_evaluated_; }
     bool has_changed(std::uint32_t tetrahedron) const;
     void touch(Local node);
     void collapse_short_edges();
+
+    // lookahead.cpp
+    struct Candidate;
+    bool is_hopeless() const;
+    bool look_ahead_all();
+    bool look_ahead(std::uint32_t tetrahedron);
+    void gather_candidates(std::uint32_t tetrahedron, std::vector<Candidate>& candidates);
+    bool examine(const Candidate& candidate, std::uint32_t tetrahedron, Change& change);
+    bool finish_trial();
+    void begin_trial();
+    void undo_trial();
+    double worst_sag(std::uint32_t tetrahedron) const;
+    bool trial_stays_close() const;
+    void note_tetrahedron(std::uint32_t tetrahedron);
+    void note_move(Local node);
 
     // collapse.cpp
     bool examine_collapse(Local gone, Local kept, bool good_will_do, double better_than, Change& change);
     bool facets_stay_aligned(Local gone, Local kept) const;
     bool examine_ear(Local gone, Change& change);
+    bool ear_leaves_crease(std::uint32_t ear, std::size_t gone, std::size_t single) const;
+    bool is_narrow(std::uint32_t tetrahedron, std::size_t face) const;
+    bool chord_is_close(Local gone, Local a, Local b) const;
     bool edge_is_on_stratum(Local gone, Local kept) const;
     std::size_t count_feature_edges(Local node);
     bool links_allow(Local gone, Local kept);
@@ -149,7 +171,7 @@ class Block {
                       Change& change);
 
     // smooth.cpp
-    void project_nodes();
+    bool project_nodes();
     bool smooth(Local node);
     void gather_views(Local node);
     double quality_at(const Point& p, double enough);
@@ -189,6 +211,35 @@ class Block {
         spokes_;  ///< neighbour, surface of a facet at the edge to it
     std::vector<std::array<Point, 3>> views_;
     mutable std::uint64_t evaluated_ = 0;  ///< qualities computed
+    std::uint64_t most_evaluated_ = 0;     ///< until they are these,
+    std::uint64_t most_tried_ = 0;         ///< or so many searches are made, the block is worked on
+
+    /// A change must lift the worst quality by this factor: kLeastGain, but for the first step of a trial.
+    double least_gain_ = kLeastGain;
+
+    /// Changes that are undone unless the worst element that they touch gets better.
+    struct Trial {
+        struct Step {
+            std::vector<std::uint32_t> removed;
+            std::size_t first_added;
+            std::vector<Change::Retag> tags;  ///< as they were
+            Local moved = kNone;
+            Point from{};
+        };
+        bool on = false;
+        double before = 0;                   ///< worst quality of what has been touched, as it was
+        double sag = 0;                      ///< largest distance of its facets from curved surfaces
+        std::vector<std::uint32_t> touched;  ///< elements that were there and have been touched
+        std::vector<std::uint32_t> pyramids;
+        std::vector<Step> steps;
+        std::size_t tetrahedra = 0;  ///< how many there were
+        std::uint32_t clock = 0;
+        std::vector<std::uint32_t> changed, rested, tried;
+        BlockCounters counters;
+    };
+    Trial running_;
+    std::uint64_t trials_left_ = 0;
+    std::vector<std::uint32_t> looked_;  ///< per tetrahedron: when looking ahead from it was last in vain
 };
 
 }  // namespace mortise::improve

@@ -265,33 +265,62 @@ bool Block::facets_stay_aligned(Local gone, Local kept) const {
     return true;
 }
 
-/// A tetrahedron with three facets of one surface at a node that only it has: it goes, and its fourth face
-/// becomes the facet.
+/// Whether a crease's edge between two nodes, without the node `gone` between them, would stay close to its
+/// surfaces: as a chord, or no farther than one of the three.
+bool Block::chord_is_close(Local gone, Local a, Local b) const {
+    const Point middle = 0.5 * (points_[a] + points_[b]);
+    const double limit = std::max(kChordError * length(points_[a] - points_[b]), kOffSurface * size_[gone]);
+    const auto distance = [&](std::uint32_t surface, const Point& x) {
+        const Surfaces::Sample s = surfaces_.sample(surface, x);
+        return s.valid ? std::fabs(s.value) / length(s.gradient) : HUGE_VAL;
+    };
+    return std::all_of(strata_[gone].begin(), strata_[gone].end(), [&](std::uint32_t surface) {
+        const double off = distance(surface, middle);
+        if (off <= limit) return true;
+        const Local nodes[3] = {gone, a, b};
+        return std::any_of(nodes, nodes + 3, [&](Local n) {
+            const double d = distance(surface, points_[n]);
+            return off <= d && d < HUGE_VAL;
+        });
+    });
+}
+
+/// A tetrahedron with three facets at a node that only it has: it goes, and its fourth face becomes the
+/// facet. Either all lie on one surface, or the node lies on a crease: that then runs along the edge
+/// opposite, from the one facet on the other surface to the next behind it.
 bool Block::examine_ear(Local gone, Change& change) {
     const std::uint32_t ear = star_[gone].front();
     const Tetrahedron& t = tetrahedra_[ear];
     const auto ig = static_cast<std::size_t>(std::find(t.node.begin(), t.node.end(), gone) - t.node.begin());
-    const FaceTag tag = t.tag[(ig + 1) % 4];
+    const std::size_t at[3] = {(ig + 1) % 4, (ig + 2) % 4, (ig + 3) % 4};
+    // The tag that two facets have at least.
+    const FaceTag tag = t.tag[at[0]] == t.tag[at[1]] ? t.tag[at[0]] : t.tag[at[2]];
     if (t.tag[ig] != 0 || tag == 0 || (tag & kTagInterface) != 0) return false;
-    for (std::size_t f = 0; f < 4; ++f) {
-        if (f != ig && t.tag[f] != tag) return false;
+    std::size_t single = 4;
+    for (const std::size_t f : at) {
+        if (t.tag[f] == tag) continue;
+        if (single != 4) return false;
+        single = f;
     }
     const std::uint32_t other = across(ear, ig);
     if (other == kNone || !options_.change_boundary) return false;
+    if (single != 4 && !ear_leaves_crease(ear, ig, single)) return false;
     const std::uint32_t surface = tag_surface(tag);
     const auto faces_surface = [&](std::size_t f, bool inward) {
         const auto& o = kOpposite[f];
         return alignment(surface, points_[t.node[o[0]]], points_[t.node[o[inward ? 2 : 1]]],
                          points_[t.node[o[inward ? 1 : 2]]]);
     };
-    // The new facet looks the other way than the ear's own face.
-    double before = 0;
-    for (std::size_t f = 0; f < 4; ++f) {
-        if (f != ig && std::fabs(faces_surface(f, false)) > std::fabs(before))
-            before = faces_surface(f, false);
+    if (!is_narrow(ear, ig)) {
+        // The new facet looks the other way than the ear's own face.
+        double before = 0;
+        for (const std::size_t f : at) {
+            if (t.tag[f] == tag && std::fabs(faces_surface(f, false)) > std::fabs(before))
+                before = faces_surface(f, false);
+        }
+        const double sign = before < 0 ? -1 : 1;
+        if (!(sign * faces_surface(ig, true) >= std::min(kLeastAlignment, sign * before))) return false;
     }
-    const double sign = before < 0 ? -1 : 1;
-    if (!(sign * faces_surface(ig, true) >= std::min(kLeastAlignment, sign * before))) return false;
     change.clear();
     change.collapse = true;
     change.before = t.quality;
@@ -301,6 +330,49 @@ bool Block::examine_ear(Local gone, Change& change) {
         if (!has(t.node, n[f])) change.retagged.push_back({other, f, tag});
     }
     return true;
+}
+
+/// Whether a face is so narrow that its direction means nothing.
+bool Block::is_narrow(std::uint32_t tetrahedron, std::size_t face) const {
+    const auto& node = tetrahedra_[tetrahedron].node;
+    const auto& o = kOpposite[face];
+    const Point u = points_[node[o[1]]] - points_[node[o[0]]];
+    const Point v = points_[node[o[2]]] - points_[node[o[0]]];
+    const double longest = std::max({squared_length(u), squared_length(v), squared_length(v - u)});
+    const double tiny = kTinyFacet * std::min({size_[node[o[0]]], size_[node[o[1]]], size_[node[o[2]]]});
+    return squared_length(cross(u, v)) < tiny * tiny * longest;
+}
+
+/// Whether the crease through an ear's node may take the edge of the ear's only facet on one of the two
+/// surfaces.
+bool Block::ear_leaves_crease(std::uint32_t ear, std::size_t gone, std::size_t single) const {
+    const Tetrahedron& t = tetrahedra_[ear];
+    const FaceTag tag = t.tag[single];
+    const std::vector<std::uint32_t>& on = strata_[t.node[gone]];
+    if (tag == 0 || (tag & kTagInterface) != 0 || on.size() != 2) return false;
+    Local ends[2] = {kNone, kNone};
+    std::size_t count = 0;
+    for (std::size_t f = 0; f < 4; ++f) {
+        if (f != gone && f != single) ends[count++] = t.node[f];
+    }
+    for (const Local end : ends) {
+        if (!std::includes(strata_[end].begin(), strata_[end].end(), on.begin(), on.end())) return false;
+    }
+    const Local seen = free_[ends[0]] != 0 ? ends[0] : ends[1];
+    if (free_[seen] == 0 || !chord_is_close(t.node[gone], ends[0], ends[1])) return false;
+    // The facet behind the edge: there must be one, of the same surface.
+    std::size_t facets = 0;
+    bool same = true;
+    for (const std::uint32_t i : star_[seen]) {
+        const Tetrahedron& u = tetrahedra_[i];
+        if (i == ear || !has(u.node, ends[0]) || !has(u.node, ends[1])) continue;
+        for (std::size_t f = 0; f < 4; ++f) {
+            if (u.tag[f] == 0 || u.node[f] == ends[0] || u.node[f] == ends[1]) continue;
+            ++facets;
+            same = same && u.tag[f] == tag;
+        }
+    }
+    return facets == 1 && same;
 }
 
 bool Block::examine_collapse(Local gone, Local kept, bool good_will_do, double better_than, Change& change) {
@@ -324,7 +396,8 @@ bool Block::examine_collapse(Local gone, Local kept, bool good_will_do, double b
     }
     // A short edge may go if nothing gets worse: the mesh gets simpler, and other changes get room.
     const bool is_short = is_short_edge(gone, kept);
-    change.needed = std::max(change.before * (is_short ? kEqual : kLeastGain), kLowestQuality);
+    change.needed =
+        std::max(change.before * std::min(least_gain_, is_short ? kEqual : kLeastGain), kLowestQuality);
     if (good_will_do) change.needed = std::min(change.needed, options_.target);
     change.needed = std::max(change.needed, better_than);
     for (const std::uint32_t i : star_[gone]) {
@@ -377,13 +450,7 @@ bool Block::examine_collapse(Local gone, Local kept, bool good_will_do, double b
             const Tetrahedron& t = tetrahedra_[i];
             for (const Local n : t.node) {
                 if (n == gone || n == kept || strata_[n].size() < 2 || !edge_is_on_stratum(gone, n)) continue;
-                const Point middle = 0.5 * (points_[n] + points_[kept]);
-                const double limit =
-                    std::max(kChordError * length(points_[n] - points_[kept]), kOffSurface * size_[gone]);
-                for (const std::uint32_t surface : strata_[gone]) {
-                    const Surfaces::Sample s = surfaces_.sample(surface, middle);
-                    if (!s.valid || !(std::fabs(s.value) <= limit * length(s.gradient))) return false;
-                }
+                if (!chord_is_close(gone, n, kept)) return false;
             }
         }
     }

@@ -15,6 +15,9 @@ constexpr double kBlockCells = 16;
 constexpr int kShifts = 4;
 /// Bits of a block's place along an axis in its key.
 constexpr int kPlaceBits = 20;
+/// What stays poor is often held by the border of the zone: a second zone has its border elsewhere.
+constexpr int kRuns = 2;
+constexpr std::size_t kTetrahedraPerPoor = 16;
 constexpr std::uint32_t kMixed = 0xfffffffeu;
 
 struct Group {
@@ -59,7 +62,7 @@ class Improver {
             // Whatever goes wrong in a block, the mesh stays valid: the block is done again more carefully,
             // or left as it was.
             BlockOptions tried = block_options;
-            for (int attempt = 0; attempt < 2; ++attempt) {
+            for (int attempt = 0; attempt < 3; ++attempt) {
                 block.counters = {};
                 block.load(zone_, group.tetrahedra, group.pyramids, free_, scratch);
                 block.run(tried);
@@ -68,8 +71,9 @@ class Improver {
                     counted[begin] = block.counters;
                     return;
                 }
-                tried.change_boundary = false;
-                tried.move_boundary = false;
+                tried.change_boundary = tried.look_ahead;
+                tried.move_boundary = tried.look_ahead;
+                tried.look_ahead = false;
                 counted[begin].repeated = 1;
             }
             for (const std::uint32_t i : group.tetrahedra) results[begin].push_back(zone_.tetrahedra[i]);
@@ -81,11 +85,19 @@ class Improver {
             counters.block.collapsed += counted[g].collapsed;
             counters.block.swapped += counted[g].swapped;
             counters.block.moved += counted[g].moved;
+            counters.block.compound += counted[g].compound;
             counters.block.tried += counted[g].tried;
             counters.block.repeated += counted[g].repeated;
             counters.block.given_up += counted[g].given_up;
         }
         zone_.tetrahedra = std::move(all);
+    }
+
+    /// Whether so much is poor that the model itself must be the reason.
+    bool is_hopeless() const {
+        const auto poor = std::count_if(zone_.tetrahedra.begin(), zone_.tetrahedra.end(),
+                                        [](const Tetrahedron& t) { return t.quality < kGoodQuality; });
+        return static_cast<std::size_t>(poor) > zone_.tetrahedra.size() / kTetrahedraPerPoor;
     }
 
     bool is_done() const {
@@ -230,16 +242,21 @@ Mesh improve(Mesh mesh, const tape::BoundModel& model, const Options& options, C
     frame.level = options.level;
     if (options.leaves != nullptr && !options.leaves->is_uniform()) frame.leaves = options.leaves;
     const Surfaces surfaces(model, options.level);
-    Zone zone = open_zone(mesh, frame, surfaces, find_tips(model, options.level), options.threads);
+    const std::vector<Tip> tips = find_tips(model, options.level);
     Counters local;
-    local.zone_elements = zone.tetrahedra.size() + zone.pyramids.size();
-    if (!zone.tetrahedra.empty()) {
+    for (int run = 0; run < kRuns; ++run) {
+        Zone zone = open_zone(mesh, frame, surfaces, tips, options.threads);
+        if (zone.tetrahedra.empty()) break;
+        local.zone_elements += zone.tetrahedra.size() + zone.pyramids.size();
         Improver improver(zone, surfaces, options);
         const int passes = improver.is_graded() ? 2 * kShifts : kShifts;
         for (int pass = 0; pass < passes && (pass == 0 || !improver.is_done()); ++pass) {
             improver.pass(pass / kShifts, pass % kShifts, local);
         }
+        const bool done = improver.is_done() || improver.is_hopeless();
         mesh = close_zone(std::move(mesh), frame, zone, options.threads);
+        if (done) break;
+        frame.on_lattice = false;
     }
     if (counters != nullptr) *counters = local;
     return mesh;

@@ -65,13 +65,14 @@ Element element(const Mesh& mesh, int t, std::size_t i) {
             size};
 }
 
-/// Nodes lie on the lattice of 2^-26 of a finest cell: rounding takes away what the map to model coordinates
-/// added. Adding and subtracting 1.5 × 2^52 rounds as std::rint does, without a call.
+/// Nodes lie on the lattice of 2^-26 of a finest cell, until they are improved: rounding takes away what the
+/// map to model coordinates added. Adding and subtracting 1.5 × 2^52 rounds as std::rint does, without a
+/// call.
 Point in_cells(const Mesh& mesh, const CellFrame& frame, NodeId node) {
     Point p;
     for (std::size_t j = 0; j < 3; ++j) {
         const double x = (mesh.points[3 * std::size_t{node} + j] - frame.origin[j]) * frame.per_cell;
-        p[j] = ((x * kCellUnits + kRounder) - kRounder) * (1.0 / kCellUnits);
+        p[j] = frame.on_lattice ? ((x * kCellUnits + kRounder) - kRounder) * (1.0 / kCellUnits) : x;
     }
     return p;
 }

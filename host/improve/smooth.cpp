@@ -44,9 +44,10 @@ double Block::worst_alignment(Local node) const {
 }
 
 /// Nodes of the certificate lie on their surfaces to within the chords of curved creases: puts them there.
-/// Where a mesh touches itself, two nodes may have the same target: they stay.
-void Block::project_nodes() {
-    if (!options_.move_boundary) return;
+/// Where a mesh touches itself, two nodes may have the same target: they stay. False if a node had to stay
+/// because an element would have become too flat.
+bool Block::project_nodes() {
+    if (!options_.move_boundary) return true;
     struct Target {
         Point at;
         Local node;
@@ -88,6 +89,7 @@ void Block::project_nodes() {
     }
     std::sort(targets.begin(), targets.end(),
               [](const Target& a, const Target& b) { return a.node < b.node; });
+    bool all = true;
     for (const Target& t : targets) {
         if (!t.moves) continue;
         const Point before = points_[t.node];
@@ -98,12 +100,14 @@ void Block::project_nodes() {
         const double enough = std::min(0.5 * worst, is_corner ? kFlatAtCorner : 1);
         if (!(star_quality(t.node, kLowestQuality) > std::max(enough, kLowestQuality))) {
             points_[t.node] = before;
+            all = false;
             continue;
         }
         ++clock_;
         touch(t.node);
         for (const std::uint32_t i : star_[t.node]) tetrahedra_[i].quality = quality(tetrahedra_[i].node);
     }
+    return all;
 }
 
 /// The node's elements for a search of its place: what fails first is asked first the next time.
@@ -245,6 +249,12 @@ bool Block::smooth(Local node) {
     // In a cluster of nodes the scale is that of the cluster.
     if (!moved && shortest < kCluster * size) search(0.5 * shortest, kHalvings);
     if (!moved) return false;
+    if (running_.on) {
+        const Point end = points_[node];
+        points_[node] = start;
+        note_move(node);
+        points_[node] = end;
+    }
     ++counters.moved;
     ++clock_;
     touch(node);

@@ -128,7 +128,7 @@ bool Block::examine_edge_removal(Local a, Local b, double better_than, Change& c
             if (tag != 0) entries_.push_back({sorted_face(apex, c, d), t.region, tag});
         }
     }
-    change.needed = std::max(std::max(change.before * kLeastGain, kLowestQuality), better_than);
+    change.needed = std::max(std::max(change.before * least_gain_, kLowestQuality), better_than);
     if (ring_.closed && cuts == 0) {
         if (nodes < 3) return false;
         if (!fill_polygon(ring_.nodes, a, b, tetrahedra_[ring_.tetrahedra[0]].region, change)) return false;
@@ -209,7 +209,7 @@ bool Block::examine_face_removal(std::uint32_t tetrahedron, std::size_t face, do
     entries_.clear();
     change.removed = {tetrahedron, other};
     change.before = std::min(t.quality, u.quality);
-    change.needed = std::max(std::max(change.before * kLeastGain, kLowestQuality), better_than);
+    change.needed = std::max(std::max(change.before * least_gain_, kLowestQuality), better_than);
     // Counter-clockwise seen from t's node: against the outward order.
     const Local x[3] = {t.node[kOpposite[face][0]], t.node[kOpposite[face][2]], t.node[kOpposite[face][1]]};
     const Local top = t.node[face];

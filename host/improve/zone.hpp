@@ -81,6 +81,7 @@ struct CellFrame {
     double per_cell;  ///< its inverse
     int level;
     const LeafGrid* leaves = nullptr;  ///< null: uniform
+    bool on_lattice = true;            ///< no node has been moved off the lattice of positions yet
 };
 
 /// Collects the zone; cells of tips count as poor. `threads` host threads; the result does not depend on

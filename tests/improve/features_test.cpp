@@ -30,11 +30,9 @@ Model turned(const Model& model, int pose) {
     return transformed(model, rotation(axis, 0.37 + 0.9 * pose));
 }
 
-/// Where a crease passes a grid vertex within a few thousandths of a cell, one cluster of flat elements may
-/// stay: known in 2 of the first 60 poses.
+/// In pose 41 a crease passes a grid vertex within a few thousandths of a cell.
 TEST_CASE("boxes in many poses: good elements, eight exact corners, exact volume") {
-    int poor = 0;
-    for (int pose = 0; pose < 20; ++pose) {
+    for (const int pose : {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 20, 26, 41, 43}) {
         CAPTURE(pose);
         const Vec3 size = {1 + 0.01 * pose, 0.8, 1.3};
         const Affine map =
@@ -50,11 +48,10 @@ TEST_CASE("boxes in many poses: good elements, eight exact corners, exact volume
             const Vec3 corner = apply(map, {(c & 1) * size[0], ((c >> 1) & 1) * size[1], (c >> 2) * size[2]});
             CHECK(nearest_node(m.mesh, corner) < 1e-9);
         }
-        const bool good =
-            m.check.min_dihedral >= 15 && m.check.max_dihedral <= 160 && worst_jacobian(m.check) >= 0.12;
-        poor += good ? 0 : 1;
+        CHECK(m.check.min_dihedral >= 17.9);
+        CHECK(m.check.max_dihedral <= 155.1);
+        CHECK(worst_jacobian(m.check) >= 0.199);
     }
-    CHECK(poor <= 1);
 }
 
 TEST_CASE("cylinders in any pose: good elements, circles of the right length") {
