@@ -15,8 +15,10 @@ constexpr double kBlockCells = 16;
 constexpr int kShifts = 4;
 /// Bits of a block's place along an axis in its key.
 constexpr int kPlaceBits = 20;
-/// What stays poor is often held by the border of the zone: a second zone has its border elsewhere.
-constexpr int kRuns = 2;
+/// What stays poor is often held by the border of the zone: the next zone, around it, has its border
+/// elsewhere. The small ones also try changes of several steps; most of what is stuck in a pass of the first
+/// is not in the next, and need not.
+constexpr int kRuns = 3;
 constexpr std::size_t kTetrahedraPerPoor = 16;
 constexpr std::uint32_t kMixed = 0xfffffffeu;
 
@@ -41,7 +43,7 @@ class Improver {
     /// Cells of two sizes share their blocks, which have 16 of the larger along an edge: those of classes
     /// -1 and 0, 1 and 2, 3 and 4, … above the finest for `pairing` 0, of 0 and 1, 2 and 3, … for 1. Around a
     /// node of a balanced tree are at most two sizes, so one pairing has all its elements.
-    void pass(int pairing, int shift, Counters& counters) {
+    void pass(int pairing, int shift, bool look_ahead, Counters& counters) {
         group(pairing, kBlockCells / kShifts * shift);
         find_free_nodes();
         const std::vector<Point> before = zone_.points;
@@ -50,6 +52,7 @@ class Improver {
         std::vector<std::vector<std::uint32_t>> place(threads);
         std::vector<BlockCounters> counted(groups_.size());
         BlockOptions block_options;
+        block_options.look_ahead = look_ahead;
         block_options.reposition = options_.smooth > 0;
         block_options.rounds = std::max(2, 2 * options_.smooth);
         std::vector<Block> blocks(threads, Block(surfaces_));
@@ -71,10 +74,11 @@ class Improver {
                     counted[begin] = block.counters;
                     return;
                 }
+                counted[begin].repeated = 1;
+                if (!tried.change_boundary) break;
                 tried.change_boundary = tried.look_ahead;
                 tried.move_boundary = tried.look_ahead;
                 tried.look_ahead = false;
-                counted[begin].repeated = 1;
             }
             for (const std::uint32_t i : group.tetrahedra) results[begin].push_back(zone_.tetrahedra[i]);
             counted[begin].given_up = 1;
@@ -251,7 +255,7 @@ Mesh improve(Mesh mesh, const tape::BoundModel& model, const Options& options, C
         Improver improver(zone, surfaces, options);
         const int passes = improver.is_graded() ? 2 * kShifts : kShifts;
         for (int pass = 0; pass < passes && (pass == 0 || !improver.is_done()); ++pass) {
-            improver.pass(pass / kShifts, pass % kShifts, local);
+            improver.pass(pass / kShifts, pass % kShifts, run > 0, local);
         }
         const bool done = improver.is_done() || improver.is_hopeless();
         mesh = close_zone(std::move(mesh), frame, zone, options.threads);
