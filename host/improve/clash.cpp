@@ -58,10 +58,7 @@ void find_crowded_faces(const PassResult& pass, std::vector<std::uint32_t>& clas
                 if (pass.owner[n[0]] < pass.shared || pass.owner[n[1]] < pass.shared ||
                     pass.owner[n[2]] < pass.shared)
                     continue;
-                bool even = true;
-                if (n[0] > n[1]) std::swap(n[0], n[1]), even = !even;
-                if (n[1] > n[2]) std::swap(n[1], n[2]), even = !even;
-                if (n[0] > n[1]) std::swap(n[0], n[1]), even = !even;
+                const bool even = sort_three(n);
                 faces.push_back({n, block, even});
             }
         }

@@ -71,11 +71,9 @@ bool find_border(const std::vector<Tetrahedron>& tetrahedra, const Use& used, st
         if (!used(i)) continue;
         const Tetrahedron& t = tetrahedra[i];
         for (std::size_t f = 0; f < 4; ++f) {
-            std::uint64_t n[3] = {t.node[kOpposite[f][0]], t.node[kOpposite[f][1]], t.node[kOpposite[f][2]]};
-            bool even = true;
-            if (n[0] > n[1]) std::swap(n[0], n[1]), even = !even;
-            if (n[1] > n[2]) std::swap(n[1], n[2]), even = !even;
-            if (n[0] > n[1]) std::swap(n[0], n[1]), even = !even;
+            std::array<std::uint64_t, 3> n = {t.node[kOpposite[f][0]], t.node[kOpposite[f][1]],
+                                              t.node[kOpposite[f][2]]};
+            const bool even = sort_three(n);
             const Face face{(n[0] << (2 * kNodeBits)) | (n[1] << kNodeBits) | n[2], t.tag[f], t.region, even,
                             false};
             Face& known = table.at(face.node);

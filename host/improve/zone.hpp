@@ -7,6 +7,7 @@
 
 #include <array>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "host/common/leaf_grid.hpp"
@@ -40,6 +41,16 @@ struct Tetrahedron {
 /// Nodes of the face opposite node i of a tetrahedron, outward.
 inline constexpr std::array<std::array<std::uint8_t, 3>, 4> kOpposite = {
     {{1, 2, 3}, {2, 0, 3}, {0, 1, 3}, {0, 2, 1}}};
+
+/// Sorts three numbers; false if that took an odd number of swaps: a face's orientation beside its nodes.
+template <class Number>
+bool sort_three(std::array<Number, 3>& n) {
+    bool even = true;
+    if (n[0] > n[1]) std::swap(n[0], n[1]), even = !even;
+    if (n[1] > n[2]) std::swap(n[1], n[2]), even = !even;
+    if (n[0] > n[1]) std::swap(n[0], n[1]), even = !even;
+    return even;
+}
 
 struct Pyramid {
     std::array<std::uint32_t, 5> node{};

@@ -1,0 +1,127 @@
+#include "host/improve/zone_facets.hpp"
+
+#include <algorithm>
+
+namespace mortise::improve {
+namespace {
+
+constexpr std::uint8_t kBothParts = 3;
+constexpr std::uint8_t kWrongPart = 4;
+
+struct TriangleKey {
+    std::array<std::uint32_t, 3> node;  ///< ascending
+    std::uint32_t facet;
+    bool even;           ///< the facet's own order is an even permutation of `node`
+    std::uint8_t parts;  ///< of the facet: one half, or both
+
+    bool operator<(const TriangleKey& other) const { return node < other.node; }
+};
+
+}  // namespace
+
+std::array<std::array<NodeId, 3>, 2> halves(const NodeId* node) {
+    const auto low = static_cast<std::size_t>(std::min_element(node, node + 4) - node);
+    return {{{node[low], node[(low + 1) % 4], node[(low + 2) % 4]},
+             {node[low], node[(low + 2) % 4], node[(low + 3) % 4]}}};
+}
+
+/// Facets whose triangles are faces of the zone's tetrahedra. Equal nodes are not enough: half of a
+/// quadrilateral that stays whole may have the nodes of a face inside the solid.
+void tag_faces(const Mesh& mesh, const std::vector<std::uint32_t>& place, Zone& zone) {
+    const FacetBlock& facets = mesh.facets;
+    std::vector<TriangleKey> triangles;
+    const auto add = [&](std::size_t i, const std::array<NodeId, 3>& node, std::uint8_t parts) {
+        TriangleKey key{
+            {place[node[0]], place[node[1]], place[node[2]]}, static_cast<std::uint32_t>(i), true, parts};
+        key.even = sort_three(key.node);
+        triangles.push_back(key);
+    };
+    for (std::size_t i = 0; i < facets.size(); ++i) {
+        const NodeId* node = facets.nodes.data() + 4 * i;
+        if (std::any_of(node, node + 4, [&](NodeId n) { return place[n] == kNone; })) continue;
+        if (node[2] == node[3]) {
+            add(i, {node[0], node[1], node[2]}, kBothParts);
+        } else {
+            const auto half = halves(node);
+            for (std::uint8_t k = 0; k < 2; ++k) add(i, half[k], static_cast<std::uint8_t>(1u << k));
+        }
+    }
+    std::sort(triangles.begin(), triangles.end());
+    struct Hit {
+        std::size_t triangle;  ///< the first with these nodes
+        std::size_t face;      ///< 4 × tetrahedron + face
+        bool even;
+    };
+    std::vector<Hit> hits;
+    for (std::size_t i = 0; i < zone.tetrahedra.size(); ++i) {
+        const Tetrahedron& t = zone.tetrahedra[i];
+        for (std::size_t f = 0; f < 4; ++f) {
+            TriangleKey key{
+                {t.node[kOpposite[f][0]], t.node[kOpposite[f][1]], t.node[kOpposite[f][2]]}, 0, true, 0};
+            if (zone.stratum_size(key.node[0]) == 0 || zone.stratum_size(key.node[1]) == 0 ||
+                zone.stratum_size(key.node[2]) == 0)
+                continue;
+            const bool even = sort_three(key.node);
+            const auto found = std::lower_bound(triangles.begin(), triangles.end(), key);
+            if (found == triangles.end() || found->node != key.node) continue;
+            hits.push_back({static_cast<std::size_t>(found - triangles.begin()), 4 * i + f, even});
+        }
+    }
+    std::sort(hits.begin(), hits.end(), [](const Hit& x, const Hit& y) {
+        return x.triangle != y.triangle ? x.triangle < y.triangle : x.face < y.face;
+    });
+    const auto region_at = [&](const Hit& hit) { return zone.tetrahedra[hit.face / 4].region; };
+    struct Match {
+        std::size_t face;
+        std::uint32_t facet;
+        bool inside;
+    };
+    std::vector<Match> matches;
+    std::vector<std::uint8_t> inside_parts(facets.size(), 0);
+    std::vector<std::uint8_t> outside_parts(facets.size(), 0);
+    std::vector<std::uint8_t> lost_parts(facets.size(), 0);
+    for (std::size_t i = 0; i < hits.size();) {
+        std::size_t end = i + 1;
+        while (end < hits.size() && hits[end].triangle == hits[i].triangle) ++end;
+        // Two quadrilaterals with three nodes in common may fold onto each other when they are split:
+        // that half of both is inside the solid now.
+        const bool is_inside = end == i + 2 && region_at(hits[i]) == region_at(hits[i + 1]);
+        for (std::size_t k = hits[i].triangle;
+             k < triangles.size() && triangles[k].node == triangles[hits[i].triangle].node; ++k) {
+            const TriangleKey& triangle = triangles[k];
+            if (is_inside) {
+                lost_parts[triangle.facet] |= triangle.parts;
+                continue;
+            }
+            for (std::size_t h = i; h < end; ++h) {
+                const bool inside = triangle.even == hits[h].even;
+                const std::uint16_t region = (inside ? facets.inside : facets.outside)[triangle.facet];
+                std::uint8_t& parts = (inside ? inside_parts : outside_parts)[triangle.facet];
+                parts |= region == region_at(hits[h]) ? triangle.parts : kWrongPart;
+                matches.push_back({hits[h].face, triangle.facet, inside});
+            }
+        }
+        i = end;
+    }
+    // Facets between the zone and the rest of the mesh stay in the mesh's own list.
+    zone.facet_taken.assign(facets.size(), 0);
+    for (std::size_t i = 0; i < facets.size(); ++i) {
+        if (lost_parts[i] == kBothParts) zone.facet_taken[i] = 1;
+    }
+    const auto is_whole = [](int parts, int lost) { return parts == 0 || (parts | lost) == kBothParts; };
+    for (const Match& m : matches) {
+        const std::uint8_t inside = inside_parts[m.facet], outside = outside_parts[m.facet];
+        if (!is_whole(inside, lost_parts[m.facet]) || !is_whole(outside, lost_parts[m.facet])) continue;
+        FaceTag tag = make_tag(facets.surface[m.facet]);
+        if (facets.outside[m.facet] != 0) tag |= kTagInterface;
+        if (m.inside) tag |= kTagInside;
+        if (facets.outside[m.facet] == 0 || (inside != 0 && outside != 0)) {
+            zone.facet_taken[m.facet] = 1;
+        } else {
+            tag |= kTagBorder;
+        }
+        zone.tetrahedra[m.face / 4].tag[m.face % 4] = tag;
+    }
+}
+
+}  // namespace mortise::improve

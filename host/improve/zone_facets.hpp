@@ -1,0 +1,20 @@
+// Which faces of the zone's tetrahedra are facets of the mesh.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "host/improve/zone.hpp"
+
+namespace mortise::improve {
+
+/// The two triangles of a quadrilateral, cut through its lowest node of the mesh.
+std::array<std::array<NodeId, 3>, 2> halves(const NodeId* node);
+
+/// Tags the faces of the zone's tetrahedra that are facets of the mesh, and marks the facets that the zone
+/// takes (Zone::facet_taken). `place`: per node of the mesh its number in the zone, or kNone. Needs
+/// Zone::stratum.
+void tag_faces(const Mesh& mesh, const std::vector<std::uint32_t>& place, Zone& zone);
+
+}  // namespace mortise::improve
