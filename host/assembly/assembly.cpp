@@ -24,7 +24,6 @@ class Assembler {
   public:
     Assembler(device::Device& device, const Input& input)
         : device_(device), input_(input), cells_(input.tree, input.extraction.leaves, input.extraction) {
-        in_regions_ = octree::in_regions(input.tree, &single_in_region_);
         find_range();
     }
 
@@ -62,26 +61,29 @@ class Assembler {
 
     bool in_range(std::uint32_t nio) const { return nio >= nio_begin_ && nio < nio_end_; }
 
-    std::size_t nio_count() const { return input_.tree.nio.size(); }
-    std::size_t meshed_count() const { return input_.tree.in_count + nio_count(); }
+    /// Of the range; arrays over leaves hold these only (PieceRange).
+    std::size_t nio_count() const { return nio_end_ - nio_begin_; }
+    std::size_t meshed_count() const { return in_end_ - in_begin_ + nio_count(); }
+
+    template <class T>
+    std::vector<T> of_range(const std::vector<T>& per_nio) const {
+        return {per_nio.begin() + static_cast<std::ptrdiff_t>(nio_begin_),
+                per_nio.begin() + static_cast<std::ptrdiff_t>(nio_end_)};
+    }
 
     /// Elements of each type before each NIO leaf; IN hexahedra come on top (their rank).
     void count_elements() {
         numbering_.used = input_.classification.used;
         const auto& list = input_.extraction.leaves;
-        const auto keep_range = [this](std::vector<std::uint32_t> counts) {
-            std::fill(counts.begin(), counts.begin() + static_cast<std::ptrdiff_t>(nio_begin_), 0u);
-            std::fill(counts.begin() + static_cast<std::ptrdiff_t>(nio_end_), counts.end(), 0u);
-            return counts;
-        };
         for (std::size_t t = 0; t < kElementTypes; ++t)
-            offsets_[t] = keep_range(input_.classification.elements[t]);
-        facet_offsets_ = keep_range(input_.classification.facets);
+            offsets_[t] = of_range(input_.classification.elements[t]);
+        facet_offsets_ = of_range(input_.classification.facets);
         for (std::size_t i = 0; i < list.size(); ++i) {
             const cnio::CellRecord& record = input_.extraction.records[i];
             numbering_.used[list[i]] = record.used;
             if (!in_range(list[i])) continue;
-            for (std::size_t t = 0; t < kElementTypes; ++t) offsets_[t][list[i]] = record.element_count[t];
+            for (std::size_t t = 0; t < kElementTypes; ++t)
+                offsets_[t][list[i] - nio_begin_] = record.element_count[t];
         }
         for (std::size_t t = 0; t < kElementTypes; ++t) totals_[t] = scan(offsets_[t], "elements");
         totals_[0] += in_end_ - in_begin_;
@@ -108,12 +110,13 @@ class Assembler {
         extras_ = rank_extras(input_, cells_, numbering_.used);
         const std::size_t meshed = meshed_count();
         used_ = device_.upload(numbering_.used);
-        Buffer extra_counts = device_.upload(extras_.owned_count);
+        Buffer extra_counts = device_.upload(of_range(extras_.owned_count));
         owned_ = device_.allocate(meshed * sizeof(std::uint32_t));
         base_ = device_.allocate((meshed + 1) * sizeof(std::uint32_t));
         device_.fill_zero(owned_);
         device_.fill_zero(base_);
-        launch("own_nodes", word_count_, used_, extra_counts, owned_, base_, first_word());
+        numbering_.first_rank = static_cast<std::uint32_t>(in_begin_ + nio_begin_);
+        launch("own_nodes", word_count_, used_, extra_counts, owned_, base_, piece_range(), first_word());
         nodes_ = device_.exclusive_scan_u32(base_, base_, meshed);
         numbering_.nodes = static_cast<std::uint32_t>(nodes_);
         numbering_.owned = device_.download<std::uint32_t>(owned_, meshed);
@@ -142,11 +145,9 @@ class Assembler {
         const std::size_t stride = nio_count();
         const auto& origin = input_.model.origin;
         const OriginSide box{origin[0], origin[1], origin[2], input_.model.side};
-        const PieceRange range{numbering_.range.begin, numbering_.range.end, numbering_.nodes,
-                               static_cast<std::uint32_t>(numbering_.foreign_grid.size())};
-        const auto in_first = static_cast<std::uint32_t>(in_begin_);
+        const PieceRange range = piece_range();
         foreign_ = device_.upload(numbering_.foreign_grid);
-        leaves_ = device_.upload(input_.classification.leaves);
+        leaves_ = device_.upload(of_range(input_.classification.leaves));
         offset_buffer_ =
             device_.allocate(kElementTypes * std::max<std::size_t>(1, stride + 1) * sizeof(std::uint32_t));
         for (std::size_t t = 0; t < kElementTypes; ++t) {
@@ -154,13 +155,12 @@ class Assembler {
         }
         facet_offset_buffer_ = device_.upload(facet_offsets_);
         launch("place_nodes", word_count_, leaves_, tree.surfaces, tree.ops, owned_, base_, points_, box,
-               first_word());
+               range, first_word());
         launch("write_hexahedra", word_count_, used_, owned_, base_, offset_buffer_, foreign_,
-               connectivity_[0], range, in_first, first_word());
-        launch("write_templates", nio_end_ - nio_begin_, tree.nio, leaves_, used_, owned_, base_,
-               offset_buffer_, facet_offset_buffer_, foreign_, connectivity_[0], connectivity_[1],
-               connectivity_[2], connectivity_[3], facet_buffer_, range, in_first,
-               static_cast<std::uint32_t>(stride + 1), static_cast<std::uint32_t>(nio_begin_));
+               connectivity_[0], range, first_word());
+        launch("write_templates", stride, tree.nio, leaves_, used_, owned_, base_, offset_buffer_,
+               facet_offset_buffer_, foreign_, connectivity_[0], connectivity_[1], connectivity_[2],
+               connectivity_[3], facet_buffer_, range, static_cast<std::uint32_t>(stride + 1));
         // The host adds the certificate's part to the same arrays.
         device_.sync_to_host(points_);
         for (Buffer& buffer : connectivity_) device_.sync_to_host(buffer);
@@ -179,6 +179,14 @@ class Assembler {
                           arguments...);
     }
     std::uint32_t first_word() const { return static_cast<std::uint32_t>(first_word_); }
+    PieceRange piece_range() const {
+        return {numbering_.range.begin,
+                numbering_.range.end,
+                numbering_.nodes,
+                static_cast<std::uint32_t>(numbering_.foreign_grid.size()),
+                static_cast<std::uint32_t>(in_begin_),
+                static_cast<std::uint32_t>(nio_begin_)};
+    }
 
     /// Calls work(leaf, record) for the range's CNIO leaves on all threads.
     template <class Work>
@@ -251,7 +259,7 @@ class Assembler {
                 input_.tree.graded && leaf.tape_length == 0 ? ElementKind::kTransition : ElementKind::kCnio);
             for (std::size_t t = 0; t < kElementTypes; ++t) {
                 const auto size = static_cast<std::size_t>(kElementNodes[t]);
-                const std::size_t first = offsets_[t][nio] + (t == 0 ? before : 0);
+                const std::size_t first = offsets_[t][nio - nio_begin_] + (t == 0 ? before : 0);
                 ElementBlock& block = mesh_.elements[t];
                 for (std::size_t k = 0; k < record.element_count[t]; ++k) {
                     for (std::size_t j = 0; j < size; ++j) {
@@ -270,24 +278,30 @@ class Assembler {
         const auto& tree = input_.tree;
         ElementBlock& hexahedra = mesh_.elements[0];
         std::size_t next = 0;
-        std::size_t in = in_begin_;
+        auto in = static_cast<std::uint32_t>(in_begin_);
         const auto fill_in = [&](std::size_t until) {
-            for (; next < until; ++next, ++in) {
-                hexahedra.region[next] = in_regions_.empty() ? single_in_region_ : in_regions_[in];
-                hexahedra.kind[next] = static_cast<std::uint8_t>(ElementKind::kIn);
+            while (next < until) {
+                const octree::InRegions::Run run = input_.in_regions.run(in);
+                const std::size_t count = std::min<std::size_t>(until - next, run.end - in);
+                const auto at = static_cast<std::ptrdiff_t>(next);
+                std::fill_n(hexahedra.region.begin() + at, count, run.region);
+                std::fill_n(hexahedra.kind.begin() + at, count, static_cast<std::uint8_t>(ElementKind::kIn));
+                next += count;
+                in += static_cast<std::uint32_t>(count);
             }
         };
-        for (auto i = static_cast<std::uint32_t>(nio_begin_); i < nio_end_; ++i) {
-            const SnioLeaf& leaf = input_.classification.leaves[i];
+        for (std::size_t i = 0; i < nio_count(); ++i) {
+            const TreeNode& node = tree.nio[nio_begin_ + i];
+            const SnioLeaf& leaf = input_.classification.leaves[nio_begin_ + i];
             const bool is_snio = leaf.pattern != kPatternCnio;
             const std::size_t hexahedra_here = offsets_[0][i + 1] - offsets_[0][i];
             if (hexahedra_here > 0) {
-                fill_in(tree.in_index(tree.nio[i].morton) - in_begin_ + offsets_[0][i]);
+                fill_in(tree.in_index(node.morton) - in_begin_ + offsets_[0][i]);
                 next += hexahedra_here;
             }
             if (!is_snio) continue;
             // IN leaves that were promoted for nothing are what they were.
-            const bool is_in = tree.nio[i].tape_length == 0 && leaf.displaced == 0;
+            const bool is_in = node.tape_length == 0 && leaf.displaced == 0;
             const auto kind = static_cast<std::uint8_t>(is_in ? ElementKind::kIn : ElementKind::kSnio);
             for (std::size_t t = 0; t < kElementTypes; ++t) {
                 const std::size_t begin =
@@ -313,7 +327,7 @@ class Assembler {
             for (std::size_t i = begin; i < end; ++i) {
                 if (!in_range(list[i])) continue;
                 const std::size_t before = part.size();
-                facets_of(input_, cells_, nodes, single_in_region_, in_regions_, list[i], part);
+                facets_of(input_, cells_, nodes, list[i], part);
                 counts[i] = static_cast<std::uint32_t>(part.size() - before);
             }
         });
@@ -321,8 +335,8 @@ class Assembler {
         auto cnio =
             static_cast<std::size_t>(std::lower_bound(list.begin(), list.end(), nio_begin_) - list.begin());
         std::size_t in_part = 0;  // leaves of the ring before the range left nothing in their parts
-        for (auto i = static_cast<std::uint32_t>(nio_begin_); i < nio_end_; ++i) {
-            const SnioLeaf& leaf = input_.classification.leaves[i];
+        for (std::size_t i = 0; i < nio_count(); ++i) {
+            const SnioLeaf& leaf = input_.classification.leaves[nio_begin_ + i];
             for (std::uint32_t k = facet_offsets_[i]; k < facet_offsets_[i + 1]; ++k) {
                 out.nodes.insert(out.nodes.end(), snio_facet_nodes_.begin() + 4 * std::ptrdiff_t{k},
                                  snio_facet_nodes_.begin() + 4 * std::ptrdiff_t{k} + 4);
@@ -428,8 +442,6 @@ class Assembler {
     std::size_t first_word_ = 0, word_count_ = 0, nio_begin_ = 0, nio_end_ = 0, in_begin_ = 0, in_end_ = 0;
     Buffer foreign_;
     CnioCells cells_;
-    std::uint16_t single_in_region_ = 1;
-    std::vector<std::uint16_t> in_regions_;
     Numbering numbering_;
     ExtraRanks extras_;
     std::array<std::vector<std::uint32_t>, kElementTypes> offsets_;

@@ -30,6 +30,7 @@ struct Input {
     octree::DeviceTree& on_device;
     const snio::Classification& classification;
     const cnio::Extraction& extraction;
+    const octree::InRegions& in_regions;
     int threads;
     MortonRange range{};
 };

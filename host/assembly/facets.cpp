@@ -36,8 +36,7 @@ struct Here {
 };
 
 /// Patch p of the cell, which is a quarter of its face if `quarter` is set.
-Neighbour across(const Here& here, std::uint16_t single_in_region,
-                 const std::vector<std::uint16_t>& in_regions, int p, bool quarter) {
+Neighbour across(const Here& here, int p, bool quarter) {
     Neighbour result;
     const Tree tree = here.input.tree.view();
     const int f = p / 4;
@@ -58,7 +57,7 @@ Neighbour across(const Here& here, std::uint16_t single_in_region,
     }
     if (leaf.kind == kLeafIn) {
         result.kind = Neighbour::Kind::kIn;
-        result.region = in_regions.empty() ? single_in_region : in_regions[leaf.index];
+        result.region = here.input.in_regions.of(leaf.index);
     } else if (leaf.kind == kLeafNio) {
         result.record = here.cells.record(leaf.index);
         result.kind = result.record != nullptr ? Neighbour::Kind::kCnio : Neighbour::Kind::kSnio;
@@ -91,9 +90,8 @@ std::uint16_t template_region(const Neighbour& other, const cnio::FaceFacet& fac
 
 }  // namespace
 
-void facets_of(const Input& input, const CnioCells& cells, const NodeLookup& lookup,
-               std::uint16_t single_in_region, const std::vector<std::uint16_t>& in_regions,
-               std::uint32_t nio, std::vector<AssembledFacet>& out) {
+void facets_of(const Input& input, const CnioCells& cells, const NodeLookup& lookup, std::uint32_t nio,
+               std::vector<AssembledFacet>& out) {
     const cnio::CellRecord& record = *cells.record(nio);
     const cnio::CellArena& arena = cells.arena(record);
     for (std::uint32_t i = 0; i < record.facet_count; ++i) {
@@ -113,7 +111,7 @@ void facets_of(const Input& input, const CnioCells& cells, const NodeLookup& loo
         if (begin == end) continue;
         const int f = p / 4;
         const bool quarter = first[at / 4 * 4 + 1] != first[at / 4 * 4 + 4];
-        const Neighbour other = across(here, single_in_region, in_regions, p, quarter);
+        const Neighbour other = across(here, p, quarter);
         const bool both = other.kind == Neighbour::Kind::kCnio;
         const cnio::FaceFacet* theirs =
             both ? cells.arena(*other.record).face_facets.data() +

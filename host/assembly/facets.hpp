@@ -22,8 +22,7 @@ struct AssembledFacet {
 ///
 /// Between two CNIO cells a facet belongs to the cell of its region `inside`; else to the CNIO cell. Both
 /// sides list the facets of their common face in the same order, so they are compared one by one.
-void facets_of(const Input& input, const CnioCells& cells, const NodeLookup& lookup,
-               std::uint16_t single_in_region, const std::vector<std::uint16_t>& in_regions,
-               std::uint32_t nio, std::vector<AssembledFacet>& out);
+void facets_of(const Input& input, const CnioCells& cells, const NodeLookup& lookup, std::uint32_t nio,
+               std::vector<AssembledFacet>& out);
 
 }  // namespace mortise::assembly

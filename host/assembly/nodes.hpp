@@ -59,8 +59,9 @@ struct Numbering {
     std::vector<std::uint64_t> foreign_grid;  ///< ascending
     std::vector<ExtraName> foreign_extras;    ///< ascending
     std::vector<std::uint32_t> used;          ///< per NIO leaf
-    std::vector<std::uint32_t> owned;         ///< per meshed leaf
-    std::vector<std::uint32_t> base;          ///< per meshed leaf, one more at the end: the number of nodes
+    std::uint32_t first_rank = 0;             ///< of the range's first leaf among all meshed ones
+    std::vector<std::uint32_t> owned;         ///< per meshed leaf of the range
+    std::vector<std::uint32_t> base;          ///< the same, one more at the end: the number of nodes
 };
 
 class NodeLookup {
@@ -84,9 +85,10 @@ class NodeLookup {
     /// Number of the leaf's first owned extra node.
     NodeId first_extra(std::uint32_t nio) const;
 
+    /// Place of a leaf of the range among its meshed leaves.
     std::uint32_t rank_of(std::uint64_t code) const {
         const Tree tree = tree_.view();
-        return meshed_rank(&tree, code);
+        return meshed_rank(&tree, code) - numbering_.first_rank;
     }
 
   private:

@@ -74,23 +74,24 @@ std::uint16_t in_region(const Octree& tree, std::uint64_t code) {
     return 1;
 }
 
-std::vector<std::uint16_t> in_regions(const Octree& tree, std::uint16_t* single) {
-    *single = tree.in_nodes.empty() ? 1 : static_cast<std::uint16_t>(tree.in_nodes[0].region);
-    const bool uniform = std::all_of(tree.in_nodes.begin(), tree.in_nodes.end(),
-                                     [single](const InNode& node) { return node.region == *single; });
-    if (uniform) return {};
-    std::vector<std::uint16_t> regions(tree.in_count);
+InRegions::InRegions(const Octree& tree) {
+    std::vector<std::pair<std::uint64_t, std::uint16_t>> nodes;  // by the code of their first cell
     for (const InNode& node : tree.in_nodes) {
         const int depth = tree.level - static_cast<int>(node.level);
-        // Leaves below the node may have left the IN leaves since.
-        const std::uint64_t last = ((node.morton + 1) << (3 * depth)) - 1;
-        const std::uint32_t first = tree.in_index(node.morton << (3 * depth));
-        const Tree view = tree.view();
-        const Leaf at_last = leaf_at(&view, last);
-        const std::uint32_t end = at_last.kind == kLeafIn ? at_last.index + 1 : tree.in_index(last);
-        std::fill(regions.begin() + first, regions.begin() + end, static_cast<std::uint16_t>(node.region));
+        nodes.push_back({node.morton << (3 * depth), static_cast<std::uint16_t>(node.region)});
     }
-    return regions;
+    std::sort(nodes.begin(), nodes.end());
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+        const auto end = i + 1 < nodes.size() ? tree.in_index(nodes[i + 1].first)
+                                              : static_cast<std::uint32_t>(tree.in_count);
+        // A node's leaves may all have left the IN leaves since.
+        if (end == (runs_.empty() ? 0 : runs_.back().end)) continue;
+        if (runs_.empty() || runs_.back().region != nodes[i].second) {
+            runs_.push_back({end, nodes[i].second});
+        } else {
+            runs_.back().end = end;
+        }
+    }
 }
 
 }  // namespace mortise::octree

@@ -1,6 +1,7 @@
 // The octree as plain data on the host, and the stage that makes it on the device.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <functional>
 #include <vector>
@@ -150,7 +151,24 @@ std::uint64_t make_rank(device::Device& device, const device::Buffer& bits, std:
 /// Region of an IN leaf, also of one among the NIO leaves, by its code.
 std::uint16_t in_region(const Octree& tree, std::uint64_t code);
 
-/// Region of each IN leaf, by IN index. Empty if there is one region only (then it is `single`).
-std::vector<std::uint16_t> in_regions(const Octree& tree, std::uint16_t* single);
+/// Regions of the IN leaves, as runs of IN indices: even a tree of a thousand million leaves has few.
+class InRegions {
+  public:
+    explicit InRegions(const Octree& tree);
+
+    struct Run {
+        std::uint32_t end;  ///< behind its last IN leaf
+        std::uint16_t region;
+    };
+    /// The run that holds the IN leaf of this index.
+    const Run& run(std::uint32_t in) const {
+        return *std::upper_bound(runs_.begin(), runs_.end(), in,
+                                 [](std::uint32_t wanted, const Run& run) { return wanted < run.end; });
+    }
+    std::uint16_t of(std::uint32_t in) const { return run(in).region; }
+
+  private:
+    std::vector<Run> runs_;  ///< ascending; neighbours differ
+};
 
 }  // namespace mortise::octree

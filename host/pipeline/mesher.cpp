@@ -217,6 +217,7 @@ Extracted mesh_pieces(device::Device& device, const MeshOptions& options, const 
     Extracted result;
     const std::uint64_t words = tree.words();
     const std::uint64_t count = std::min<std::uint64_t>(static_cast<std::uint64_t>(options.pieces), words);
+    const octree::InRegions in_regions(tree);
     std::vector<assembly::Piece> pieces;
     for (std::uint64_t p = 0; p < count; ++p) {
         assembly::MortonRange range;
@@ -232,8 +233,8 @@ Extracted mesh_pieces(device::Device& device, const MeshOptions& options, const 
         result.troubled += extraction.troubled;
         stages.end(leaves.size());
         stages.begin("assemble", 0.4 + 0.5 * done + 0.3 / static_cast<double>(count));
-        pieces.push_back(assembly::assemble(
-            device, {bound, tree, on_device, classification, extraction, options.threads, range}));
+        pieces.push_back(assembly::assemble(device, {bound, tree, on_device, classification, extraction,
+                                                     in_regions, options.threads, range}));
         stages.end(pieces.back().mesh.element_count());
     }
     stages.begin("merge", 0.92);

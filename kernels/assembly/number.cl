@@ -7,6 +7,7 @@
 //
 // A leaf's nodes are numbered base[leaf], base[leaf] + 1, …: first the owned bits of its mask, then (CNIO
 // leaves) its owned extra nodes. Leaves are indexed by their rank among meshed leaves: IN rank + NIO rank.
+// All arrays over leaves but the tree's and `used` hold the piece's leaves only (PieceRange).
 #include "shared/bounds.h"
 #include "shared/cell_boundary.h"
 #include "shared/snap.h"
@@ -47,7 +48,8 @@ uint owned_mask(const Tree* tree, __global const uint* used, ulong code, int lev
 // Reads the tree, used, extra_counts (owned extra nodes per NIO leaf); writes owned and counts by meshed
 // rank. One work-item handles the leaves of one word of the bitmaps.
 MORTISE_KERNEL void own_nodes(TREE_PARAMETERS, __global const uint* used, __global const uint* extra_counts,
-                              __global uint* owned, __global uint* counts, uint first, uint items) {
+                              __global uint* owned, __global uint* counts, PieceRange range, uint first,
+                              uint items) {
     const uint word = get_global_id(0) + first;
     if (get_global_id(0) >= items) return;
     {
@@ -62,8 +64,9 @@ MORTISE_KERNEL void own_nodes(TREE_PARAMETERS, __global const uint* used, __glob
             const int level = shape.graded ? leaf_levels[rank] : shape.level;
             const uint mask =
                 owned_mask(&tree, used, word_code(&tree, word) | bit, level, is_in ? 0xffu : used[nio]);
-            owned[rank] = mask;
-            counts[rank] = popcount(mask) + (is_in ? 0 : extra_counts[nio]);
+            owned[rank - range.first_in - range.first_nio] = mask;
+            counts[rank - range.first_in - range.first_nio] =
+                popcount(mask) + (is_in ? 0 : extra_counts[nio - range.first_nio]);
             nio += !is_in;
             ++rank;
             rest &= rest - 1;
@@ -87,7 +90,8 @@ void store_point(__global double* points, uint id, double4 origin_side, double x
 MORTISE_KERNEL void place_nodes(TREE_PARAMETERS, __global const SnioLeaf* leaves,
                                 __global const Surface* surfaces, __global const ExpressionOp* ops,
                                 __global const uint* owned, __global const uint* base,
-                                __global double* points, double4 origin_side, uint first, uint items) {
+                                __global double* points, double4 origin_side, PieceRange range, uint first,
+                                uint items) {
     const uint word = get_global_id(0) + first;
     if (get_global_id(0) >= items) return;
     {
@@ -107,12 +111,12 @@ MORTISE_KERNEL void place_nodes(TREE_PARAMETERS, __global const SnioLeaf* leaves
             const uint z = gather_bits(morton >> 2) / edge;
             const double cell = 1.0 / (double)(1u << level);
             const double unit = cell / (double)kCellUnits;
-            const uint mask = owned[rank];
-            uint id = base[rank];
+            const uint mask = owned[rank - range.first_in - range.first_nio];
+            uint id = base[rank - range.first_in - range.first_nio];
             SnioLeaf leaf;
             leaf.pattern = kPatternCnio;
             leaf.displaced = 0;
-            if (!is_in) leaf = leaves[nio++];
+            if (!is_in) leaf = leaves[nio++ - range.first_nio];
             for (uint c = 0; c < 8; ++c) {
                 double corner[3];
                 int displacement[3] = {0, 0, 0};
@@ -165,7 +169,7 @@ uint node_id(const Tree* tree, __global const uint* owned, __global const uint* 
         return range.nodes + low;
     }
     {
-        const uint rank = meshed_rank(tree, owner);
+        const uint rank = meshed_rank(tree, owner) - range.first_in - range.first_nio;
         return base[rank] + mask_rank(owned[rank], bit);
     }
 }
@@ -186,7 +190,7 @@ uint corner_id(const Tree* tree, __global const uint* used, __global const uint*
 MORTISE_KERNEL void write_hexahedra(TREE_PARAMETERS, __global const uint* used, __global const uint* owned,
                                     __global const uint* base, __global const uint* hexahedron_offsets,
                                     __global const ulong* foreign, __global uint* hexahedra, PieceRange range,
-                                    uint in_first, uint first, uint items) {
+                                    uint first, uint items) {
     const uint word = get_global_id(0) + first;
     if (get_global_id(0) >= items) return;
     {
@@ -201,7 +205,7 @@ MORTISE_KERNEL void write_hexahedra(TREE_PARAMETERS, __global const uint* used, 
             const uint x = gather_bits(morton);
             const uint y = gather_bits(morton >> 1);
             const uint z = gather_bits(morton >> 2);
-            __global uint* out = hexahedra + 8 * (ulong)(rank - in_first + hexahedron_offsets[nio]);
+            __global uint* out = hexahedra + 8 * (ulong)(rank - range.first_in + hexahedron_offsets[nio - range.first_nio]);
             for (uint i = 0; i < 8; ++i) {
                 const uint c = kHexahedronCorner[i];
                 out[i] = corner_id(&tree, used, owned, base, foreign, range, morton, x, y, z, edge, c);
@@ -221,18 +225,17 @@ MORTISE_KERNEL void write_templates(TREE_PARAMETERS, __global const TreeNode* ni
                                     __global const uint* offsets, __global const uint* facet_offsets,
                                     __global const ulong* foreign, __global uint* hexahedra,
                                     __global uint* wedges, __global uint* pyramids, __global uint* tetrahedra,
-                                    __global uint* facets, PieceRange range, uint in_first, uint stride,
-                                    uint first, uint items) {
-    const uint item = get_global_id(0) + first;
-    if (get_global_id(0) >= items) return;
+                                    __global uint* facets, PieceRange range, uint stride, uint items) {
+    const uint item = get_global_id(0);
+    if (item >= items) return;
     {
         const Tree tree = TREE_OF_PARAMETERS;
         const SnioLeaf leaf = leaves[item];
-        const ulong morton = nio[item].morton;
+        const ulong morton = nio[item + range.first_nio].morton;
         const uint x = gather_bits(morton);
         const uint y = gather_bits(morton >> 1);
         const uint z = gather_bits(morton >> 2);
-        const uint mask = used[item];
+        const uint mask = used[item + range.first_nio];
         uint in_before;
         uint edge;
         int level;
@@ -256,14 +259,14 @@ MORTISE_KERNEL void write_templates(TREE_PARAMETERS, __global const TreeNode* ni
             }
         }
         if ((mask >> kInteriorNodeBit) & 1) {
-            const uint rank = in_before + item;
+            const uint rank = in_before - range.first_in + item;
             ids[kInteriorNodeBit] = base[rank] + mask_rank(owned[rank], kInteriorNodeBit);
         }
         {
             __global uint* out[4];
             const uint sizes[4] = {8, 6, 5, 4};
             __global uint* facet_out = facets + 4 * (ulong)facet_offsets[item];
-            out[0] = hexahedra + 8 * (ulong)(in_before - in_first + offsets[item]);
+            out[0] = hexahedra + 8 * (ulong)(in_before - range.first_in + offsets[item]);
             out[1] = wedges + 6 * (ulong)offsets[stride + item];
             out[2] = pyramids + 5 * (ulong)offsets[2 * stride + item];
             out[3] = tetrahedra + 4 * (ulong)offsets[3 * stride + item];

@@ -299,11 +299,15 @@ MORTISE_FUNCTION u64 edge_owner(const Tree* tree, MORTISE_GLOBAL u32* used, i32 
 
 // What numbers the nodes of one piece of a mesh: the leaves with codes in [begin, end), which own `nodes`
 // nodes. Nodes of other owners follow, by their place in a sorted list of foreign_count keys (node_key).
+// Arrays over the piece's own leaves begin with its first: IN leaf `first_in`, NIO leaf `first_nio`; arrays by
+// meshed rank with the sum of the two.
 typedef struct PieceRange {
     u64 begin;
     u64 end;
     u32 nodes;
     u32 foreign_count;
+    u32 first_in;
+    u32 first_nio;
 } PieceRange;
 
 // Name of a grid vertex or single root across pieces: its owner and its bit there.

@@ -43,11 +43,10 @@ void descend(const tape::BoundModel& model, const std::vector<std::uint32_t>& wo
 
 std::vector<std::int32_t> leaf_regions(const octree::Octree& tree) {
     std::vector<std::int32_t> regions(std::size_t{1} << (3 * tree.level), 0);
-    std::uint16_t single = 0;
-    const auto in = octree::in_regions(tree, &single);
+    const octree::InRegions in(tree);
     for (std::size_t cell = 0; cell < regions.size(); ++cell) {
         if (tree.is_nio(cell)) regions[cell] = kUnknown;
-        if (tree.is_in(cell)) regions[cell] = in.empty() ? single : in.at(tree.in_index(cell));
+        if (tree.is_in(cell)) regions[cell] = in.of(tree.in_index(cell));
     }
     return regions;
 }
