@@ -361,6 +361,7 @@ class Assembler {
     /// Nodes that elements or facets of the range use but other leaves own.
     void name_foreign_nodes() {
         if (is_whole_) return;
+        border_ = border_leaves(input_.tree, numbering_.range, input_.threads);
         const auto& tree = input_.tree;
         const NodeLookup nodes = lookup();
         auto& grid = numbering_.foreign_grid;
@@ -371,13 +372,16 @@ class Assembler {
                 grid.push_back(node_key(owner, bit));
             }
         };
-        for_each_leaf_at_border([&](std::uint64_t morton) {
-            for (std::uint16_t code = 0; code < 8; ++code) add_grid(morton, code);
-            if (!tree.is_nio(morton)) return;
-            for (std::uint16_t code = 8; code < 20; ++code) add_grid(morton, code);
-            const std::uint32_t nio = tree.nio_index(morton);
+        for (const std::uint64_t morton : border_) {
+            const bool is_nio = tree.is_nio(morton);
+            const std::uint32_t nio = is_nio ? tree.nio_index(morton) : 0;
+            const std::uint32_t mask = is_nio ? numbering_.used[nio] : 0xffu;
+            for (std::uint16_t code = 0; code < kInteriorNodeBit; ++code) {
+                if (((mask >> code) & 1) != 0) add_grid(morton, code);
+            }
+            if (!is_nio) continue;
             const cnio::CellRecord* record = cells_.record(nio);
-            if (record == nullptr) return;
+            if (record == nullptr) continue;
             for (std::uint32_t k = 0; k < record->extra_count; ++k) {
                 const CnioCells::Owner owner = cells_.owner(nio, k, numbering_.used);
                 if (owner.grid != kNoOwner) {
@@ -386,7 +390,7 @@ class Assembler {
                     numbering_.foreign_extras.push_back({owner.nio, owner.place});
                 }
             }
-        });
+        }
         std::sort(grid.begin(), grid.end());
         grid.erase(std::unique(grid.begin(), grid.end()), grid.end());
         auto& extras = numbering_.foreign_extras;
@@ -402,7 +406,7 @@ class Assembler {
         piece_.foreign_extras = numbering_.foreign_extras;
         if (is_whole_) return;
         const NodeLookup nodes = lookup();
-        for_each_leaf_at_border([&](std::uint64_t morton) {
+        for (const std::uint64_t morton : border_) {
             const std::uint32_t rank = nodes.rank_of(morton);
             const std::uint32_t owned = numbering_.owned[rank];
             for (u32 bit = 0; bit < kInteriorNodeBit; ++bit) {
@@ -410,27 +414,14 @@ class Assembler {
                 piece_.grid_frontier.push_back(
                     {node_key(morton, bit), numbering_.base[rank] + mask_rank(owned, bit)});
             }
-            if (!input_.tree.is_nio(morton)) return;
+            if (!input_.tree.is_nio(morton)) continue;
             const std::uint32_t nio = input_.tree.nio_index(morton);
             const cnio::CellRecord* record = cells_.record(nio);
-            if (record == nullptr) return;
+            if (record == nullptr) continue;
             for (std::uint32_t k = 0; k < record->extra_count; ++k) {
                 const std::uint32_t extra = extras_.rank[record->arena][record->first_extra + k];
                 if (extra == ExtraRanks::kNotOwned) continue;
                 piece_.extra_frontier.push_back({{nio, k}, nodes.first_extra(nio) + extra});
-            }
-        });
-    }
-
-    /// Calls work(morton) in Morton order for the range's meshed leaves that have a neighbour outside the
-    /// range.
-    template <class Work>
-    void for_each_leaf_at_border(const Work& work) const {
-        const auto& tree = input_.tree;
-        for (std::size_t word = first_word_; word < first_word_ + word_count_; ++word) {
-            for (u32 bits = tree.in_bits[word] | tree.nio_bits[word]; bits != 0; bits &= bits - 1) {
-                const std::uint64_t morton = tree.code_of_word(word) + count_bits((bits & (0u - bits)) - 1);
-                if (touches_outside(tree, numbering_.range, morton)) work(morton);
             }
         }
     }
@@ -440,6 +431,7 @@ class Assembler {
     Piece piece_;
     bool is_whole_ = true;
     std::size_t first_word_ = 0, word_count_ = 0, nio_begin_ = 0, nio_end_ = 0, in_begin_ = 0, in_end_ = 0;
+    std::vector<std::uint64_t> border_;  ///< codes of leaves that touch others outside the range
     Buffer foreign_;
     CnioCells cells_;
     Numbering numbering_;

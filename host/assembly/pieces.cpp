@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "host/common/parallel.hpp"
+
 namespace mortise::assembly {
 namespace {
 
@@ -45,6 +47,27 @@ void append(std::vector<T>& to, const std::vector<T>& from) {
     to.insert(to.end(), from.begin(), from.end());
 }
 
+/// Words of a block of 4³ cells of a uniform tree.
+constexpr std::size_t kBlockWords = 2;
+constexpr std::size_t kChunk = 256;  ///< words, whole blocks
+
+constexpr std::uint64_t kBlockCells = 32 * kBlockWords;
+
+/// Whether a block of a uniform tree, and all blocks around it, lie in the range (`inside`), or beyond it.
+bool is_apart(const Tree& view, const MortonRange& range, std::uint64_t block, bool inside) {
+    constexpr u32 kEdge = 4;
+    for (int k = 0; k < 27; ++k) {
+        const u64 place = code_at(&view, gather_bits(block) + kEdge * static_cast<u32>(k % 3 - 1),
+                                  gather_bits(block >> 1) + kEdge * static_cast<u32>(k / 3 % 3 - 1),
+                                  gather_bits(block >> 2) + kEdge * static_cast<u32>(k / 9 - 1));
+        if (place == kNoOwner) continue;
+        const bool is_there = inside ? range.holds(place) && range.holds(place + kBlockCells - 1)
+                                     : place + kBlockCells <= range.begin || place >= range.end;
+        if (!is_there) return false;
+    }
+    return true;
+}
+
 }  // namespace
 
 bool touches_outside(const octree::Octree& tree, const MortonRange& range, std::uint64_t code) {
@@ -66,11 +89,43 @@ bool touches_outside(const octree::Octree& tree, const MortonRange& range, std::
     return false;
 }
 
+std::vector<std::uint64_t> border_leaves(const octree::Octree& tree, const MortonRange& range, int threads) {
+    const std::size_t first = tree.words_below(range.begin);
+    const std::size_t last =
+        range.end >= std::uint64_t{1} << (3 * tree.level) ? tree.words() : tree.words_below(range.end);
+    const Tree view = tree.view();
+    std::vector<std::vector<std::uint64_t>> found(chunk_count(last - first, kChunk));
+    parallel_chunks(last - first, kChunk, threads, [&](std::size_t begin, std::size_t end, int) {
+        bool deep = false;
+        for (std::size_t word = first + begin; word < first + end; ++word) {
+            const std::uint64_t start = tree.code_of_word(word);
+            if (!tree.graded && (word % kBlockWords == 0 || word == first + begin))
+                deep = is_apart(view, range, start / kBlockCells * kBlockCells, true);
+            if (deep) continue;
+            for (u32 bits = tree.in_bits[word] | tree.nio_bits[word]; bits != 0; bits &= bits - 1) {
+                const std::uint64_t code = start + count_bits((bits & (0u - bits)) - 1);
+                if (touches_outside(tree, range, code)) found[begin / kChunk].push_back(code);
+            }
+        }
+    });
+    std::vector<std::uint64_t> result;
+    for (const auto& list : found) result.insert(result.end(), list.begin(), list.end());
+    return result;
+}
+
 std::vector<std::uint32_t> leaves_needed(const octree::Octree& tree, const std::vector<std::uint32_t>& cnio,
                                          const MortonRange& range) {
     std::vector<std::uint32_t> result;
+    const Tree view = tree.view();
+    std::uint64_t block = ~std::uint64_t{0};
+    bool is_far = false;
     for (const std::uint32_t nio : cnio) {
         const std::uint64_t morton = tree.nio[nio].morton;
+        if (!tree.graded && morton / kBlockCells != block) {
+            block = morton / kBlockCells;
+            is_far = is_apart(view, range, block * kBlockCells, false);
+        }
+        if (is_far) continue;
         if (range.holds(morton) || touches_outside(tree, range, morton)) result.push_back(nio);
     }
     return result;

@@ -9,4 +9,7 @@ namespace mortise::assembly {
 /// from the leaf.
 bool touches_outside(const octree::Octree& tree, const MortonRange& range, std::uint64_t code);
 
+/// Codes, ascending, of the meshed leaves of the range that touch others outside it.
+std::vector<std::uint64_t> border_leaves(const octree::Octree& tree, const MortonRange& range, int threads);
+
 }  // namespace mortise::assembly

@@ -94,6 +94,7 @@ int parse_integer(const std::string& option, const std::string& text, int smalle
 /// The words as CLI11 leaves them.
 struct Words {
     std::string level, size, elements, extrude, floor, threads, work_group, facets, jobs;
+    std::string memory;
     std::string refine, curvature, size_min, size_max, coarsening;
     std::vector<std::string> box, size_at, size_of;
     bool no_model_sizes = false;
@@ -211,6 +212,8 @@ void add_output_options(CLI::App& app, Arguments& arguments, Words& words) {
     CLI::Option* json = app.add_flag("--json", arguments.json, "print the report on stdout, not the summary");
     app.add_flag("--quiet", arguments.quiet, "no summary and no progress; warnings stay")->excludes(json);
     add_device_options(app, arguments, words);
+    app.add_option("--memory", words.memory, "mesh part by part within this much memory: 4G, 800M (.vtu)")
+        ->option_text("BYTES");
 }
 
 void add_mesh_options(CLI::App& app, Arguments& arguments, Words& words) {
@@ -342,6 +345,35 @@ void read_mesh_words(const Words& words, Arguments& arguments) {
     }
 }
 
+/// A whole number of bytes with a unit: 4G, 800M.
+std::uint64_t parse_bytes(const std::string& option, const std::string& word) {
+    char* end = nullptr;
+    const double value = std::strtod(word.c_str(), &end);
+    const std::string unit = end;
+    const int shift = unit == "G" ? 30 : unit == "M" ? 20 : unit == "K" ? 10 : -1;
+    const double bytes = shift < 0 ? -1 : std::ldexp(value, shift);
+    if (end == word.c_str() || !(bytes >= 1) || !(bytes < 0x1p62)) {
+        refuse(option + " '" + word + "': expected a number and a unit, such as 4G or 800M");
+    }
+    return static_cast<std::uint64_t>(bytes);
+}
+
+/// What needs the whole mesh in memory.
+void read_memory(const std::string& word, Arguments& arguments) {
+    if (word.empty()) return;
+    arguments.options.memory = parse_bytes("--memory", word);
+    arguments.in_parts = true;
+    const std::pair<bool, const char*> wrong[] = {{arguments.check, "--check"},
+                                                  {arguments.quality, "--quality"},
+                                                  {!arguments.features.empty(), "--features"},
+                                                  {!arguments.picture.empty(), "--picture"},
+                                                  {arguments.options.tetrahedra, "--elements tet"}};
+    for (const auto& [is_given, option] : wrong) {
+        if (is_given)
+            refuse(std::string(option) + " needs the whole mesh in memory; leave it or --memory away");
+    }
+}
+
 void check_files(const Arguments& arguments) {
     if (arguments.file.empty())
         refuse("no model given; use: mortise MODEL -o FILE.vtu, or see mortise --help");
@@ -423,7 +455,10 @@ Arguments parse_arguments(int count, const char* const* values) {
     if (doctor->parsed()) arguments.command = Command::kDoctor;
     if (info->parsed()) arguments.command = Command::kInfo;
     if (arguments.command == Command::kMesh || batch->parsed()) read_mesh_words(words, arguments);
-    if (arguments.command == Command::kMesh) check_files(arguments);
+    if (arguments.command == Command::kMesh) {
+        check_files(arguments);
+        read_memory(words.memory, arguments);
+    }
     if (batch->parsed()) read_batch_words(words, arguments);
     if (check->parsed() && arguments.file.empty()) refuse("no mesh given; use: mortise check FILE");
     if (info->parsed()) read_extrude(words.extrude, arguments);

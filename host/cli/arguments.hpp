@@ -23,6 +23,7 @@ struct Arguments {
     bool quiet = false;
     bool check = false;
     bool quality = false;       ///< print the quality report
+    bool in_parts = false;      ///< within MeshOptions::memory, part by part
     double quality_floor = -1;  ///< smallest scaled Jacobian that is good enough; negative: any
     ReadOptions read;
     MeshOptions options;

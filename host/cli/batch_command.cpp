@@ -93,12 +93,12 @@ Json mesh_one(Mesher& mesher, const Arguments& arguments, const MeshOptions& opt
         refuse_inverted(figures);
         if (arguments.check) refuse_defects(check_mesh(mesh));
         write_mesh(mesh, item.output, report.scaled_jacobians);
-        if (arguments.json) document.update(mesh_document(mesh, report, figures));
+        if (arguments.json) document.update(mesh_document(report, figures));
         document["outputs"] = Json::array({item.output});
         outcome["line"] = item.model + ": " + std::to_string(mesh.element_count()) + " elements, " +
                           short_number(seconds_since(start), 3) + " s, " + item.output +
                           count_text(report.warnings.size());
-        refuse_below(mesh, report.scaled_jacobians, arguments.quality_floor);
+        refuse_below(below_floor(mesh, report.scaled_jacobians, arguments.quality_floor));
     } catch (const Error& error) {
         fail(error.code(), error.what());
     } catch (const std::bad_alloc&) {

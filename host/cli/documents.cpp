@@ -50,30 +50,36 @@ Json missed_document(const std::vector<MissedFeature>& missed) {
 
 }  // namespace
 
-MeshFigures figures_of(const Mesh& mesh, const std::vector<float>& jacobians) {
-    MeshFigures figures;
+void MeshFigures::add_outline(const Mesh& mesh) {
+    regions = mesh.region_names;
+    in_region.resize(regions.size());
+    surfaces = mesh.surface_names;
+    on_surface.resize(surfaces.size());
+    for (const std::uint32_t surface : mesh.facets.surface) ++on_surface[surface];
+}
+
+void MeshFigures::add_elements(const Mesh& mesh, const std::vector<float>& jacobians) {
+    nodes += mesh.node_count();
     std::size_t next = 0;
     for (std::size_t t = 0; t < kElementTypes; ++t) {
         const ElementBlock& block = mesh.elements[t];
-        figures.elements[t] = block.size();
-        figures.min_scaled_jacobian[t] = 1;
+        elements[t] += block.size();
         for (std::size_t i = 0; i < block.size(); ++i) {
-            figures.min_scaled_jacobian[t] =
-                std::min(figures.min_scaled_jacobian[t], static_cast<double>(jacobians[next++]));
-            if (block.kind[i] < figures.kinds.size()) ++figures.kinds[block.kind[i]];
+            min_scaled_jacobian[t] = std::min(min_scaled_jacobian[t], static_cast<double>(jacobians[next++]));
+            if (block.kind[i] < kinds.size()) ++kinds[block.kind[i]];
+            ++in_region[block.region[i] - 1u];
         }
     }
+}
+
+MeshFigures figures_of(const Mesh& mesh, const std::vector<float>& jacobians) {
+    MeshFigures figures;
+    figures.add_outline(mesh);
+    figures.add_elements(mesh, jacobians);
     return figures;
 }
 
-Json mesh_document(const Mesh& mesh, const MeshReport& report, const MeshFigures& figures) {
-    std::vector<std::uint64_t> in_region(mesh.region_names.size(), 0);
-    for (const ElementBlock& block : mesh.elements) {
-        for (const std::uint16_t region : block.region) ++in_region[region - 1u];
-    }
-    std::vector<std::uint64_t> on_surface(mesh.surface_names.size(), 0);
-    for (const std::uint32_t surface : mesh.facets.surface) ++on_surface[surface];
-
+Json mesh_document(const MeshReport& report, const MeshFigures& figures) {
     Json json;
     json["version"] = MORTISE_VERSION;
     json["device"] = report.device;
@@ -85,15 +91,15 @@ Json mesh_document(const Mesh& mesh, const MeshReport& report, const MeshFigures
     }
     json["cell_size"] = report.cell_size;
     json["root_box"] = {{"min", report.root.min}, {"max", report.root.max}};
-    json["nodes"] = mesh.node_count();
+    json["nodes"] = figures.nodes;
     json["elements"] = by_type(figures.elements);
     json["elements_by_kind"] = {{"in", figures.kinds[0]},
                                 {"snio", figures.kinds[1]},
                                 {"cnio", figures.kinds[2]},
                                 {"transition", figures.kinds[3]}};
     json["min_scaled_jacobian"] = worst_by_type(figures.elements, figures.min_scaled_jacobian);
-    json["regions"] = names_with_counts(mesh.region_names, in_region, "elements");
-    json["surfaces"] = names_with_counts(mesh.surface_names, on_surface, "facets");
+    json["regions"] = names_with_counts(figures.regions, figures.in_region, "elements");
+    json["surfaces"] = names_with_counts(figures.surfaces, figures.on_surface, "facets");
     double crease_length = 0;
     for (const FeatureCurve& curve : report.features.curves) crease_length += curve.length;
     json["features"] = {{"creases", report.features.curves.size()},

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <nlohmann/json.hpp>
+#include <numeric>
 #include <string>
 #include <vector>
 
@@ -18,13 +19,26 @@ inline constexpr std::array<const char*, kElementTypes> kElementNames = {"hexahe
 
 /// The figures of a mesh that cost one pass over it.
 struct MeshFigures {
+    std::uint64_t nodes = 0;
     std::array<std::uint64_t, kElementTypes> elements{};
-    std::array<std::uint64_t, 4> kinds{};                     ///< by ElementKind
-    std::array<double, kElementTypes> min_scaled_jacobian{};  ///< 1 where a type has no elements
+    std::array<std::uint64_t, 4> kinds{};                               ///< by ElementKind
+    std::array<double, kElementTypes> min_scaled_jacobian{1, 1, 1, 1};  ///< 1 where a type has no elements
+    std::vector<std::string> regions;
+    std::vector<std::uint64_t> in_region;  ///< elements
+    std::vector<std::string> surfaces;
+    std::vector<std::uint64_t> on_surface;  ///< facets
+
+    std::uint64_t element_count() const {
+        return std::accumulate(elements.begin(), elements.end(), std::uint64_t{0});
+    }
+    /// Facets and names of a mesh.
+    void add_outline(const Mesh& mesh);
+    /// Nodes and elements of a mesh, or of a part of one.
+    void add_elements(const Mesh& mesh, const std::vector<float>& jacobians);
 };
 MeshFigures figures_of(const Mesh& mesh, const std::vector<float>& jacobians);
 
-Json mesh_document(const Mesh& mesh, const MeshReport& report, const MeshFigures& figures);
+Json mesh_document(const MeshReport& report, const MeshFigures& figures);
 Json check_document(const CheckReport& report);
 
 /// Indented, with a line break at the end; bytes that are not UTF-8 are replaced.

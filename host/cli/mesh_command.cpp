@@ -1,8 +1,11 @@
 // `mortise MODEL -o FILE`: read, mesh, check, write, report.
+#include <sys/resource.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <ctime>
+#include <memory>
 
 #include "host/cli/commands.hpp"
 #include "host/cli/documents.hpp"
@@ -49,10 +52,16 @@ std::string list_levels(const std::vector<std::uint64_t>& leaves) {
     return text;
 }
 
-std::string summary(const Arguments& arguments, const Mesh& mesh, const MeshReport& report,
-                    const MeshFigures& figures) {
-    std::string text = arguments.file + ": " + std::to_string(mesh.element_count()) + " elements, " +
-                       std::to_string(mesh.node_count()) + " nodes; level " + std::to_string(report.level) +
+/// The most memory that this process has had, bytes.
+std::uint64_t peak_memory() {
+    rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
+    return static_cast<std::uint64_t>(usage.ru_maxrss) << 10;
+}
+
+std::string summary(const Arguments& arguments, const MeshReport& report, const MeshFigures& figures) {
+    std::string text = arguments.file + ": " + std::to_string(figures.element_count()) + " elements, " +
+                       std::to_string(figures.nodes) + " nodes; level " + std::to_string(report.level) +
                        ", cell size " + short_number(report.cell_size) + "\n";
     if (!report.leaves.empty()) {
         text += "  cells      " + list_levels(report.leaves);
@@ -76,6 +85,7 @@ std::string summary(const Arguments& arguments, const Mesh& mesh, const MeshRepo
     }
     text += "  time       " + seconds_text(total) + " s" + stages + "\n";
     text += "  device     " + report.device + "\n";
+    if (arguments.in_parts) text += "  memory     " + std::to_string(peak_memory() >> 20) + " MiB at most\n";
     std::string files;
     for (const std::string& path : arguments.outputs) files += (files.empty() ? "" : ", ") + path;
     for (const std::string& path : {arguments.picture, arguments.report, arguments.features}) {
@@ -91,6 +101,94 @@ void check_outputs(const Arguments& arguments) {
     if (!arguments.features.empty()) check_other_output("--features", arguments.features, ".vtp");
 }
 
+/// What is told of a mesh once it is written.
+struct Outcome {
+    MeshReport report;
+    MeshFigures figures;
+    CheckReport check;
+    std::string below_floor;        ///< empty: the quality floor is met
+    std::vector<StageTime> stages;  ///< after those of the report
+};
+
+Outcome mesh_whole(const Arguments& arguments, const Model& model, const MeshOptions& options,
+                   Progress& progress) {
+    Outcome out;
+    MeshReport& report = out.report;
+    std::vector<StageTime>& stages = out.stages;
+    const Mesh mesh = generate_mesh(model, options, &report);
+    for (const std::string& warning : report.warnings) progress.warn(warning);
+
+    progress.show("figures", kChecking);
+    timed("figures", stages, mesh.element_count(),
+          [&] { out.figures = figures_of(mesh, report.scaled_jacobians); });
+    refuse_inverted(out.figures);
+    if (arguments.check) {
+        progress.show("check", kChecking);
+        timed("check", stages, mesh.element_count(), [&] { out.check = check_mesh(mesh); });
+        refuse_defects(out.check);
+    }
+    progress.show("write", kWriting);
+    timed("write", stages, mesh.element_count(), [&] {
+        for (const std::string& path : arguments.outputs) write_mesh(mesh, path, report.scaled_jacobians);
+    });
+    if (!arguments.features.empty()) {
+        timed("write features", stages, report.features.curves.size(),
+              [&] { write_features(mesh, report.features, arguments.features); });
+    }
+    if (!arguments.picture.empty()) {
+        timed("picture", stages, mesh.facets.size(), [&] { write_picture(mesh, arguments.picture); });
+    }
+    out.below_floor = below_floor(mesh, report.scaled_jacobians, arguments.quality_floor);
+    return out;
+}
+
+/// Counts what passes on its way into the files.
+class CountingSink : public MeshSink {
+  public:
+    CountingSink(const std::vector<std::string>& paths, double floor) : floor_(floor) {
+        for (const std::string& path : paths) files_.push_back(std::make_unique<MeshFileStream>(path));
+    }
+
+    void begin(const MeshTotals& totals, const Mesh& outline) override {
+        figures.add_outline(outline);
+        for (const auto& file : files_) file->begin(totals, outline);
+    }
+    void add(const Mesh& part, const std::vector<float>& scaled_jacobians) override {
+        figures.add_elements(part, scaled_jacobians);
+        below += count_below(scaled_jacobians, floor_);
+        for (const auto& file : files_) file->add(part, scaled_jacobians);
+    }
+    void commit() {
+        for (const auto& file : files_) file->commit();
+    }
+
+    MeshFigures figures;
+    std::uint64_t below = 0;
+
+  private:
+    double floor_;
+    std::vector<std::unique_ptr<MeshFileStream>> files_;
+};
+
+Outcome mesh_in_parts(const Arguments& arguments, const Model& model, const MeshOptions& options,
+                      Progress& progress) {
+    Outcome out;
+    CountingSink sink(arguments.outputs, arguments.quality_floor);
+    Mesher(options.device, options.work_group_size).stream(model, options, sink, &out.report);
+    for (const std::string& warning : out.report.warnings) progress.warn(warning);
+    out.figures = sink.figures;
+    refuse_inverted(out.figures);
+    progress.show("join", kWriting);
+    timed("join", out.stages, out.figures.element_count(), [&] { sink.commit(); });
+    const auto& worst = out.figures.min_scaled_jacobian;
+    const auto type = std::min_element(worst.begin(), worst.end());
+    out.below_floor =
+        below_floor(sink.below, out.figures.element_count(), arguments.quality_floor,
+                    "of the " + std::string(kElementNames[static_cast<std::size_t>(type - worst.begin())]) +
+                        ": scaled Jacobian " + short_number(*type));
+    return out;
+}
+
 }  // namespace
 
 ExitCode mesh_command(const Arguments& arguments) {
@@ -103,54 +201,32 @@ ExitCode mesh_command(const Arguments& arguments) {
         return true;
     };
 
-    std::vector<StageTime> before, after;
+    std::vector<StageTime> before;
     Model model;
     timed("read", before, 1, [&] { model = read_model(arguments.file, arguments.read); });
     // Said before the work, in case that fails.
     for (const std::string& warning : model.warnings) progress.warn(warning);
-    MeshReport report;
-    const Mesh mesh = generate_mesh(model, options, &report);
-    for (const std::string& warning : report.warnings) progress.warn(warning);
-
-    MeshFigures figures;
-    progress.show("figures", kChecking);
-    timed("figures", after, mesh.element_count(),
-          [&] { figures = figures_of(mesh, report.scaled_jacobians); });
-    refuse_inverted(figures);
-    CheckReport check;
-    if (arguments.check) {
-        progress.show("check", kChecking);
-        timed("check", after, mesh.element_count(), [&] { check = check_mesh(mesh); });
-        refuse_defects(check);
-    }
-    progress.show("write", kWriting);
-    timed("write", after, mesh.element_count(), [&] {
-        for (const std::string& path : arguments.outputs) write_mesh(mesh, path, report.scaled_jacobians);
-    });
-    if (!arguments.features.empty()) {
-        timed("write features", after, report.features.curves.size(),
-              [&] { write_features(mesh, report.features, arguments.features); });
-    }
-    if (!arguments.picture.empty()) {
-        timed("picture", after, mesh.facets.size(), [&] { write_picture(mesh, arguments.picture); });
-    }
+    Outcome out = arguments.in_parts ? mesh_in_parts(arguments, model, options, progress)
+                                     : mesh_whole(arguments, model, options, progress);
+    MeshReport& report = out.report;
     report.stages.insert(report.stages.begin(), before.begin(), before.end());
-    report.stages.insert(report.stages.end(), after.begin(), after.end());
+    report.stages.insert(report.stages.end(), out.stages.begin(), out.stages.end());
     progress.clear();
 
     if (arguments.json || !arguments.report.empty()) {
-        Json document = mesh_document(mesh, report, figures);
+        Json document = mesh_document(report, out.figures);
         document["model"] = arguments.file;
         document["outputs"] = arguments.outputs;
-        if (arguments.check) document["check"] = check_document(check);
+        document["peak_memory_bytes"] = peak_memory();
+        if (arguments.check) document["check"] = check_document(out.check);
         if (report.quality) document["quality"] = quality_document(*report.quality, &report.features);
         const std::string text = to_text(document);
         if (!arguments.report.empty()) write_text(arguments.report, text);
         if (arguments.json) print(text);
     }
-    if (!arguments.json && !arguments.quiet) print(summary(arguments, mesh, report, figures));
+    if (!arguments.json && !arguments.quiet) print(summary(arguments, report, out.figures));
     if (!arguments.json && report.quality) print(quality_text(*report.quality, &report.features));
-    refuse_below(mesh, report.scaled_jacobians, arguments.quality_floor);
+    refuse_below(out.below_floor);
     return ExitCode::kOk;
 }
 

@@ -28,15 +28,27 @@ void refuse_defects(const CheckReport& check) {
                 "the mesh is not valid: " + describe(check.defects.front()) + kNothingWritten);
 }
 
-void refuse_below(const Mesh& mesh, const std::vector<float>& jacobians, double floor) {
-    if (floor < 0) return;
-    const auto below = std::count_if(jacobians.begin(), jacobians.end(),
-                                     [floor](float value) { return static_cast<double>(value) < floor; });
-    if (below == 0) return;
-    const WorstElement worst = element_quality(mesh, 1).worst.front();
-    throw Error(ExitCode::kQuality, "quality floor " + short_number(floor) + " not met: " +
-                                        std::to_string(below) + " of " + std::to_string(jacobians.size()) +
-                                        " elements are below; the worst is " + describe(worst));
+std::string below_floor(const Mesh& mesh, const std::vector<float>& jacobians, double floor) {
+    const std::uint64_t below = count_below(jacobians, floor);
+    if (below == 0) return {};
+    return below_floor(below, jacobians.size(), floor, describe(element_quality(mesh, 1).worst.front()));
+}
+
+std::string below_floor(std::uint64_t below, std::uint64_t elements, double floor, const std::string& worst) {
+    if (below == 0) return {};
+    return "quality floor " + short_number(floor) + " not met: " + std::to_string(below) + " of " +
+           std::to_string(elements) + " elements are below; the worst is " + worst;
+}
+
+std::uint64_t count_below(const std::vector<float>& jacobians, double floor) {
+    if (floor < 0) return 0;
+    return static_cast<std::uint64_t>(std::count_if(jacobians.begin(), jacobians.end(), [floor](float value) {
+        return static_cast<double>(value) < floor;
+    }));
+}
+
+void refuse_below(const std::string& message) {
+    if (!message.empty()) throw Error(ExitCode::kQuality, message);
 }
 
 }  // namespace mortise::cli

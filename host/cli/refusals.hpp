@@ -13,8 +13,16 @@ void refuse_inverted(const MeshFigures& figures);
 /// Throws Error(kMeshing) for the first defect.
 void refuse_defects(const CheckReport& check);
 
-/// Throws Error(kQuality) if an element's scaled Jacobian is below the floor; a negative floor asks for
-/// nothing. The files are written: the user may want to look at what is bad.
-void refuse_below(const Mesh& mesh, const std::vector<float>& jacobians, double floor);
+/// How many scaled Jacobians are below the floor; a negative floor asks for nothing.
+std::uint64_t count_below(const std::vector<float>& jacobians, double floor);
+
+/// What is wrong if elements are below the floor; empty if none is. Of a mesh, or of `elements` elements of
+/// which `below` are, with words for the worst one.
+std::string below_floor(const Mesh& mesh, const std::vector<float>& jacobians, double floor);
+std::string below_floor(std::uint64_t below, std::uint64_t elements, double floor, const std::string& worst);
+
+/// Throws Error(kQuality) with the message, if there is one. The files are written: the user may want to look
+/// at what is bad.
+void refuse_below(const std::string& message);
 
 }  // namespace mortise::cli

@@ -79,6 +79,8 @@ struct CellRecord {
     std::uint32_t facet_count = 0;
     /// Patch p (four to a face, Cell::patch): [p] … [p + 1].
     std::array<std::uint32_t, kPatches + 1> first_face_facet{};
+    std::uint32_t refused = 0;     ///< as CellCounters, of this cell
+    std::uint32_t unresolved = 0;  ///< the same
 };
 
 /// Meshes cells one at a time; keeps its scratch memory. One per thread.

@@ -18,7 +18,6 @@ Extraction extract(const tape::BoundModel& model, const octree::Octree& tree,
     result.records.resize(leaves.size());
     result.arenas.resize(static_cast<std::size_t>(workers));
     std::vector<std::unique_ptr<Certificate>> certificates(static_cast<std::size_t>(workers));
-    std::vector<std::uint64_t> troubled(static_cast<std::size_t>(workers), 0);
     parallel_chunks(leaves.size(), kChunk, workers, [&](std::size_t begin, std::size_t end, int thread) {
         const auto t = static_cast<std::size_t>(thread);
         if (!certificates[t]) certificates[t] = std::make_unique<Certificate>(model, tree);
@@ -32,10 +31,9 @@ Extraction extract(const tape::BoundModel& model, const octree::Octree& tree,
             const bool moved = apex != apexes.end() && apex->morton == leaf.morton;
             result.records[i] = certificate.run(leaf, result.arenas[t], moved ? &apex->at : nullptr);
             result.records[i].arena = static_cast<std::uint32_t>(thread);
-            if (certificate.counters().refused != before.refused ||
-                certificate.counters().unresolved != before.unresolved) {
-                ++troubled[t];
-            }
+            const CellCounters& after = certificate.counters();
+            result.records[i].refused = static_cast<std::uint32_t>(after.refused - before.refused);
+            result.records[i].unresolved = static_cast<std::uint32_t>(after.unresolved - before.unresolved);
         }
     });
     for (std::size_t t = 0; t < certificates.size(); ++t) {
@@ -43,7 +41,6 @@ Extraction extract(const tape::BoundModel& model, const octree::Octree& tree,
         result.counters.refused += certificates[t]->counters().refused;
         result.counters.unresolved += certificates[t]->counters().unresolved;
         result.counters.forced_caps += certificates[t]->counters().forced_caps;
-        result.troubled += troubled[t];
     }
     return result;
 }

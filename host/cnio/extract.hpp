@@ -16,7 +16,6 @@ struct Extraction {
     std::vector<CellRecord> records;
     std::vector<CellArena> arenas;  ///< one per thread; which one a cell is in does not matter to anyone
     CellCounters counters;
-    std::uint64_t troubled = 0;  ///< cells with a refused split or a simplex labelled by its centroid
 };
 
 /// Runs the certificate on the leaves tree.nio[leaves[i]]. Cells do not depend on each other. `apexes`, by

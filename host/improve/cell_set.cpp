@@ -52,17 +52,9 @@ CellId CellSet::index_graded(const Point& p, CellId hint) const {
 
 void CellSet::set_ring(CellId i) {
     if (leaves_ == nullptr) {
-        const auto cell = static_cast<std::int64_t>(i);
-        const std::array<std::int64_t, 3> at = {cell % size_, cell / size_ % size_, cell / size_ / size_};
-        mark_near(at);
-        for (int k = 0; k < 27; ++k) {
-            const std::int64_t x = at[0] + k % 3 - 1;
-            const std::int64_t y = at[1] + k / 3 % 3 - 1;
-            const std::int64_t z = at[2] + k / 9 - 1;
-            if (std::min({x, y, z}) < 0 || std::max({x, y, z}) >= size_) continue;
-            const auto n = static_cast<CellId>((z * size_ + y) * size_ + x);
-            bits_[n >> 6] |= std::uint64_t{1} << (n & 63);
-        }
+        const auto at = cell_of(i);
+        mark_near({at[0] + 1, at[1] + 1, at[2] + 1});
+        set_cube(i, 1);
         return;
     }
     const GridCube centre = cube(i);
@@ -75,6 +67,22 @@ void CellSet::set_ring(CellId i) {
     }
     for (auto at = left_out_.begin(); at != left_out_.end();) {
         at = touch(cube(*at), centre) ? left_out_.erase(at) : std::next(at);
+    }
+}
+
+void CellSet::set_cube(CellId i, std::int64_t reach) {
+    std::array<std::int64_t, 3> low = cell_of(i), high = low;
+    for (std::size_t j = 0; j < 3; ++j) {
+        low[j] = std::max<std::int64_t>(low[j] + 1 - reach, 0);
+        high[j] = std::min(high[j] + 1 + reach, size_ - 1);
+    }
+    for (std::int64_t z = low[2]; z <= high[2]; ++z) {
+        for (std::int64_t y = low[1]; y <= high[1]; ++y) {
+            for (std::int64_t x = low[0]; x <= high[0]; ++x) {
+                const auto n = static_cast<CellId>((z * size_ + y) * size_ + x);
+                bits_[n >> 6] |= std::uint64_t{1} << (n & 63);
+            }
+        }
     }
 }
 

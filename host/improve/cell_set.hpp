@@ -50,6 +50,14 @@ class CellSet {
     /// Puts a cell and all that touch it into the set.
     void set_ring(CellId i);
 
+    /// Uniform trees: puts all cells within `reach` cells of this one into the set, without marking bricks.
+    void set_cube(CellId i, std::int64_t reach);
+    /// Uniform trees: a cell of the root box or of the ring around it, which begins at -1.
+    std::array<std::int64_t, 3> cell_of(CellId i) const {
+        const auto cell = static_cast<std::int64_t>(i);
+        return {cell % size_ - 1, cell / size_ % size_ - 1, cell / size_ / size_ - 1};
+    }
+
     bool is_graded() const { return leaves_ != nullptr; }
     /// Edge of a cell: 2^size_class finest cells.
     int size_class(CellId i) const { return leaves_ == nullptr ? 0 : cube(i).size_class; }

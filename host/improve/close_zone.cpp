@@ -48,7 +48,8 @@ std::vector<NodeId> number_nodes(const Zone& zone, std::size_t count, std::vecto
 }
 
 /// Takes nodes out that no element uses; the others keep their order.
-void remove_nodes(const std::vector<NodeId>& unused, int threads, Mesh& mesh) {
+void remove_nodes(const std::vector<NodeId>& unused, int threads, Mesh& mesh, Trace* trace) {
+    if (trace != nullptr) trace->node.resize(mesh.node_count(), kNone);
     if (unused.empty()) return;
     std::vector<NodeId> number(mesh.node_count());
     std::size_t gone = 0;
@@ -60,7 +61,9 @@ void remove_nodes(const std::vector<NodeId>& unused, int threads, Mesh& mesh) {
         number[i] = static_cast<NodeId>(i - gone);
         if (gone == 0) continue;
         for (std::size_t j = 0; j < 3; ++j) mesh.points[3 * (i - gone) + j] = mesh.points[3 * i + j];
+        if (trace != nullptr) trace->node[i - gone] = trace->node[i];
     }
+    if (trace != nullptr) trace->node.resize(number.size() - unused.size());
     mesh.points.resize(mesh.points.size() - 3 * unused.size());
     const auto renumber = [&](std::vector<NodeId>& nodes) {
         parallel_chunks(nodes.size(), kChunk, threads, [&](std::size_t begin, std::size_t end, int) {
@@ -73,7 +76,7 @@ void remove_nodes(const std::vector<NodeId>& unused, int threads, Mesh& mesh) {
 
 }  // namespace
 
-Mesh close_zone(Mesh mesh, const CellFrame& frame, const Zone& zone, int threads) {
+Mesh close_zone(Mesh mesh, const CellFrame& frame, const Zone& zone, int threads, Trace* trace) {
     Mesh result = std::move(mesh);
     std::vector<NodeId> unused;
     const std::vector<NodeId> node = number_nodes(zone, result.node_count(), &unused);
@@ -91,6 +94,7 @@ Mesh close_zone(Mesh mesh, const CellFrame& frame, const Zone& zone, int threads
         keep(block.nodes, zone.taken[type], static_cast<std::size_t>(kElementNodes[type]));
         keep(block.region, zone.taken[type], 1);
         keep(block.kind, zone.taken[type], 1);
+        if (trace != nullptr) keep(trace->element[type], zone.taken[type], 1);
     }
     ElementBlock& pyramids = result.block(ElementType::kPyramid);
     for (const Pyramid& p : zone.pyramids) {
@@ -122,6 +126,7 @@ Mesh close_zone(Mesh mesh, const CellFrame& frame, const Zone& zone, int threads
     keep(facets.surface, zone.facet_taken, 1);
     keep(facets.inside, zone.facet_taken, 1);
     keep(facets.outside, zone.facet_taken, 1);
+    if (trace != nullptr) keep(trace->facet, zone.facet_taken, 1);
     ElementBlock& tetrahedra = result.block(ElementType::kTetrahedron);
     for (const Tetrahedron& t : zone.tetrahedra) {
         for (const ZoneNode n : t.node) tetrahedra.nodes.push_back(node[n]);
@@ -144,7 +149,12 @@ Mesh close_zone(Mesh mesh, const CellFrame& frame, const Zone& zone, int threads
             facets.outside.push_back(outside);
         }
     }
-    remove_nodes(unused, threads, result);
+    remove_nodes(unused, threads, result, trace);
+    if (trace != nullptr) {
+        for (std::size_t t = 0; t < kElementTypes; ++t)
+            trace->element[t].resize(result.elements[t].size(), kNone);
+        trace->facet.resize(facets.size(), kNone);
+    }
     return result;
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "host/common/parallel.hpp"
 #include "host/improve/clash.hpp"
@@ -236,21 +237,50 @@ class Improver {
     std::vector<std::uint8_t> free_;
 };
 
+void start_trace(const Mesh& mesh, Trace& trace) {
+    const auto number = [](std::vector<std::uint32_t>& list, std::size_t count) {
+        list.resize(count);
+        std::iota(list.begin(), list.end(), 0u);
+    };
+    number(trace.node, mesh.node_count());
+    for (std::size_t t = 0; t < kElementTypes; ++t) number(trace.element[t], mesh.elements[t].size());
+    number(trace.facet, mesh.facets.size());
+}
+
+bool holds_open(const Zone& zone, const std::vector<std::uint8_t>& is_open, const Trace& trace) {
+    return std::any_of(zone.mesh_node.begin(), zone.mesh_node.end(), [&](NodeId node) {
+        return node != kNone && trace.node[node] != kNone && is_open[trace.node[node]] != 0;
+    });
+}
+
 }  // namespace
 
-Mesh improve(Mesh mesh, const tape::BoundModel& model, const Options& options, Counters* counters) {
-    CellFrame frame;
+CellFrame make_frame(const tape::BoundModel& model, int level) {
+    CellFrame frame{};
     frame.origin = {model.origin[0], model.origin[1], model.origin[2]};
-    frame.cell = std::ldexp(model.side, -options.level);
+    frame.cell = std::ldexp(model.side, -level);
     frame.per_cell = 1 / frame.cell;
-    frame.level = options.level;
+    frame.level = level;
+    return frame;
+}
+
+Mesh improve(Mesh mesh, const tape::BoundModel& model, const Options& options, Counters* counters,
+             Trace* trace) {
+    CellFrame frame = make_frame(model, options.level);
     if (options.leaves != nullptr && !options.leaves->is_uniform()) frame.leaves = options.leaves;
+    Trace own;
+    if (trace == nullptr && options.is_open != nullptr) trace = &own;
+    if (trace != nullptr) start_trace(mesh, *trace);
     const Surfaces surfaces(model, options.level);
     const std::vector<Tip> tips = find_tips(model, options.level);
     Counters local;
     for (int run = 0; run < kRuns; ++run) {
         Zone zone = open_zone(mesh, frame, surfaces, tips, options.threads);
         if (zone.tetrahedra.empty()) break;
+        if (options.is_open != nullptr && holds_open(zone, *options.is_open, *trace)) {
+            local.reached_open = true;
+            break;
+        }
         local.zone_elements += zone.tetrahedra.size() + zone.pyramids.size();
         Improver improver(zone, surfaces, options);
         const int passes = improver.is_graded() ? 2 * kShifts : kShifts;
@@ -258,7 +288,7 @@ Mesh improve(Mesh mesh, const tape::BoundModel& model, const Options& options, C
             improver.pass(pass / kShifts, pass % kShifts, run > 0, local);
         }
         const bool done = improver.is_done() || improver.is_hopeless();
-        mesh = close_zone(std::move(mesh), frame, zone, options.threads);
+        mesh = close_zone(std::move(mesh), frame, zone, options.threads, trace);
         if (done) break;
         frame.on_lattice = false;
     }

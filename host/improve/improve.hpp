@@ -14,15 +14,20 @@ struct Options {
     int smooth = 4;                    ///< rounds of repositioning; 0: nodes move only onto the model
     int threads = 0;                   ///< host threads; 0: all cores
     const LeafGrid* leaves = nullptr;  ///< null or empty: a uniform tree
+    /// Of a part of a mesh (part.hpp): per node, not 0 if elements around it are missing. May be null.
+    const std::vector<std::uint8_t>* is_open = nullptr;
 };
 
 struct Counters {
     std::uint64_t zone_elements = 0;
+    bool reached_open = false;  ///< a zone would have held an open node: the result means nothing
     BlockCounters block;
 };
 
 /// Precondition: the mesh's facets carry surfaces of `model` (indices into BoundModel::surfaces), in model
 /// coordinates; region and surface names are not looked at. The result does not depend on the threads.
-Mesh improve(Mesh mesh, const tape::BoundModel& model, const Options& options, Counters* counters);
+/// `trace`, if wanted, receives where its parts come from.
+Mesh improve(Mesh mesh, const tape::BoundModel& model, const Options& options, Counters* counters,
+             Trace* trace = nullptr);
 
 }  // namespace mortise::improve

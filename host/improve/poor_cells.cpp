@@ -1,6 +1,7 @@
 #include "host/improve/poor_cells.hpp"
 
 #include <atomic>
+#include <cmath>
 
 #include "host/common/parallel.hpp"
 #include "kernels/shared/lattice.h"
@@ -12,6 +13,8 @@ constexpr std::size_t kChunk = 4096;
 /// A hexahedron, wedge or pyramid with an edge shorter than this, in edges of the smallest leaf at its ends,
 /// counts as poor: it may have right angles and still make its neighbours flat.
 constexpr double kShortestEdge = 0.35;
+/// Up to this level positions are certain to kVolumeRounding of a finest cell.
+constexpr int kCertainLevel = 11;
 constexpr double kRounder = 6755399441055744.0;
 
 double element_quality(const Mesh& mesh, const CellFrame& frame, const Element& e, double rounding) {
@@ -58,6 +61,10 @@ bool is_flat(const Mesh& mesh, const CellFrame& frame, const Places& places, con
 }
 
 }  // namespace
+
+double volume_rounding(const CellFrame& frame, int finest_class) {
+    return kVolumeRounding * std::ldexp(1.0, std::max(finest_class, frame.level - kCertainLevel));
+}
 
 Element element(const Mesh& mesh, int t, std::size_t i) {
     const auto size = static_cast<std::size_t>(kElementNodes[static_cast<std::size_t>(t)]);

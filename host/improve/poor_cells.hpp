@@ -29,6 +29,9 @@ Point centroid(const Mesh& mesh, const CellFrame& frame, const Element& element)
 /// A point in the cell that an element belongs to: its centroid, for cubes without looking at all nodes.
 Point place_of(const Mesh& mesh, const CellFrame& frame, int type, std::size_t i);
 
+/// Rounding of volumes (tetrahedron_quality) in a tree whose finest leaves have this size class.
+double volume_rounding(const CellFrame& frame, int finest_class);
+
 /// Below this an element's neighbourhood is improved.
 inline constexpr double kPoorQuality = kGoodQuality;
 

@@ -20,8 +20,6 @@ static_assert(2 * (kGrowths - 1) + 3 < CellSet::kReach);
 constexpr double kSameDistance = 2e-5;  ///< cells
 constexpr double kLessTurned = 0.1;
 constexpr double kTipReach = 1.5;  ///< cells
-/// Up to this level positions are certain to kVolumeRounding of a finest cell.
-constexpr int kCertainLevel = 11;
 /// A split into tetrahedra that is flatter than this is replaced by a cone from the element's centre.
 constexpr double kLowestSplit = 0.02;
 
@@ -42,7 +40,7 @@ class Opener {
             find_cells(mesh_, frame_, cells_, threads_, places_);
             find_size_classes(mesh_, frame_, cells_, threads_, places_);
         }
-        rounding_ = kVolumeRounding * std::ldexp(1.0, std::max(unit_class_, frame_.level - kCertainLevel));
+        rounding_ = volume_rounding(frame_, unit_class_);
         std::vector<CellId> poor = poor_cells(mesh_, frame_, cells_, places_, rounding_, threads_);
         for (const Tip& tip : tips_) poor.push_back(cells_.index(tip.point));
         if (poor.empty()) return {};

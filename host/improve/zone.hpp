@@ -95,12 +95,24 @@ struct CellFrame {
     bool on_lattice = true;            ///< no node has been moved off the lattice of positions yet
 };
 
+CellFrame make_frame(const tape::BoundModel& model, int level);
+
+/// Where nodes, elements and facets of an improved mesh come from: their numbers in the mesh as it was, or
+/// kNone for new ones. Those that are still there keep their order, and come before all new ones, but for new
+/// nodes in the place of old ones.
+struct Trace {
+    std::vector<std::uint32_t> node;
+    std::array<std::vector<std::uint32_t>, kElementTypes> element;
+    std::vector<std::uint32_t> facet;
+};
+
 /// Collects the zone; cells of tips count as poor. `threads` host threads; the result does not depend on
 /// them.
 Zone open_zone(const Mesh& mesh, const CellFrame& frame, const Surfaces& surfaces,
                const std::vector<Tip>& tips, int threads);
 
-/// Puts the zone's elements, facets and moved nodes in place of those that were taken.
-Mesh close_zone(Mesh mesh, const CellFrame& frame, const Zone& zone, int threads);
+/// Puts the zone's elements, facets and moved nodes in place of those that were taken. `trace` may be null;
+/// it is brought up to date.
+Mesh close_zone(Mesh mesh, const CellFrame& frame, const Zone& zone, int threads, Trace* trace);
 
 }  // namespace mortise::improve

@@ -70,28 +70,41 @@ ByteSource memory_source(const void* data) {
     return [bytes](std::size_t begin, std::size_t, char*) { return bytes + begin; };
 }
 
-void write_compressed(TemporaryFile& file, std::size_t size, const ByteSource& source) {
-    const std::size_t blocks = chunk_count(size, kBlockSize);
-    std::vector<std::uint64_t> header(3 + blocks, 0);
-    header[0] = blocks;
-    header[1] = kBlockSize;
-    header[2] = size % kBlockSize;
-    const std::uint64_t header_at = file.size();
-    file.write(header.data(), header.size() * sizeof header[0]);  // sizes follow at the end
+void pack_blocks(std::size_t first, std::size_t count, std::size_t size, const ByteSource& source,
+                 const std::function<void(const void* packed, std::size_t packed_size)>& take) {
     const std::size_t wave = 4 * std::max(1u, std::thread::hardware_concurrency());
-    std::vector<Scratch> scratch(std::min(wave, blocks));
-    for (std::size_t first = 0; first < blocks; first += wave) {
-        const std::size_t count = std::min(wave, blocks - first);
-        parallel_chunks(count, 1, [&](std::size_t i, std::size_t, std::size_t) {
+    std::vector<Scratch> scratch(std::min(wave, count));
+    const std::size_t last = first + count;
+    for (; first < last; first += wave) {
+        const std::size_t together = std::min(wave, last - first);
+        parallel_chunks(together, 1, [&](std::size_t i, std::size_t, std::size_t) {
             const std::size_t begin = (first + i) * kBlockSize, end = std::min(size, begin + kBlockSize);
             compress_block(source(begin, end, scratch[i].bytes()), end - begin, scratch[i]);
         });
-        for (std::size_t i = 0; i < count; ++i) {
-            file.write(scratch[i].packed.data(), scratch[i].packed_size);
-            header[3 + first + i] = scratch[i].packed_size;
-        }
+        for (std::size_t i = 0; i < together; ++i) take(scratch[i].packed.data(), scratch[i].packed_size);
     }
-    if (blocks > 0) file.write_at(header_at, header.data(), header.size() * sizeof header[0]);
+}
+
+std::vector<std::uint64_t> block_header(std::uint64_t size) {
+    const std::uint64_t blocks = (size + kBlockSize - 1) / kBlockSize;
+    std::vector<std::uint64_t> header(kHeaderWords + static_cast<std::size_t>(blocks), 0);
+    header[0] = blocks;
+    header[1] = kBlockSize;
+    header[2] = size % kBlockSize;
+    return header;
+}
+
+void write_compressed(TemporaryFile& file, std::size_t size, const ByteSource& source) {
+    std::vector<std::uint64_t> header = block_header(size);
+    const std::uint64_t header_at = file.size();
+    file.write(header.data(), header.size() * sizeof header[0]);  // sizes follow at the end
+    std::size_t next = kHeaderWords;
+    pack_blocks(0, header.size() - kHeaderWords, size, source,
+                [&](const void* packed, std::size_t packed_size) {
+                    file.write(packed, packed_size);
+                    header[next++] = packed_size;
+                });
+    if (next > kHeaderWords) file.write_at(header_at, header.data(), header.size() * sizeof header[0]);
 }
 
 std::vector<char> read_compressed(const FileReader& file, std::uint64_t offset) {

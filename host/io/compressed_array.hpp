@@ -22,6 +22,15 @@ inline constexpr std::size_t kBlockSize = std::size_t{1} << 20;
 /// pointer to bytes that exist already. Called from several threads at once.
 using ByteSource = std::function<const char*(std::size_t begin, std::size_t end, char* space)>;
 
+/// Compresses the blocks first … first + count - 1 of what `source` gives (block i is its bytes from
+/// i * kBlockSize on, up to `size`) on all cores, and hands them to `take` in order.
+void pack_blocks(std::size_t first, std::size_t count, std::size_t size, const ByteSource& source,
+                 const std::function<void(const void* packed, std::size_t packed_size)>& take);
+
+/// The header of an array of `size` bytes; sizes of its blocks follow at `kHeaderWords`.
+inline constexpr std::size_t kHeaderWords = 3;
+std::vector<std::uint64_t> block_header(std::uint64_t size);
+
 /// Appends an array of `size` bytes to the file.
 void write_compressed(TemporaryFile& file, std::size_t size, const ByteSource& source);
 

@@ -25,10 +25,10 @@ VtkXmlWriter::VtkXmlWriter(TemporaryFile& file, const std::string& type) : file_
 }
 
 void VtkXmlWriter::array(const std::string& type, const std::string& name, const std::string& attributes,
-                         std::size_t size, const ByteSource& source) {
+                         const ArrayWriter& write) {
     header_ += "<DataArray type=\"" + type + "\" Name=\"" + name + "\"" + attributes +
                " format=\"appended\" offset=\"";
-    arrays_.push_back({size, source, header_.size()});
+    arrays_.push_back({write, header_.size()});
     header_ += std::string(kOffsetDigits + 1, ' ') + "/>\n";
 }
 
@@ -51,7 +51,7 @@ void VtkXmlWriter::finish() {
     for (const ArrayToWrite& array : arrays_) {
         // The quote follows the number, the room left stays blank behind it.
         const std::string offset = std::to_string(file_.size() - base) + "\"";
-        write_compressed(file_, array.size, array.source);
+        array.write(file_);
         file_.write_at(array.offset_at, offset.data(), offset.size());
     }
     file_.write("\n</AppendedData>\n</VTKFile>\n");

@@ -1,6 +1,7 @@
 // Writes VTK's XML files: a header that announces arrays, then the arrays, appended raw and compressed.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -8,6 +9,14 @@
 #include "host/io/temporary_file.hpp"
 
 namespace mortise::io {
+
+/// Appends one array to the file, header and blocks.
+using ArrayWriter = std::function<void(TemporaryFile& file)>;
+
+/// The array of `size` bytes that `source` gives.
+inline ArrayWriter compressed(std::size_t size, const ByteSource& source) {
+    return [size, source](TemporaryFile& file) { write_compressed(file, size, source); };
+}
 
 /// Collects the header's text and the arrays that it announces. Sources must live until finish().
 class VtkXmlWriter {
@@ -18,7 +27,11 @@ class VtkXmlWriter {
     void text(const std::string& line) { header_ += line + "\n"; }
 
     void array(const std::string& type, const std::string& name, const std::string& attributes,
-               std::size_t size, const ByteSource& source);
+               const ArrayWriter& write);
+    void array(const std::string& type, const std::string& name, const std::string& attributes,
+               std::size_t size, const ByteSource& source) {
+        array(type, name, attributes, compressed(size, source));
+    }
 
     /// An array in memory, for FieldData: with the number of its tuples.
     template <class Value>
@@ -38,8 +51,7 @@ class VtkXmlWriter {
 
   private:
     struct ArrayToWrite {
-        std::size_t size;  ///< bytes
-        ByteSource source;
+        ArrayWriter write;
         std::uint64_t offset_at;  ///< where the header has room for the offset
     };
 

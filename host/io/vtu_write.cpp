@@ -12,137 +12,136 @@
 #include <string>
 #include <vector>
 
-#include "host/io/compressed_array.hpp"
-#include "host/io/element_table.hpp"
 #include "host/io/formats.hpp"
-#include "host/io/vtk_xml.hpp"
+#include "host/io/vtu_layout.hpp"
 #include "mortise/check.hpp"
 
 namespace mortise::io {
 namespace {
 
-/// Source of an array of Value whose items [first, last) are made by fill(first, last, Value* out).
-template <class Value, class Fill>
-ByteSource value_source(const Fill& fill) {
-    return [fill](std::size_t begin, std::size_t end, char* space) {
-        fill(begin / sizeof(Value), end / sizeof(Value), reinterpret_cast<Value*>(space));
-        return static_cast<const char*>(space);
-    };
-}
-
 /// Calls visit(type, begin, end) for the parts of [first, last) in each type's run; runs[t] is where it
 /// starts.
 template <class Visit>
-void split_by_type(const std::array<std::size_t, kElementTypes + 1>& runs, std::size_t first,
+void split_by_type(const std::array<std::uint64_t, kElementTypes + 1>& runs, std::size_t first,
                    std::size_t last, const Visit& visit) {
     for (std::size_t t = 0; t < kElementTypes; ++t) {
-        const std::size_t begin = std::max(first, runs[t]), end = std::min(last, runs[t + 1]);
+        const std::size_t begin = std::max<std::size_t>(first, runs[t]);
+        const std::size_t end = std::min<std::size_t>(last, runs[t + 1]);
         if (begin < end) visit(t, begin - runs[t], end - runs[t]);
     }
 }
 
 template <class Index>
-void add_cells(const Mesh& mesh, const char* type_name, VtkXmlWriter& writer) {
-    std::array<std::size_t, kElementTypes + 1> node_runs{}, element_runs{};
-    for (std::size_t t = 0; t < kElementTypes; ++t) {
-        node_runs[t + 1] = node_runs[t] + mesh.elements[t].nodes.size();
-        element_runs[t + 1] = element_runs[t] + mesh.elements[t].size();
+ByteSource connectivity_source(const Mesh& mesh, const TypeRuns& runs) {
+    return value_source<Index>([&mesh, runs](std::size_t first, std::size_t last, Index* out) {
+        split_by_type(runs.nodes, first, last, [&](std::size_t t, std::size_t begin, std::size_t end) {
+            vtk_connectivity(mesh.elements[t], t, begin, end, out);
+            out += end - begin;
+        });
+    });
+}
+
+template <class Index>
+ByteSource offsets_source(const TypeRuns& runs) {
+    return value_source<Index>([runs](std::size_t first, std::size_t last, Index* out) {
+        split_by_type(runs.elements, first, last, [&](std::size_t t, std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i)
+                *out++ = static_cast<Index>(runs.nodes[t] + (i + 1) * nodes_per_element(t));
+        });
+    });
+}
+
+/// One value per element, from `member` of each block.
+template <class Value, class Member>
+ByteSource element_source(const Mesh& mesh, const TypeRuns& runs, Member member) {
+    return value_source<Value>([&mesh, runs, member](std::size_t first, std::size_t last, Value* out) {
+        split_by_type(runs.elements, first, last, [&](std::size_t t, std::size_t begin, std::size_t end) {
+            const auto* values = (mesh.elements[t].*member).data();
+            out = std::copy(values + begin, values + end, out);
+        });
+    });
+}
+
+}  // namespace
+
+std::size_t index_bytes(const MeshTotals& totals) {
+    constexpr std::uint64_t limit = std::numeric_limits<std::int32_t>::max();
+    return std::max(TypeRuns(totals).nodes.back(), totals.nodes) <= limit ? sizeof(std::int32_t)
+                                                                          : sizeof(std::int64_t);
+}
+
+void write_vtu_file(const MeshTotals& totals, const Mesh& outline, const VtuArrays& arrays,
+                    TemporaryFile& file) {
+    const TypeRuns runs(totals);
+    const std::uint64_t elements = runs.elements.back();
+    VtkXmlWriter writer(file, "UnstructuredGrid");
+    writer.text("<UnstructuredGrid>");
+    writer.text("<FieldData>");
+    writer.names("region_names", outline.region_names);
+    writer.names("surface_names", outline.surface_names);
+    writer.field("UInt32", "facet_nodes", 4, outline.facets.nodes);
+    writer.field("UInt32", "facet_surface", 1, outline.facets.surface);
+    writer.field("UInt16", "facet_inside", 1, outline.facets.inside);
+    writer.field("UInt16", "facet_outside", 1, outline.facets.outside);
+    writer.text("</FieldData>");
+    writer.text("<Piece NumberOfPoints=\"" + std::to_string(totals.nodes) + "\" NumberOfCells=\"" +
+                std::to_string(elements) + "\">");
+    writer.text("<Points>");
+    writer.array("Float64", "Points", " NumberOfComponents=\"3\"", arrays.points);
+    writer.text("</Points>");
+    if (arrays.model_dimension) {
+        writer.text("<PointData>");
+        writer.array("UInt8", "model_dimension", "", arrays.model_dimension);
+        writer.text("</PointData>");
     }
-    const std::size_t count = element_runs.back();
+    const bool is_wide = index_bytes(totals) == sizeof(std::int64_t);
+    const char* index_type = is_wide ? "Int64" : "Int32";
     writer.text("<Cells>");
+    writer.array(index_type, "connectivity", "", arrays.connectivity);
+    writer.array(index_type, "offsets", "", elements * index_bytes(totals),
+                 is_wide ? offsets_source<std::int64_t>(runs) : offsets_source<std::int32_t>(runs));
     writer.array(
-        type_name, "connectivity", "", node_runs.back() * sizeof(Index),
-        value_source<Index>([&mesh, node_runs](std::size_t first, std::size_t last, Index* out) {
-            split_by_type(node_runs, first, last, [&](std::size_t t, std::size_t begin, std::size_t end) {
-                const NodeId* nodes = mesh.elements[t].nodes.data();
-                const std::array<int, 8>& order = kElementTable[t].vtk.nodes;
-                const std::size_t per_element = nodes_per_element(t);
-                std::size_t local = begin % per_element;
-                for (std::size_t i = begin - local; i < end; i += per_element, local = 0) {
-                    const std::size_t last_local = std::min(per_element, end - i);
-                    for (; local < last_local; ++local)
-                        *out++ = static_cast<Index>(nodes[i + static_cast<std::size_t>(order[local])]);
-                }
-            });
-        }));
-    writer.array(
-        type_name, "offsets", "", count * sizeof(Index),
-        value_source<Index>([node_runs, element_runs](std::size_t first, std::size_t last, Index* out) {
-            split_by_type(element_runs, first, last, [&](std::size_t t, std::size_t begin, std::size_t end) {
-                for (std::size_t i = begin; i < end; ++i)
-                    *out++ = static_cast<Index>(node_runs[t] + (i + 1) * nodes_per_element(t));
-            });
-        }));
-    writer.array(
-        "UInt8", "types", "", count,
-        value_source<std::uint8_t>([element_runs](std::size_t first, std::size_t last, std::uint8_t* out) {
-            split_by_type(element_runs, first, last, [&](std::size_t t, std::size_t begin, std::size_t end) {
+        "UInt8", "types", "", elements,
+        value_source<std::uint8_t>([runs](std::size_t first, std::size_t last, std::uint8_t* out) {
+            split_by_type(runs.elements, first, last, [&](std::size_t t, std::size_t begin, std::size_t end) {
                 out = std::fill_n(out, end - begin, static_cast<std::uint8_t>(kElementTable[t].vtk.type));
             });
         }));
     writer.text("</Cells>");
     writer.text("<CellData Scalars=\"region\">");
-    writer.array("Int32", "region", "", count * sizeof(std::int32_t),
-                 value_source<std::int32_t>(
-                     [&mesh, element_runs](std::size_t first, std::size_t last, std::int32_t* out) {
-                         split_by_type(element_runs, first, last,
-                                       [&](std::size_t t, std::size_t begin, std::size_t end) {
-                                           const std::uint16_t* region = mesh.elements[t].region.data();
-                                           out = std::copy(region + begin, region + end, out);
-                                       });
-                     }));
-    writer.array("UInt8", "kind", "", count,
-                 value_source<std::uint8_t>(
-                     [&mesh, element_runs](std::size_t first, std::size_t last, std::uint8_t* out) {
-                         split_by_type(element_runs, first, last,
-                                       [&](std::size_t t, std::size_t begin, std::size_t end) {
-                                           const std::uint8_t* kind = mesh.elements[t].kind.data();
-                                           out = std::copy(kind + begin, kind + end, out);
-                                       });
-                     }));
-}
-
-}  // namespace
-
-void write_vtu(const Mesh& mesh, const std::vector<float>& jacobians, TemporaryFile& file) {
-    VtkXmlWriter writer(file, "UnstructuredGrid");
-    writer.text("<UnstructuredGrid>");
-    writer.text("<FieldData>");
-    writer.names("region_names", mesh.region_names);
-    writer.names("surface_names", mesh.surface_names);
-    writer.field("UInt32", "facet_nodes", 4, mesh.facets.nodes);
-    writer.field("UInt32", "facet_surface", 1, mesh.facets.surface);
-    writer.field("UInt16", "facet_inside", 1, mesh.facets.inside);
-    writer.field("UInt16", "facet_outside", 1, mesh.facets.outside);
-    writer.text("</FieldData>");
-    writer.text("<Piece NumberOfPoints=\"" + std::to_string(mesh.node_count()) + "\" NumberOfCells=\"" +
-                std::to_string(mesh.element_count()) + "\">");
-    writer.text("<Points>");
-    writer.array("Float64", "Points", " NumberOfComponents=\"3\"", mesh.points.size() * sizeof(double),
-                 memory_source(mesh.points.data()));
-    writer.text("</Points>");
-    if (!mesh.model_dimension.empty()) {
-        writer.text("<PointData>");
-        writer.array("UInt8", "model_dimension", "", mesh.model_dimension.size(),
-                     memory_source(mesh.model_dimension.data()));
-        writer.text("</PointData>");
-    }
-    std::size_t entries = 0;
-    for (const ElementBlock& block : mesh.elements) entries += block.nodes.size();
-    constexpr std::size_t limit = std::numeric_limits<std::int32_t>::max();
-    if (std::max(entries, mesh.node_count()) <= limit) {
-        add_cells<std::int32_t>(mesh, "Int32", writer);
-    } else {
-        add_cells<std::int64_t>(mesh, "Int64", writer);
-    }
-    const std::vector<float> computed = jacobians.empty() ? scaled_jacobians(mesh) : std::vector<float>{};
-    const std::vector<float>& quality = jacobians.empty() ? computed : jacobians;
-    writer.array("Float32", "scaled_jacobian", "", quality.size() * sizeof(float),
-                 memory_source(quality.data()));
+    writer.array("Int32", "region", "", arrays.region);
+    writer.array("UInt8", "kind", "", arrays.kind);
+    writer.array("Float32", "scaled_jacobian", "", arrays.scaled_jacobian);
     writer.text("</CellData>");
     writer.text("</Piece>");
     writer.text("</UnstructuredGrid>");
     writer.finish();
+}
+
+void write_vtu(const Mesh& mesh, const std::vector<float>& jacobians, TemporaryFile& file) {
+    MeshTotals totals;
+    totals.nodes = mesh.node_count();
+    for (std::size_t t = 0; t < kElementTypes; ++t) totals.elements[t] = mesh.elements[t].size();
+    const TypeRuns runs(totals);
+    const std::uint64_t elements = runs.elements.back();
+    const std::size_t index = index_bytes(totals);
+    const std::vector<float> computed = jacobians.empty() ? scaled_jacobians(mesh) : std::vector<float>{};
+    const std::vector<float>& quality = jacobians.empty() ? computed : jacobians;
+    VtuArrays arrays;
+    arrays.points = compressed(mesh.points.size() * sizeof(double), memory_source(mesh.points.data()));
+    if (!mesh.model_dimension.empty()) {
+        arrays.model_dimension =
+            compressed(mesh.model_dimension.size(), memory_source(mesh.model_dimension.data()));
+    }
+    arrays.connectivity =
+        compressed(runs.nodes.back() * index, index == sizeof(std::int64_t)
+                                                  ? connectivity_source<std::int64_t>(mesh, runs)
+                                                  : connectivity_source<std::int32_t>(mesh, runs));
+    arrays.region = compressed(elements * sizeof(std::int32_t),
+                               element_source<std::int32_t>(mesh, runs, &ElementBlock::region));
+    arrays.kind = compressed(elements, element_source<std::uint8_t>(mesh, runs, &ElementBlock::kind));
+    arrays.scaled_jacobian = compressed(quality.size() * sizeof(float), memory_source(quality.data()));
+    write_vtu_file(totals, mesh, arrays, file);
 }
 
 }  // namespace mortise::io

@@ -1,10 +1,12 @@
 // Mesh files and pictures.
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "mortise/mesh.hpp"
+#include "mortise/mesh_sink.hpp"
 #include "mortise/quality.hpp"
 
 namespace mortise {
@@ -15,6 +17,23 @@ namespace mortise {
 ///
 /// `jacobians`: what scaled_jacobians(mesh) gives (mortise/check.hpp), if it is known already.
 void write_mesh(const Mesh& mesh, const std::string& path, const std::vector<float>& jacobians = {});
+
+/// Writes a mesh that comes in parts (Mesher::stream): the same bytes as write_mesh, but .vtu only. What has
+/// come waits, compressed, in an unnamed temporary file beside `path`; commit() joins it. Errors as those of
+/// write_mesh; without commit() there is no file.
+class MeshFileStream : public MeshSink {
+  public:
+    explicit MeshFileStream(const std::string& path);
+    ~MeshFileStream() override;
+
+    void begin(const MeshTotals& totals, const Mesh& outline) override;
+    void add(const Mesh& part, const std::vector<float>& scaled_jacobians) override;
+    void commit();
+
+  private:
+    struct Implementation;
+    std::unique_ptr<Implementation> implementation_;
+};
 
 /// Throws what write_mesh(mesh, path) would throw for the name alone: unknown extension, missing or
 /// unwritable folder. Called before the work starts.

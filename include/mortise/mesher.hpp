@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "mortise/mesh.hpp"
+#include "mortise/mesh_sink.hpp"
 #include "mortise/model.hpp"
 #include "mortise/quality.hpp"
 
@@ -51,6 +52,8 @@ struct MeshOptions {
     int pieces = 1;           ///< parts of the Morton range that are meshed apart and merged: the same mesh
     bool quality = false;     ///< also make MeshReport::quality
     bool strict = false;      ///< Error(kMeshing) if the mesh is not known to show every feature of the model
+    /// Mesher::stream only: bytes of memory that the run tries to keep to; 0: 4 GiB.
+    std::uint64_t memory = 0;
     int threads = 0;          ///< host threads for extraction; 0: all cores
     std::string device;       ///< as printed by `mortise devices`; empty: environment, else default
     int work_group_size = 0;  ///< 0: the device class's default
@@ -132,6 +135,14 @@ class Mesher {
     /// As generate_mesh, with the same result, but on this device, whatever the options say of it. After an
     /// error the mesher is as before.
     Mesh generate(const Model& model, const MeshOptions& options = {}, MeshReport* report = nullptr);
+
+    /// Meshes in parts that are handed on and forgotten: `sink` receives what generate() returns, in the
+    /// same order and with the same numbers. What is kept takes memory with the model's boundary, not with
+    /// its volume. Each part is made two or three times. In the report, scaled_jacobians and
+    /// Features::model_dimension stay empty. Throws also Error(kUsage) for options that need the whole mesh
+    /// (cells of several sizes, tetrahedra, quality), Error(kDevice) if the boundary alone does not fit into
+    /// MeshOptions::memory.
+    void stream(const Model& model, const MeshOptions& options, MeshSink& sink, MeshReport* report = nullptr);
 
   private:
     struct Implementation;

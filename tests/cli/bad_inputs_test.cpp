@@ -280,3 +280,27 @@ TEST_CASE("a standard output that is full is an error") {
     CHECK(outcome.code == kFiles);
     CHECK(is_one_line(outcome.err, "mortise: cannot write to the standard output"));
 }
+
+TEST_CASE("--memory is refused where it makes no sense") {
+    const ScratchFolder scratch;
+    const std::string model = asset("bracket.csg");
+    const std::string vtu = scratch.file("out/a.vtu");
+    scratch.names("out");
+    for (const char* word : {"4", "G", "-1G", "4T", "4GB", "nanG", "1e30G"}) {
+        CAPTURE(word);
+        expect_failure(scratch, kUsage, "expected a number and a unit, such as 4G or 800M",
+                       {model, "-o", vtu, std::string("--memory=") + word});
+    }
+    expect_failure(scratch, kUsage, "can be written as .vtu only",
+                   {model, "-o", scratch.file("out/a.msh"), "--memory", "1G"});
+    for (const char* option : {"--check", "--quality"}) {
+        expect_failure(scratch, kUsage, std::string(option) + " needs the whole mesh in memory",
+                       {model, "-o", vtu, "--memory", "1G", option});
+    }
+    expect_failure(scratch, kUsage, "needs the whole mesh",
+                   {model, "-o", vtu, "--memory", "1G", "--elements", "tet"});
+    expect_failure(scratch, kUsage, "cells of several sizes",
+                   {model, "-o", vtu, "--memory", "1G", "--refine", "1"});
+    expect_failure(scratch, kDevice, "allow more by --memory",
+                   {model, "-o", vtu, "--memory", "10M", "--level", "4"});
+}

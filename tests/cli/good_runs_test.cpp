@@ -256,3 +256,36 @@ TEST_CASE("a signal leaves the old file of that name untouched") {
     CHECK(scratch.names("out") == Names{"a.vtu"});
     CHECK(read_file(out) == "old");
 }
+
+TEST_CASE("--memory writes the same file, and tells how much it took") {
+    const ScratchFolder scratch;
+    scratch.names("out");
+    const std::string whole = scratch.file("out/whole.vtu"), parts = scratch.file("out/parts.vtu");
+    REQUIRE(run({asset("bracket.csg"), "--level", "5", "-o", whole}).code == 0);
+    const Outcome outcome = run({asset("bracket.csg"), "--level", "5", "-o", parts, "--memory", "300M"});
+    CHECK(outcome.code == 0);
+    CHECK(outcome.err.empty());
+    CHECK(contains(outcome.out, " MiB at most"));
+    const auto bytes = [](const std::string& path) {
+        std::ifstream file(path, std::ios::binary);
+        return std::string(std::istreambuf_iterator<char>(file), {});
+    };
+    CHECK((bytes(whole) == bytes(parts)));
+    CHECK(scratch.names("out") == Names{"parts.vtu", "whole.vtu"});
+
+    const Outcome json =
+        run({asset("bracket.csg"), "--level", "5", "-o", parts, "--memory", "0.5G", "--json"});
+    const Json in_parts = Json::parse(json.out);
+    const Json at_once = Json::parse(run({asset("bracket.csg"), "--level", "5", "-o", whole, "--json"}).out);
+    for (const char* key : {"nodes", "elements", "elements_by_kind", "min_scaled_jacobian", "regions",
+                            "surfaces", "features", "cells"}) {
+        CAPTURE(key);
+        CHECK(in_parts[key] == at_once[key]);
+    }
+    CHECK(in_parts["peak_memory_bytes"].get<double>() > 1e6);
+
+    const Outcome floor =
+        run({asset("bracket.csg"), "--level", "5", "-o", parts, "--memory", "1G", "--quality-floor", "0.9"});
+    CHECK(floor.code == 4);
+    CHECK(contains(floor.err, "quality floor 0.9 not met"));
+}

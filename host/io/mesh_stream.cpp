@@ -1,0 +1,120 @@
+// A .vtu written from parts: the same bytes as from the whole mesh.
+#include <algorithm>
+#include <optional>
+#include <string>
+
+#include "host/io/block_spool.hpp"
+#include "host/io/formats.hpp"
+#include "host/io/vtu_layout.hpp"
+#include "mortise/io.hpp"
+
+namespace mortise {
+namespace {
+
+using io::SpooledArray;
+
+std::vector<std::uint64_t> scaled(const std::array<std::uint64_t, kElementTypes + 1>& runs,
+                                  std::size_t bytes) {
+    std::vector<std::uint64_t> result(runs.begin(), runs.end());
+    for (std::uint64_t& begin : result) begin *= bytes;
+    return result;
+}
+
+io::ArrayWriter joined(SpooledArray& array) {
+    return [&array](io::TemporaryFile& file) { array.write(file); };
+}
+
+}  // namespace
+
+/// What is known once the totals are.
+struct MeshFileStream::Implementation {
+    Implementation(const std::string& path) : file(path), spool(path) {}
+
+    struct Arrays {
+        Arrays(io::Spool& spool, const MeshTotals& totals)
+            : runs(totals),
+              points(spool, {0, 3 * sizeof(double) * totals.nodes}),
+              model_dimension(spool, {0, totals.nodes}),
+              connectivity(spool, scaled(runs.nodes, io::index_bytes(totals))),
+              region(spool, scaled(runs.elements, sizeof(std::int32_t))),
+              kind(spool, scaled(runs.elements, 1)),
+              scaled_jacobian(spool, scaled(runs.elements, sizeof(float))) {}
+
+        io::TypeRuns runs;
+        SpooledArray points, model_dimension, connectivity, region, kind, scaled_jacobian;
+    };
+
+    template <class Index>
+    void add_connectivity(std::size_t t, const ElementBlock& block) {
+        arrays->connectivity.add(
+            t, block.nodes.size() * sizeof(Index),
+            io::value_source<Index>([&block, t](std::size_t first, std::size_t last, Index* out) {
+                io::vtk_connectivity(block, t, first, last, out);
+            }));
+    }
+
+    io::TemporaryFile file;
+    io::Spool spool;
+    MeshTotals totals;
+    Mesh outline;
+    std::optional<Arrays> arrays;
+};
+
+MeshFileStream::MeshFileStream(const std::string& path) {
+    check_writable(path);
+    constexpr const char* kExtension = ".vtu";
+    const std::size_t length = std::string(kExtension).size();
+    if (path.size() < length || path.compare(path.size() - length, length, kExtension) != 0) {
+        throw Error(ExitCode::kUsage,
+                    "'" + path + "': a mesh in parts (--memory) can be written as .vtu only");
+    }
+    implementation_ = std::make_unique<Implementation>(path);
+}
+
+MeshFileStream::~MeshFileStream() = default;
+
+void MeshFileStream::begin(const MeshTotals& totals, const Mesh& outline) {
+    implementation_->totals = totals;
+    implementation_->outline = outline;
+    implementation_->arrays.emplace(implementation_->spool, totals);
+}
+
+void MeshFileStream::add(const Mesh& part, const std::vector<float>& scaled_jacobians) {
+    Implementation::Arrays& arrays = *implementation_->arrays;
+    const bool is_wide = io::index_bytes(implementation_->totals) == sizeof(std::int64_t);
+    arrays.points.add(0, part.points.size() * sizeof(double), io::memory_source(part.points.data()));
+    arrays.model_dimension.add(0, part.model_dimension.size(),
+                               io::memory_source(part.model_dimension.data()));
+    const float* jacobian = scaled_jacobians.data();
+    for (std::size_t t = 0; t < kElementTypes; ++t) {
+        const ElementBlock& block = part.elements[t];
+        if (is_wide) {
+            implementation_->add_connectivity<std::int64_t>(t, block);
+        } else {
+            implementation_->add_connectivity<std::int32_t>(t, block);
+        }
+        arrays.region.add(
+            t, block.size() * sizeof(std::int32_t),
+            io::value_source<std::int32_t>([&block](std::size_t first, std::size_t last, std::int32_t* out) {
+                std::copy(block.region.data() + first, block.region.data() + last, out);
+            }));
+        arrays.kind.add(t, block.size(), io::memory_source(block.kind.data()));
+        arrays.scaled_jacobian.add(t, block.size() * sizeof(float), io::memory_source(jacobian));
+        jacobian += block.size();
+    }
+}
+
+void MeshFileStream::commit() {
+    Implementation& all = *implementation_;
+    io::VtuArrays arrays;
+    arrays.points = joined(all.arrays->points);
+    arrays.model_dimension = joined(all.arrays->model_dimension);
+    arrays.connectivity = joined(all.arrays->connectivity);
+    arrays.region = joined(all.arrays->region);
+    arrays.kind = joined(all.arrays->kind);
+    arrays.scaled_jacobian = joined(all.arrays->scaled_jacobian);
+    io::write_vtu_file(all.totals, all.outline, arrays, all.file);
+    all.file.commit();
+}
+
+}  // namespace mortise

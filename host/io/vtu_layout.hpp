@@ -1,0 +1,61 @@
+// What a .vtu holds and in which order, whether the mesh lies in memory or comes in parts.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "host/io/element_table.hpp"
+#include "host/io/vtk_xml.hpp"
+#include "mortise/mesh_sink.hpp"
+
+namespace mortise::io {
+
+/// Source of an array of Value whose items [first, last) are made by fill(first, last, Value* out).
+template <class Value, class Fill>
+ByteSource value_source(const Fill& fill) {
+    return [fill](std::size_t begin, std::size_t end, char* space) {
+        fill(begin / sizeof(Value), end / sizeof(Value), reinterpret_cast<Value*>(space));
+        return static_cast<const char*>(space);
+    };
+}
+
+/// Where the values of each element type begin in an array, and the end: by element, and by node of elements.
+struct TypeRuns {
+    explicit TypeRuns(const MeshTotals& totals) {
+        for (std::size_t t = 0; t < kElementTypes; ++t) {
+            elements[t + 1] = elements[t] + totals.elements[t];
+            nodes[t + 1] = nodes[t] + totals.elements[t] * nodes_per_element(t);
+        }
+    }
+    std::array<std::uint64_t, kElementTypes + 1> elements{}, nodes{};
+};
+
+/// Writes entries [first, last) of the connectivity of a block of type t, from local node numbers to VTK's.
+template <class Index>
+void vtk_connectivity(const ElementBlock& block, std::size_t t, std::size_t first, std::size_t last,
+                      Index* out) {
+    const std::array<int, 8>& order = kElementTable[t].vtk.nodes;
+    const std::size_t per_element = nodes_per_element(t);
+    std::size_t local = first % per_element;
+    for (std::size_t i = first - local; i < last; i += per_element, local = 0) {
+        const std::size_t last_local = std::min(per_element, last - i);
+        for (; local < last_local; ++local)
+            *out++ = static_cast<Index>(block.nodes[i + static_cast<std::size_t>(order[local])]);
+    }
+}
+
+/// Arrays that come from the mesh; connectivity in indices of index_bytes() each, region in Int32.
+struct VtuArrays {
+    ArrayWriter points, connectivity, region, kind, scaled_jacobian;
+    ArrayWriter model_dimension;  ///< empty: there is none
+};
+
+/// 4 or 8: of connectivity and offsets.
+std::size_t index_bytes(const MeshTotals& totals);
+
+/// Writes the file; `outline` has facets and names.
+void write_vtu_file(const MeshTotals& totals, const Mesh& outline, const VtuArrays& arrays,
+                    TemporaryFile& file);
+
+}  // namespace mortise::io

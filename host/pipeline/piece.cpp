@@ -1,0 +1,34 @@
+#include "host/pipeline/piece.hpp"
+
+#include "host/cnio/extract.hpp"
+
+namespace mortise::pipeline {
+
+assembly::Piece make_piece(device::Device& device, const MeshOptions& options, Prepared& prepared,
+                           const octree::InRegions& in_regions, const assembly::MortonRange& range,
+                           Stages& stages, double begin, double end, Extracted& extracted) {
+    const octree::Octree& tree = prepared.tree;
+    const bool whole = range.begin == 0 && range.end == assembly::MortonRange{}.end;
+    stages.begin("extract", begin);
+    const std::vector<std::uint32_t> leaves =
+        whole ? prepared.classification.cnio
+              : assembly::leaves_needed(tree, prepared.classification.cnio, range);
+    const cnio::Extraction extraction =
+        cnio::extract(prepared.bound, tree, leaves, prepared.apexes, options.threads);
+    for (std::size_t i = 0; i < leaves.size(); ++i) {
+        if (!range.holds(tree.nio[leaves[i]].morton)) continue;
+        const cnio::CellRecord& record = extraction.records[i];
+        extracted.refused += record.refused;
+        extracted.unresolved += record.unresolved;
+        if (record.refused + record.unresolved > 0) ++extracted.troubled;
+    }
+    stages.end(leaves.size());
+    stages.begin("assemble", begin + 0.6 * (end - begin));
+    assembly::Piece piece =
+        assembly::assemble(device, {prepared.bound, tree, prepared.on_device, prepared.classification,
+                                    extraction, in_regions, options.threads, range});
+    stages.end(piece.mesh.element_count());
+    return piece;
+}
+
+}  // namespace mortise::pipeline

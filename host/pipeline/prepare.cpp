@@ -1,0 +1,244 @@
+#include "host/pipeline/prepare.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <optional>
+
+#include "host/octree/coincident.hpp"
+#include "host/pipeline/grading.hpp"
+#include "host/triangles/divide.hpp"
+
+namespace mortise::pipeline {
+namespace {
+
+/// Surfaces closer than this everywhere are one: edges of the finest cells.
+constexpr double kMergeDistance = 1e-4;
+
+std::string number(double value) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.6g", value);
+    return text;
+}
+
+/// Model coordinates must tell apart the lattice steps that keep simplices from being flat (cnio::kMinHeight,
+/// 6e-8 of a cell): farther from the origin, double precision would turn valid elements over.
+void check_precision(const Root& root, int finest_level, const std::string& source) {
+    constexpr double kMostCells = 2.5e8;
+    const double cell = std::ldexp(root.side, -finest_level);
+    double reach = 0;
+    for (std::size_t j = 0; j < 3; ++j) {
+        reach = std::max({reach, std::fabs(root.origin[j]), std::fabs(root.origin[j] + root.side)});
+    }
+    if (reach <= kMostCells * cell) return;
+    throw Error(ExitCode::kInput, source + ": coordinates up to " + number(reach) +
+                                      " are too far from the origin for cells of " + number(cell) +
+                                      "; move the model to the origin");
+}
+
+/// One line on the features smaller than a cell: how many, the largest, and which cells would show them all.
+std::string describe_missed(const std::vector<MissedFeature>& missed, const Root& root) {
+    std::size_t lost = 0;
+    double thinnest = root.side;
+    const MissedFeature* largest = nullptr;
+    for (const MissedFeature& feature : missed) {
+        if (!feature.kept) ++lost;
+        thinnest = std::min(thinnest, feature.thickness);
+        if (largest == nullptr || (largest->kept && !feature.kept)) largest = &feature;
+    }
+    // A ball holds a vertex of the grid, wherever it lies, if its diameter is that of a cell.
+    int level = root.level;
+    while (level < kMaxLevel && std::ldexp(root.side, -level) * std::sqrt(3.0) > thinnest) ++level;
+    std::string text = std::to_string(missed.size()) + " feature" + (missed.size() == 1 ? "" : "s") +
+                       " between the vertices of the grid, ";
+    text += lost == 0 ? "kept coarsely" : std::to_string(lost) + " of them lost";
+    text += std::string("; the largest") + (lost == 0 ? "" : " lost") + ": " +
+            (largest->material ? "material, " : "a hole, ") + number(largest->size) + " long and " +
+            number(largest->thickness) + " thick, at (" + number(largest->position[0]) + ", " +
+            number(largest->position[1]) + ", " + number(largest->position[2]) + "); level " +
+            std::to_string(level) + ", or --refine " + std::to_string(level - root.level) +
+            ", would resolve ";
+    return text + (missed.size() == 1 ? "it" : "them all");
+}
+
+void refuse_missed(const std::vector<MissedFeature>& missed, const Root& root, const std::string& source) {
+    if (std::all_of(missed.begin(), missed.end(), [](const MissedFeature& f) { return f.kept; })) return;
+    throw Error(ExitCode::kMeshing, source + ": strict: " + describe_missed(missed, root));
+}
+
+}  // namespace
+
+void check_options(const MeshOptions& options) {
+    if (options.level < 0 || options.level > octree::kMaxUniformLevel) {
+        throw Error(ExitCode::kUsage, "level " + std::to_string(options.level) +
+                                          " is out of range; use 1 to " +
+                                          std::to_string(octree::kMaxUniformLevel));
+    }
+    if (!(options.size >= 0) || !std::isfinite(options.size)) {
+        throw Error(ExitCode::kUsage,
+                    "cell size " + number(options.size) + " is out of range; use a positive length");
+    }
+    if (options.pieces < 1 || options.pieces > 4096) {
+        throw Error(ExitCode::kUsage,
+                    "pieces " + std::to_string(options.pieces) + " is out of range; use 1 to 4096");
+    }
+    if (options.refine < 0 || options.refine > kMaxLevel || options.interior_coarsening < 0) {
+        throw Error(ExitCode::kUsage, "refinement by " + std::to_string(options.refine) +
+                                          " and coarsening by " +
+                                          std::to_string(options.interior_coarsening) +
+                                          " levels is out of range; use 0 to " + std::to_string(kMaxLevel));
+    }
+    bool positive = options.size_min >= 0 && options.size_max >= 0 && options.curvature_elements >= 0 &&
+                    std::isfinite(options.size_min + options.size_max + options.curvature_elements);
+    for (const auto& [name, size] : options.named_sizes)
+        positive = positive && size > 0 && std::isfinite(size);
+    for (const SizeSource& source : options.sizes) {
+        positive = positive && source.size > 0 && source.grading >= 0 && std::isfinite(source.size) &&
+                   std::isfinite(source.grading) && std::isfinite(source.at[0] + source.at[1] + source.at[2]);
+    }
+    if (!positive) throw Error(ExitCode::kUsage, "cell sizes must be positive and finite");
+    if (!options.box) return;
+    for (std::size_t j = 0; j < 3; ++j) {
+        if (!(options.box->min[j] < options.box->max[j]) ||
+            !std::isfinite(options.box->max[j] - options.box->min[j])) {
+            throw Error(ExitCode::kUsage, std::string("the box is empty along ") + "xyz"[j] +
+                                              "; give its minimum corner, then its maximum corner");
+        }
+    }
+}
+
+Prepared prepare(const std::function<device::Device&()>& open_device, const Model& model,
+                 const MeshOptions& options, Stages& stages, MeshReport& out) {
+    Prepared result;
+    stages.begin("compile", 0);
+    result.compiled = tape::compile(model, options.box ? &*options.box : nullptr);
+    const tape::CompiledModel& compiled = result.compiled;
+    const Box3 bounds = tape::find_bounds(compiled, model.source);
+    const Root root = result.root = choose_root(compiled, bounds, options);
+    if (root.level > octree::kMaxUniformLevel) {
+        throw Error(ExitCode::kUsage, "cells of size " + number(options.size) + " need level " +
+                                          std::to_string(root.level) + "; a uniform tree has at most level " +
+                                          std::to_string(octree::kMaxUniformLevel) +
+                                          " yet; use larger cells");
+    }
+    tape::BoundModel& bound = result.bound;
+    bound = tape::bind(compiled, root.origin, root.side);
+    std::optional<Sizes> planned;
+    planned.emplace(plan_sizes(options, compiled, bound, bounds, root.level));
+    if (!options.strict) {
+        // Two surfaces that no cell can tell apart would only make slivers.
+        const double distance = std::ldexp(kMergeDistance, -planned->levels.finest());
+        tape::BoundModel merged = tape::bind(compiled, root.origin, root.side, distance);
+        if (merged.nearly_equal > 0) {
+            out.warnings.push_back(
+                std::to_string(merged.nearly_equal) +
+                " surfaces that lie within 1/10000 of a cell of another were taken for it; "
+                "--strict keeps them apart");
+            bound = std::move(merged);
+            planned.emplace(plan_sizes(options, compiled, bound, bounds, root.level));
+        }
+    }
+    const Sizes& sizes = *planned;
+    const Levels& levels = sizes.levels;
+    check_precision(root, levels.finest(), model.source);
+    stages.end(bound.surfaces.size());
+    triangles::Division division;
+    if (!bound.polyhedra.empty()) {
+        stages.begin("polyhedra", 0.01);
+        division = triangles::divide(bound, levels.base, levels.finest(), options.threads);
+        stages.end(division.nodes);
+    }
+    if (division.crowded > 0) {
+        const std::string text = std::to_string(division.crowded) +
+                                 " cells hold more faces of triangles than a cell can show; small ones are "
+                                 "left out; --refine, or smaller cells, would keep them";
+        if (options.strict) throw Error(ExitCode::kMeshing, model.source + ": strict: " + text);
+        out.warnings.push_back(text);
+    }
+
+    stages.begin("device", 0.02);
+    device::Device& device = open_device();
+    out.device = device.info().name;
+    stages.end(1);
+
+    stages.begin("octree", 0.05);
+    octree::Octree& tree = result.tree;
+    tree = build_tree(device, options, bound, sizes, &result.on_device);
+    octree::drop_coincident(device, bound, tree, result.on_device, options.threads);
+    stages.end(tree.cells_evaluated);
+
+    stages.begin("probe", 0.28);
+    probe::Probe probed = probe::find_features(bound, tree, options.threads);
+    out.missed = std::move(probed.features);
+    if (options.strict) refuse_missed(out.missed, root, model.source);
+    stages.end(probed.probed);
+
+    stages.begin("classify", 0.3);
+    out.in_cells = tree.in_count;
+    out.nio_cells = tree.nio.size();
+    result.transition_cells = static_cast<std::uint64_t>(
+        std::count_if(tree.transitions.begin(), tree.transitions.end(),
+                      [&tree](std::uint32_t leaf) { return tree.nio[leaf].tape_length == 0; }));
+    std::vector<std::uint32_t> complex = probed.leaves;
+    complex.insert(complex.end(), tree.transitions.begin(), tree.transitions.end());
+    result.classification =
+        snio::classify(device, tree, result.on_device, options.templates, options.snap, complex);
+    result.apexes = std::move(probed.apexes);
+    result.leaves = leaf_grid(tree);
+    stages.end(tree.nio.size());
+    return result;
+}
+
+void report_cells(const Prepared& prepared, const Extracted& extracted, const Model& model,
+                  const MeshOptions& options, MeshReport& out) {
+    const Root& root = prepared.root;
+    const octree::Octree& tree = prepared.tree;
+    out.level = root.level;
+    out.cell_size = root.cell();
+    out.finest_level = tree.level;
+    if (tree.graded) {
+        out.leaves.assign(static_cast<std::size_t>(tree.level) + 1, 0);
+        for (const std::uint8_t leaf_level : tree.leaf_levels) ++out.leaves[leaf_level];
+        out.transition_cells = prepared.transition_cells;
+    }
+    out.root = {root.origin,
+                {root.origin[0] + root.side, root.origin[1] + root.side, root.origin[2] + root.side}};
+    out.cells_evaluated = tree.cells_evaluated;
+    out.cnio_cells = prepared.classification.cnio.size();
+    out.snio_cells = out.nio_cells - out.cnio_cells;
+    out.refused_splits = extracted.refused;
+    out.unresolved = extracted.unresolved;
+    out.dropped_features = extracted.troubled;
+    out.warnings.insert(out.warnings.begin(), model.warnings.begin(), model.warnings.end());
+    if (!out.missed.empty()) out.warnings.push_back(describe_missed(out.missed, root));
+    if (extracted.troubled > 0) {
+        const std::string text = std::to_string(extracted.troubled) + " of " +
+                                 std::to_string(out.cnio_cells) +
+                                 " complex cells hold features too fine to be kept exactly; --refine, or "
+                                 "smaller cells, would keep more of them";
+        // A split that is refused leaves out what is flatter than the lattice tells; only a cell that was
+        // given up loses features.
+        if (options.strict && extracted.unresolved > 0) {
+            throw Error(ExitCode::kMeshing, model.source + ": strict: " + text);
+        }
+        out.warnings.push_back(text);
+    }
+}
+
+void warn_of_empty_regions(const std::vector<std::string>& names, const std::vector<bool>& present,
+                           const std::string& source, MeshReport& report) {
+    for (std::size_t r = 1; r <= names.size(); ++r) {
+        if (r < present.size() && present[r]) continue;
+        report.warnings.push_back(source + ": region '" + names[r - 1] +
+                                  "' has no elements: it is empty, covered by regions before it, or thinner "
+                                  "than the cells");
+    }
+}
+
+void refuse_empty(const std::string& source) {
+    throw Error(ExitCode::kInput, source +
+                                      ": the solid is empty, or thinner than the cells everywhere; "
+                                      "if it is not empty, use smaller cells, or --refine");
+}
+
+}  // namespace mortise::pipeline

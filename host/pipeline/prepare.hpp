@@ -1,0 +1,57 @@
+// The stages before the first element: from a model to classified leaves.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "host/common/leaf_grid.hpp"
+#include "host/device/device.hpp"
+#include "host/octree/octree.hpp"
+#include "host/pipeline/root_box.hpp"
+#include "host/pipeline/stages.hpp"
+#include "host/probe/probe.hpp"
+#include "host/snio/classify.hpp"
+#include "host/tape/compile.hpp"
+#include "mortise/mesher.hpp"
+
+namespace mortise::pipeline {
+
+/// All that the stages which make elements need.
+struct Prepared {
+    tape::CompiledModel compiled;
+    tape::BoundModel bound;
+    Root root;
+    octree::Octree tree;
+    octree::DeviceTree on_device;
+    snio::Classification classification;
+    std::vector<probe::Apex> apexes;
+    LeafGrid leaves;
+    std::uint64_t transition_cells = 0;
+};
+
+/// What the report wants of all extractions.
+struct Extracted {
+    std::uint64_t refused = 0;     ///< as cnio::CellCounters
+    std::uint64_t unresolved = 0;  ///< the same
+    std::uint64_t troubled = 0;    ///< cells with one of them
+};
+
+/// Throws Error(kUsage) for options out of range.
+void check_options(const MeshOptions& options);
+
+/// `open_device` is called when the device is needed. Warnings and counts go to `out`.
+Prepared prepare(const std::function<device::Device&()>& open_device, const Model& model,
+                 const MeshOptions& options, Stages& stages, MeshReport& out);
+
+/// What the report tells of leaves and lost features. Throws Error(kMeshing) if the options forbid these.
+void report_cells(const Prepared& prepared, const Extracted& extracted, const Model& model,
+                  const MeshOptions& options, MeshReport& out);
+
+/// Where a region has no element, by region: named in the file, but not in the mesh.
+void warn_of_empty_regions(const std::vector<std::string>& names, const std::vector<bool>& present,
+                           const std::string& source, MeshReport& report);
+
+/// Error(kInput): a model without elements.
+[[noreturn]] void refuse_empty(const std::string& source);
+
+}  // namespace mortise::pipeline

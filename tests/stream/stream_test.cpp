@@ -1,0 +1,261 @@
+// Meshes that are handed on part by part equal those that are made whole, number for number.
+#include <doctest/doctest.h>
+
+#include <string>
+
+#include "host/pipeline/partial_improvement.hpp"
+#include "mortise/mesher.hpp"
+#include "tests/mesher/random_models.hpp"
+
+using namespace mortise;
+
+namespace {
+
+/// Puts the parts together again.
+class Collector : public MeshSink {
+  public:
+    void begin(const MeshTotals& wanted, const Mesh& outline) override {
+        CHECK(++begins == 1);
+        totals = wanted;
+        mesh = outline;
+        CHECK(outline.points.empty());
+        CHECK(outline.element_count() == 0);
+    }
+
+    void add(const Mesh& part, const std::vector<float>& scaled_jacobians) override {
+        CHECK(begins == 1);
+        ++parts;
+        CHECK(part.facets.size() == 0);
+        CHECK(part.model_dimension.size() == part.node_count());
+        REQUIRE(scaled_jacobians.size() == part.element_count());
+        append(mesh.points, part.points);
+        append(mesh.model_dimension, part.model_dimension);
+        auto next = scaled_jacobians.begin();
+        for (std::size_t t = 0; t < kElementTypes; ++t) {
+            append(mesh.elements[t].nodes, part.elements[t].nodes);
+            append(mesh.elements[t].region, part.elements[t].region);
+            append(mesh.elements[t].kind, part.elements[t].kind);
+            const auto end = next + static_cast<std::ptrdiff_t>(part.elements[t].size());
+            jacobians[t].insert(jacobians[t].end(), next, end);
+            next = end;
+        }
+    }
+
+    int begins = 0;
+    int parts = 0;
+    MeshTotals totals;
+    Mesh mesh;
+    std::array<std::vector<float>, kElementTypes> jacobians;
+
+  private:
+    template <class T>
+    static void append(std::vector<T>& to, const std::vector<T>& from) {
+        to.insert(to.end(), from.begin(), from.end());
+    }
+};
+
+void check_same_features(const Features& a, const Features& b) {
+    REQUIRE(a.curves.size() == b.curves.size());
+    for (std::size_t i = 0; i < a.curves.size(); ++i) {
+        CHECK(a.curves[i].name == b.curves[i].name);
+        CHECK(a.curves[i].nodes == b.curves[i].nodes);
+        CHECK(a.curves[i].length == b.curves[i].length);
+    }
+    REQUIRE(a.corners.size() == b.corners.size());
+    for (std::size_t i = 0; i < a.corners.size(); ++i) {
+        CHECK(a.corners[i].node == b.corners[i].node);
+        CHECK(a.corners[i].surfaces == b.corners[i].surfaces);
+    }
+}
+
+/// What tells the runs apart besides how they are made.
+void check_same_report(const MeshReport& whole, const MeshReport& parts) {
+    CHECK(whole.warnings == parts.warnings);
+    CHECK(whole.refused_splits == parts.refused_splits);
+    CHECK(whole.dropped_features == parts.dropped_features);
+    CHECK(whole.cnio_cells == parts.cnio_cells);
+    CHECK(whole.snio_cells == parts.snio_cells);
+    check_same_features(whole.features, parts.features);
+    CHECK(parts.scaled_jacobians.empty());
+    CHECK(parts.features.model_dimension.empty());
+}
+
+/// `pieces` 1: as many as the memory asks for.
+void check_stream(Mesher& mesher, const Model& model, MeshOptions options, int pieces) {
+    MeshReport whole_report, report;
+    const Mesh whole = mesher.generate(model, options, &whole_report);
+    Collector collector;
+    options.pieces = pieces;
+    mesher.stream(model, options, collector, &report);
+    CHECK(collector.parts >= pieces);
+    const Mesh& mesh = collector.mesh;
+    CHECK(collector.totals.nodes == whole.node_count());
+    CHECK(mesh.points == whole.points);
+    CHECK(mesh.model_dimension == whole.model_dimension);
+    std::vector<float> jacobians;
+    for (std::size_t t = 0; t < kElementTypes; ++t) {
+        CAPTURE(t);
+        CHECK(collector.totals.elements[t] == whole.elements[t].size());
+        CHECK(mesh.elements[t].nodes == whole.elements[t].nodes);
+        CHECK(mesh.elements[t].region == whole.elements[t].region);
+        CHECK(mesh.elements[t].kind == whole.elements[t].kind);
+        jacobians.insert(jacobians.end(), collector.jacobians[t].begin(), collector.jacobians[t].end());
+    }
+    CHECK(jacobians == whole_report.scaled_jacobians);
+    CHECK(mesh.facets.nodes == whole.facets.nodes);
+    CHECK(mesh.facets.surface == whole.facets.surface);
+    CHECK(mesh.facets.inside == whole.facets.inside);
+    CHECK(mesh.facets.outside == whole.facets.outside);
+    CHECK(mesh.region_names == whole.region_names);
+    CHECK(mesh.surface_names == whole.surface_names);
+    check_same_report(whole_report, report);
+}
+
+Model asset(const char* name) {
+    return read_model(std::string(MORTISE_SOURCE_DIR "/assets/models/") + name + ".csg");
+}
+
+Model ball() {
+    Model model;
+    model.add_primitive(sphere(1));
+    model.regions.push_back({"ball", 0, 0, {}});
+    return model;
+}
+
+/// Passes nothing on.
+class Discard : public MeshSink {
+  public:
+    void begin(const MeshTotals&, const Mesh&) override {}
+    void add(const Mesh&, const std::vector<float>&) override {}
+};
+
+}  // namespace
+
+TEST_CASE("models in parts, improved") {
+    Mesher mesher;
+    for (const char* name : {"bracket", "star", "housing", "object_x"}) {
+        for (const int pieces : {1, 2, 7, 64}) {
+            CAPTURE(name);
+            CAPTURE(pieces);
+            MeshOptions options;
+            options.level = 5;
+            check_stream(mesher, asset(name), options, pieces);
+        }
+    }
+}
+
+TEST_CASE("unimproved, without templates, without snapping, on one thread") {
+    Mesher mesher;
+    const Model model = asset("housing");
+    for (int k = 0; k < 4; ++k) {
+        CAPTURE(k);
+        MeshOptions options;
+        options.level = 5;
+        options.improve = k != 0;
+        options.templates = k != 1;
+        options.snap = k != 2;
+        options.threads = k == 3 ? 1 : 0;
+        check_stream(mesher, model, options, 9);
+    }
+}
+
+TEST_CASE("a smooth surface: poor elements are few, and most parts hold none") {
+    Mesher mesher;
+    MeshOptions options;
+    options.level = 6;
+    check_stream(mesher, ball(), options, 100);
+}
+
+TEST_CASE("several regions, with interfaces on cell faces") {
+    const char* const text =
+        "algebraic3d\n"
+        "solid cube = orthobrick (0, 0, 0; 1, 1, 1);\n"
+        "solid cut = plane (0.5, 0, 0; 1, 0, 0);\n"
+        "solid ball = sphere (0.5, 0.5, 0.5; 0.3);\n"
+        "solid left = cube and cut and not ball;\n"
+        "solid right = cube and not cut and not ball;\n"
+        "tlo left;\ntlo right;\ntlo ball;\n";
+    Mesher mesher;
+    MeshOptions options;
+    options.level = 5;
+    for (const int pieces : {3, 50})
+        check_stream(mesher, parse_model(text, "geo", "regions"), options, pieces);
+}
+
+TEST_CASE("random models in parts") {
+    Mesher mesher;
+    for (std::uint64_t seed = 4000; seed < 4025; ++seed) {
+        CAPTURE(seed);
+        const Model model = test::make_random_model(seed).model;
+        MeshOptions options;
+        options.level = 4;
+        try {
+            check_stream(mesher, model, options, 2 + static_cast<int>(seed % 30));
+        } catch (const Error& error) {
+            const std::string what = error.what();
+            CAPTURE(what);
+            CHECK(error.code() == ExitCode::kInput);  // empty
+        }
+    }
+}
+
+TEST_CASE("parts follow from the memory") {
+    Mesher mesher;
+    MeshOptions options;
+    options.level = 7;
+    options.memory = pipeline::memory_now() + (std::uint64_t{3} << 30);
+    Collector few;
+    mesher.stream(ball(), options, few);
+    options.memory = pipeline::memory_now() + (std::uint64_t{250} << 20);
+    Collector many;
+    mesher.stream(ball(), options, many);
+    CHECK(many.parts > few.parts);
+    CHECK(many.mesh.points == few.mesh.points);
+    CHECK(many.mesh.elements[0].nodes == few.mesh.elements[0].nodes);
+}
+
+TEST_CASE("what cannot be made in parts is refused") {
+    Mesher mesher;
+    Discard sink;
+    const auto code_of = [&](const Model& model, const MeshOptions& options) {
+        try {
+            mesher.stream(model, options, sink);
+        } catch (const Error& error) {
+            CAPTURE(error.what());
+            CHECK(std::string(error.what()).find("memory") != std::string::npos);
+            return error.code();
+        }
+        return ExitCode::kOk;
+    };
+    MeshOptions options;
+    options.level = 4;
+    CHECK(code_of(ball(), options) == ExitCode::kOk);
+    options.memory = 1 << 20;
+    CHECK(code_of(ball(), options) == ExitCode::kDevice);
+    options.memory = 0;
+    options.tetrahedra = true;
+    CHECK(code_of(ball(), options) == ExitCode::kUsage);
+    options.tetrahedra = false;
+    options.quality = true;
+    CHECK(code_of(ball(), options) == ExitCode::kUsage);
+    options.quality = false;
+    options.interior_coarsening = 1;
+    CHECK(code_of(ball(), options) == ExitCode::kUsage);
+}
+
+TEST_CASE("an empty model and an interrupted run end as usual") {
+    Mesher mesher;
+    Discard sink;
+    Model empty =
+        parse_model("algebraic3d\nsolid a = sphere (0,0,0;1) and sphere (5,0,0;1);\ntlo a;\n", "geo", "e");
+    MeshOptions options;
+    options.level = 4;
+    try {
+        mesher.stream(empty, options, sink);
+        FAIL("an empty model was meshed");
+    } catch (const Error& error) {
+        CHECK(error.code() == ExitCode::kInput);
+    }
+    options.progress = [](const char* stage, double) { return std::string(stage) != "judge"; };
+    CHECK_THROWS_WITH(mesher.stream(ball(), options, sink), "interrupted");
+}
