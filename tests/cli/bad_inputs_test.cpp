@@ -49,7 +49,7 @@ const BadModel kBadModels[] = {
     {"node.csg", "cube(1);\nfrobnicate(1);\n", kInput, "node.csg:2:1: unknown node 'frobnicate'"},
     {"nan.csg", "sphere(r = nan);", kInput, "nan"},
     {"infinite.csg", "cube(size = [inf, 1, 1]);", kInput, "inf"},
-    {"zero.csg", "sphere(r = 0);", kInput, "radius is 0"},
+    {"zero.csg", "sphere(r = 0);", kInput, "radius 0"},
     {"negative.csg", "sphere(r = -1);", kInput, "radius is -1"},
     {"negative.geo", kGeo + "solid s = sphere (0, 0, 0; -1);\ntlo s;\n", kInput, "-1"},
     {"flat.csg", "multmatrix([[1,0,0,0],[0,1,0,0],[0,0,0,0],[0,0,0,1]]) { cube(1); }", kInput, "singular"},

@@ -95,7 +95,7 @@ TEST_CASE(".csg text") {
     CHECK(region_at(sign, {5, 8, 1}) == 0);
     CHECK(region_at(sign, {1.6, 9.7, 1}) == 0);
     using test::refusal;
-    CHECK(refusal("linear_extrude(1) { text(\"H\", size = 0); }", "csg").find("'text': size is 0") !=
+    CHECK(refusal("linear_extrude(1) { text(\"H\", size = 0); }", "csg").find("'text' with size 0") !=
           std::string::npos);
     CHECK(refusal("linear_extrude(1) { text(\"H\", halign = \"up\"); }", "csg") ==
           "2 m.csg:1:21: 'text': halign is 'up'; expected left, center or right");

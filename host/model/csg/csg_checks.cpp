@@ -10,6 +10,22 @@ constexpr int kMostFlatFragments = 12;
 constexpr int kMostFragments = 100000;
 constexpr double kPi = 3.14159265358979323846;
 
+double any_number(const CsgNodeText& node, const CsgArgument& argument, std::string_view what) {
+    if (argument.kind != CsgArgument::Kind::kNumber) {
+        fail(node.source, argument.where,
+             quoted(node.name) + ": " + std::string(what) + " is not a number; expected one");
+    }
+    return *node.arguments.numbers(argument);
+}
+
+/// $fn; 0 where it is not given.
+double wanted_fragments(const CsgNodeText& node) {
+    const CsgArgument* argument = node.arguments.find("$fn");
+    if (argument == nullptr || argument->kind == CsgArgument::Kind::kUndefined) return 0;
+    const double count = any_number(node, *argument, "$fn");
+    return std::isfinite(count) ? count : 3;
+}
+
 }  // namespace
 
 std::string quoted(std::string_view name) { return "'" + std::string(name) + "'"; }
@@ -33,17 +49,23 @@ void refuse_unknown_arguments(const CsgNodeText& node, std::initializer_list<std
     }
 }
 
+void throw_no_extent(const CsgNodeText& node, SourceLocation where, std::string_view what, double value) {
+    throw NoExtent{where, quoted(node.name) + " with " + std::string(what) + " " + number_text(value)};
+}
+
 double finite_number(const CsgNodeText& node, const CsgArgument& argument, std::string_view what) {
-    if (argument.kind != CsgArgument::Kind::kNumber) {
-        fail(node.source, argument.where,
-             quoted(node.name) + ": " + std::string(what) + " is not a number; expected one");
-    }
-    const double value = *node.arguments.numbers(argument);
+    const double value = any_number(node, argument, what);
     if (!std::isfinite(value)) {
         fail(node.source, argument.where,
              quoted(node.name) + ": " + std::string(what) + " is " + number_text(value) +
                  "; expected a finite number");
     }
+    return value;
+}
+
+double size_number(const CsgNodeText& node, const CsgArgument& argument, std::string_view what) {
+    const double value = any_number(node, argument, what);
+    if (!std::isfinite(value)) throw_no_extent(node, argument.where, what, value);
     return value;
 }
 
@@ -72,7 +94,7 @@ void fail_size(const CsgNodeText& node, SourceLocation where, std::string_view w
 
 int fragments_of(const CsgNodeText& node, double radius) {
     constexpr double kFinestRadius = 1.0 / (1 << 20);  // OpenSCAD's grid
-    const double count = optional_number(node, "$fn", -1, 0);
+    const double count = wanted_fragments(node);
     const double angle = std::max(optional_number(node, "$fa", -1, 12), 0.01);
     const double size = std::max(optional_number(node, "$fs", -1, 2), 0.01);
     if (radius < kFinestRadius) return 3;
@@ -88,7 +110,7 @@ int fragments_of(const CsgNodeText& node, double radius) {
 
 int flat_fragments(const CsgNodeText& node, double radius) {
     if (node.facets == Facets::kExact) return fragments_of(node, radius);
-    const double wanted = optional_number(node, "$fn", -1, 0);
+    const double wanted = wanted_fragments(node);
     if (!(wanted > 0) || wanted > kMostFlatFragments) return 0;
     return std::max(3, static_cast<int>(std::ceil(wanted)));
 }
@@ -100,7 +122,7 @@ void read_corners(const CsgNodeText& node, std::size_t count, double* low, doubl
     if (const CsgArgument* argument = node.arguments.find("size", 0)) {
         where = argument->where;
         if (argument->kind == CsgArgument::Kind::kNumber) {
-            std::fill_n(high, count, finite_number(node, *argument, "size"));
+            std::fill_n(high, count, size_number(node, *argument, "size"));
         } else if (argument->kind == CsgArgument::Kind::kList && argument->regular && argument->rows == 0 &&
                    argument->count == count) {
             std::copy_n(node.arguments.numbers(*argument), count, high);
@@ -109,12 +131,10 @@ void read_corners(const CsgNodeText& node, std::size_t count, double* low, doubl
                  quoted(node.name) + ": size is not a number or a list of " + number + " numbers");
         }
     }
-    for (std::size_t k = 0; k < count; ++k) {
-        if (!(high[k] > 0) || !std::isfinite(high[k])) {
-            fail_size(node, where, "size", high[k], number + " positive, finite numbers");
-        }
-    }
     const bool centred = optional_boolean(node, "center", 1);
+    for (std::size_t k = 0; k < count; ++k) {
+        if (!(high[k] > 0) || !std::isfinite(high[k])) throw_no_extent(node, where, "size", high[k]);
+    }
     for (std::size_t k = 0; k < count; ++k) {
         if (centred) high[k] /= 2;
         low[k] = centred ? -high[k] : 0;
@@ -125,13 +145,13 @@ double read_radius(const CsgNodeText& node) {
     double radius = 1;
     SourceLocation where = node.where;
     if (const CsgArgument* r = node.arguments.find("r", 0)) {
-        radius = finite_number(node, *r, "radius");
+        radius = size_number(node, *r, "radius");
         where = r->where;
     } else if (const CsgArgument* d = node.arguments.find("d")) {
-        radius = finite_number(node, *d, "diameter") / 2;
+        radius = size_number(node, *d, "diameter") / 2;
         where = d->where;
     }
-    if (!(radius > 0)) fail_size(node, where, "radius", radius, "a positive number");
+    if (!(radius > 0)) throw_no_extent(node, where, "radius", radius);
     return radius;
 }
 

@@ -25,7 +25,20 @@ std::string quoted(std::string_view name);
 void refuse_unknown_arguments(const CsgNodeText& node, std::initializer_list<std::string_view> known,
                               std::size_t most_by_position);
 
+/// Thrown while a node is read: its object has a size that is zero, negative or not finite. OpenSCAD makes
+/// nothing of it, so it is left out (CsgScene::leave_out).
+struct NoExtent {
+    SourceLocation where;
+    std::string what;  ///< e.g. "'cube' with size 0"
+};
+
+[[noreturn]] void throw_no_extent(const CsgNodeText& node, SourceLocation where, std::string_view what,
+                                  double value);
+
 double finite_number(const CsgNodeText& node, const CsgArgument& argument, std::string_view what);
+
+/// A number that makes the object empty where it is not finite.
+double size_number(const CsgNodeText& node, const CsgArgument& argument, std::string_view what);
 
 /// The number of that name, or the fallback where it is missing or undef.
 double optional_number(const CsgNodeText& node, std::string_view name, int position, double fallback);
@@ -42,7 +55,8 @@ double read_radius(const CsgNodeText& node);
 [[noreturn]] void fail_size(const CsgNodeText& node, SourceLocation where, std::string_view what,
                             double value, std::string_view expected);
 
-/// OpenSCAD's number of fragments of a full circle: $fn, or by $fa and $fs.
+/// OpenSCAD's number of fragments of a full circle: $fn, or by $fa and $fs. It takes 3 where $fn is not
+/// finite.
 int fragments_of(const CsgNodeText& node, double radius);
 
 /// Number of flat fragments that are meant for a circle of that radius; 0: a true curve.

@@ -73,8 +73,7 @@ CsgFinish read_linear_extrude(CsgScene&, const CsgNodeText& node) {
         for (double& component : along) component /= size;
     }
     if (!(sweep.height > 0)) {
-        fail_size(node, height != nullptr ? height->where : node.where, "height", sweep.height,
-                  "a positive number");
+        throw_no_extent(node, height != nullptr ? height->where : node.where, "height", sweep.height);
     }
     const bool slanted = along[0] != 0 || along[1] != 0 || along[2] < 0;
     sweep.height *= std::fabs(along[2]);
@@ -109,7 +108,7 @@ CsgFinish read_rotate_extrude(CsgScene&, const CsgNodeText& node) {
     RotarySweep sweep;
     const CsgArgument* angle = node.arguments.find("angle", 0);
     if (angle != nullptr) sweep.angle = finite_number(node, *angle, "angle");
-    if (sweep.angle == 0) fail_size(node, angle->where, "angle", 0, "an angle other than 0");
+    if (sweep.angle == 0) throw_no_extent(node, angle->where, "angle", 0);
     if (std::fabs(sweep.angle) > 360) sweep.angle = 360;
     const bool full = std::fabs(sweep.angle) == 360;
     sweep.start = std::fmod(optional_number(node, "start", -1, full ? 180 : 0), 360);

@@ -75,7 +75,8 @@ ImportedFile read_imported(const CsgNodeText& node) {
     const SourceLocation where = place_of(node, "file", 0);
     if (name.empty()) fail(node.source, where, quoted(node.name) + ": there is no file; expected a path");
     if (std::any_of(name.begin(), name.end(), [](char c) { return c >= 0 && c < ' '; })) {
-        fail(node.source, where, quoted(node.name) + ": the file's name has control characters in it");
+        fail(node.source, where,
+             quoted(node.name) + ": there is no file with control characters in its name; expected a path");
     }
     ImportedFile file;
     file.path = (std::filesystem::path(node.source).parent_path() / name).string();
@@ -199,6 +200,7 @@ CsgOperand read_text(CsgScene& scene, const CsgNodeText& node) {
     TextStyle style;
     style.text = optional_string(node, "text", 0, "");
     style.size = optional_number(node, "size", 1, 10);
+    if (style.size == 0) throw_no_extent(node, place_of(node, "size", 1), "size", 0);
     if (!(style.size > 0)) {
         fail_size(node, place_of(node, "size", 1), "size", style.size, "a positive number");
     }

@@ -32,9 +32,12 @@ CsgFinish read_multmatrix(CsgScene&, const CsgNodeText& node) {
         const bool is_flat = child.kind == Kind::kFlat;
         if (child.kind == Kind::kNothing) return child;
         if (std::fabs(relative_determinant(is_flat ? lifted : map)) <= kSingular) {
-            fail(scene.source, place,
-                 std::string("'multmatrix': the matrix is singular, it would flatten the ") +
-                     (is_flat ? "shape" : "solid") + "; expected a determinant other than 0");
+            if (!is_flat && scene.flat_counts > 0) {
+                fail(scene.source, place,
+                     "'multmatrix': the matrix is singular, it flattens the solid, which is not supported "
+                     "inside hull, minkowski and projection; expected a determinant other than 0");
+            }
+            return scene.leave_out(place, "'multmatrix' with a singular matrix");
         }
         if (is_flat && flat != kFlatIdentity) child.node = scene.flat.add_transform(flat, child.node);
         if (child.kind == Kind::kSolid && map != kIdentity) {

@@ -1,9 +1,9 @@
 // OpenSCAD's primitives as Mortise primitives.
 //
 // Source: the OpenSCAD language (fragments, vertex placement) as written by OpenSCAD's .csg export, with
-// two differences. Curved solids stay curved, unless $fn asks for at most twelve fragments: that is how
-// users make prisms, so then the flat faces are meant. And sizes that are zero, negative or not finite
-// are errors, where OpenSCAD draws nothing.
+// one difference. Curved solids stay curved, unless $fn asks for at most twelve fragments: that is how
+// users make prisms, so then the flat faces are meant. Objects with sizes that are zero, negative or not
+// finite are left out, as OpenSCAD does, but with a warning.
 #include "host/model/csg/csg_primitives.hpp"
 
 #include <algorithm>
@@ -80,8 +80,8 @@ std::uint32_t add_csg_cylinder(Model& model, const CsgNodeText& node) {
     refuse_unknown_arguments(node, {"h", "r1", "r2", "center", "r", "d", "d1", "d2"}, 4);
     double height = 1;
     if (const CsgArgument* argument = node.arguments.find("h", 0)) {
-        height = finite_number(node, *argument, "height");
-        if (!(height > 0)) fail_size(node, argument->where, "height", height, "a positive number");
+        height = size_number(node, *argument, "height");
+        if (!(height > 0)) throw_no_extent(node, argument->where, "height", height);
     }
     std::array<double, 2> radii = {1, 1};
     SourceLocation where = node.where;
@@ -95,12 +95,11 @@ std::uint32_t add_csg_cylinder(Model& model, const CsgNodeText& node) {
         if (r == nullptr && d == nullptr) continue;
         const CsgArgument& given = r != nullptr ? *r : *d;
         where = given.where;
-        radii[k] = finite_number(node, given, "radius") / (r != nullptr ? 1 : 2);
-        if (radii[k] < 0) fail_size(node, where, "radius", radii[k], "zero (an apex) or a positive number");
+        radii[k] = size_number(node, given, "radius") / (r != nullptr ? 1 : 2);
+        if (radii[k] < 0) throw_no_extent(node, where, "radius", radii[k]);
     }
-    if (radii[0] == 0 && radii[1] == 0) {
-        fail_size(node, where, "radius", 0, "at least one positive radius");
-    }
+    // One radius may be 0: an apex.
+    if (radii[0] == 0 && radii[1] == 0) throw_no_extent(node, where, "radius", 0);
     const double zmin = optional_boolean(node, "center", 3) ? -height / 2 : 0;
     const double zmax = zmin + height;
     // A cap is missing where the solid ends in an apex.
@@ -141,8 +140,7 @@ Affine csg_matrix(const CsgNodeText& node) {
              "'multmatrix': expected a matrix of four rows of four numbers");
     }
     if (argument->not_finite.line != 0) {
-        fail(node.source, argument->not_finite,
-             "'multmatrix': an entry is nan or inf; expected finite numbers");
+        throw NoExtent{argument->not_finite, "'multmatrix' with an entry that is nan or inf"};
     }
     const double* numbers = node.arguments.numbers(*argument);
     if (numbers[12] != 0 || numbers[13] != 0 || numbers[14] != 0 || numbers[15] != 1) {

@@ -46,6 +46,11 @@ class CsgReader {
                  "the file holds 2D shapes only; expected a solid: put them into linear_extrude or "
                  "rotate_extrude");
         }
+        if (const auto left_out = scene_.left_out()) {
+            if (all.kind == CsgOperand::Kind::kNothing)
+                fail(source_, left_out->where, "the file holds no solid: " + left_out->message);
+            scene_.warn(left_out->where, left_out->message);
+        }
         Region result;
         result.name = region;
         result.root = all.kind == CsgOperand::Kind::kSolid
@@ -120,8 +125,14 @@ class CsgReader {
             frame.operation = type.operation;
             if (type.operation == CsgNode::Op::kPrimitive) {
                 const CsgNodeText node = {name, arguments_, source_, where, type_name(type), scene_.facets};
-                if (is_leaf) operands_.push_back(type.leaf(scene_, node));
-                if (!is_leaf) frame.finish = type.branch(scene_, node);
+                try {
+                    if (is_leaf) operands_.push_back(type.leaf(scene_, node));
+                    if (!is_leaf) frame.finish = type.branch(scene_, node);
+                } catch (const NoExtent& empty) {
+                    const CsgOperand nothing = scene_.leave_out(empty.where, empty.what);
+                    if (is_leaf) operands_.push_back(nothing);
+                    if (!is_leaf) frame.finish = [](CsgScene&, auto&&) { return CsgOperand{}; };
+                }
             }
         }
 

@@ -93,6 +93,22 @@ void CsgScene::warn_of_empty_polygon(SourceLocation where) {
     warned_of_empty_polygon_ = true;
 }
 
+CsgOperand CsgScene::leave_out(SourceLocation where, const std::string& what) {
+    if (left_out_++ == 0) {
+        first_left_out_at_ = where;
+        first_left_out_ = what;
+    }
+    return {};
+}
+
+std::optional<CsgScene::LeftOut> CsgScene::left_out() const {
+    if (left_out_ == 0) return {};
+    const std::string kind = " of size 0, negative, infinite or flattened by a matrix ";
+    return LeftOut{first_left_out_at_, left_out_ == 1 ? "an object" + kind + "is left out: " + first_left_out_
+                                                      : std::to_string(left_out_) + " objects" + kind +
+                                                            "are left out, the first: " + first_left_out_};
+}
+
 std::string CsgScene::next_name(std::string_view type) {
     auto found = counts_.find(type);
     if (found == counts_.end()) found = counts_.emplace(std::string(type), 0).first;

@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -36,6 +37,14 @@ struct CsgScene {
     CsgOperand outlined(const Contours& loops, SourceLocation where);
     void warn(SourceLocation where, const std::string& message);
     void warn_of_empty_polygon(SourceLocation where);  ///< once a file
+    /// Counts an object that is empty: its size is zero, negative or not finite, or a matrix flattens it.
+    CsgOperand leave_out(SourceLocation where, const std::string& what);
+    /// What was left out, for the end of the file, and where the first is; nothing if nothing was.
+    struct LeftOut {
+        SourceLocation where;
+        std::string message;
+    };
+    std::optional<LeftOut> left_out() const;
     /// Type and number in the file: cylinder2.
     std::string next_name(std::string_view type);
 
@@ -44,9 +53,13 @@ struct CsgScene {
     Model model;
     FlatTree flat;
     KnownExtents extents;  ///< of extrusions
+    int flat_counts = 0;   ///< open nodes for which a solid without volume counts: hull, minkowski, shadows
 
   private:
     std::map<std::string, int, std::less<>> counts_;
+    std::size_t left_out_ = 0;
+    SourceLocation first_left_out_at_{};
+    std::string first_left_out_;
     bool warned_of_flat_ = false;
     bool warned_of_solids_ = false;
     bool warned_of_empty_polygon_ = false;

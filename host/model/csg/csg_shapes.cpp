@@ -152,10 +152,12 @@ CsgFinish read_fill(CsgScene&, const CsgNodeText& node) {
     };
 }
 
-CsgFinish read_hull(CsgScene&, const CsgNodeText& node) {
+CsgFinish read_hull(CsgScene& opening, const CsgNodeText& node) {
     refuse_unknown_arguments(node, {}, 0);
+    ++opening.flat_counts;
     const SourceLocation where = node.where;
     return [where, name = node.surface](CsgScene& scene, std::vector<CsgOperand> children) {
+        --scene.flat_counts;
         if (std::any_of(children.begin(), children.end(),
                         [](const CsgOperand& child) { return child.kind == Kind::kSolid; })) {
             return hull_of_solids(scene, children, name, where);
@@ -168,10 +170,12 @@ CsgFinish read_hull(CsgScene&, const CsgNodeText& node) {
     };
 }
 
-CsgFinish read_minkowski(CsgScene&, const CsgNodeText& node) {
+CsgFinish read_minkowski(CsgScene& opening, const CsgNodeText& node) {
     refuse_unknown_arguments(node, {"convexity"}, 1);
+    ++opening.flat_counts;
     const SourceLocation where = node.where;
     return [where, name = node.surface](CsgScene& scene, std::vector<CsgOperand> children) -> CsgOperand {
+        --scene.flat_counts;
         if (std::any_of(children.begin(), children.end(),
                         [](const CsgOperand& child) { return child.kind == Kind::kSolid; })) {
             return minkowski_of_solids(scene, children, name, where);
@@ -262,15 +266,17 @@ CsgFinish read_resize(CsgScene&, const CsgNodeText& node) {
     };
 }
 
-CsgFinish read_projection(CsgScene&, const CsgNodeText& node) {
+CsgFinish read_projection(CsgScene& opening, const CsgNodeText& node) {
     if (const CsgArgument* file = node.arguments.find("file")) {
         fail(node.source, file->where,
              "'projection': the form with file = is not supported; use import() as its child");
     }
     refuse_unknown_arguments(node, {"cut", "convexity"}, 1);
     const bool cut = optional_boolean(node, "cut", 0);
+    if (!cut) ++opening.flat_counts;
     const SourceLocation where = node.where;
     return [cut, where](CsgScene& scene, std::vector<CsgOperand> children) -> CsgOperand {
+        if (!cut) --scene.flat_counts;
         const bool flat = std::any_of(children.begin(), children.end(),
                                       [](const CsgOperand& child) { return child.kind == Kind::kFlat; });
         if (flat) {

@@ -46,7 +46,8 @@ struct FontFile {
     std::string family;
 };
 
-/// fontconfig's best match; warns if it belongs to another family than the one asked for.
+/// fontconfig's best match; warns if it belongs to another family than the one asked for. Without a path,
+/// and with a warning, where the name cannot be read: OpenSCAD draws nothing then.
 FontFile find_font(const std::string& wanted, std::vector<std::string>& warnings) {
     const std::size_t colon = wanted.find(':');
     std::string family = wanted.substr(0, colon);
@@ -61,7 +62,9 @@ FontFile find_font(const std::string& wanted, std::vector<std::string>& warnings
 
     const Pattern pattern(FcNameParse(as_fontconfig(name)));
     if (!pattern) {
-        throw std::invalid_argument("the font '" + wanted + "' is not of the form Name or Name:style=Bold");
+        warnings.push_back("the font '" + wanted +
+                           "' is not of the form Name or Name:style=Bold; its texts are left out");
+        return {};
     }
     // Only outlines can be extruded.
     FcPatternAddBool(pattern.get(), FC_SCALABLE, FcTrue);
@@ -226,6 +229,7 @@ std::vector<Contours> text_outlines(const TextStyle& style, std::vector<std::str
         throw std::invalid_argument("the text is too long");
     }
     const FontFile file = find_font(style.font, warnings);
+    if (file.path.empty()) return {};
     const Blob blob(hb_blob_create_from_file(file.path.c_str()));
     const Face face(hb_face_create(blob.get(), static_cast<unsigned>(file.index) & 0xffffU));
     if (hb_face_get_glyph_count(face.get()) == 0) {
