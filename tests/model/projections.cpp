@@ -6,6 +6,8 @@
 #include <functional>
 
 #include "host/common/random.hpp"
+#include "host/model/outlines/polygons.hpp"
+#include "host/model/solids/section.hpp"
 #include "tests/model/membership.hpp"
 
 using namespace mortise;
@@ -269,8 +271,6 @@ TEST_CASE("projection: what is not supported, and what is left out") {
     CHECK(message("implicit(\"x^2+y^2+z^2-1\");", true).find("a formula") != std::string::npos);
     CHECK(message("linear_extrude(height = 1, twist = 30, center = true) { square(1); }", true)
               .find("a formula, or an extrusion with twist") != std::string::npos);
-    CHECK(message("difference() { sphere(r = 2); sphere(r = 1); }", false).find("a difference") !=
-          std::string::npos);
     CHECK(message("implicit(\"x^2+y^2+z^2-1\");", false).find("a solid given by a formula") !=
           std::string::npos);
     CHECK(message("cube(1);", true).empty());
@@ -304,4 +304,119 @@ TEST_CASE("projection: deep trees") {
         CHECK(region_at(model, {0.9, 0.9, 0}) == 1);
         CHECK(region_at(model, {1.1, 0.9, 0}) == 0);
     }
+}
+
+namespace {
+
+/// The area of a shadow, with circles of that many sides where round parts are facetted.
+double shadow_area(const std::string& child, int sides) {
+    const Model solid = read(child);
+    model_reader::Fragments fragments;
+    for (std::uint32_t i = 0; i < solid.nodes.size(); ++i) fragments[i] = sides;
+    model_reader::FlatTree flat;
+    const std::string source = "part.csg";
+    const auto shape = model_reader::shadow(solid, solid.regions[0].root, fragments, flat,
+                                            {"projection", source, SourceLocation{1, 1}});
+    double area = 0;
+    if (!shape) return area;
+    for (const auto& loop : model_reader::to_contours(flat, *shape)) area += model_reader::signed_area(loop);
+    return area;
+}
+
+}  // namespace
+
+TEST_CASE("projection: shadows of any solid with flat faces, by areas") {
+    const auto near = [](double value) { return doctest::Approx(value).epsilon(2e-6); };
+    const std::string cube = "cube(size = 4, center = true);";
+    const auto slab = [](double degrees, const std::string& child) { return tilted(degrees, child); };
+    const auto hole = [&](double degrees, const std::string& tool) {
+        return "difference() { " + cube + slab(degrees, tool) + " }";
+    };
+    // A tilted square hole through a cube: what the whole hole lets pass straight down.
+    const std::string tool = "cube(size = [2, 2, 20], center = true);";
+    CHECK(shadow_area(hole(0, tool), 0) == near(12));
+    CHECK(shadow_area(hole(90, tool), 0) == near(16));
+    for (const double degrees : {5.0, 10.0, 20.0, 30.0}) {
+        CAPTURE(degrees);
+        // The hole is 2/cos wide at each height and moves by 4 tan from top to bottom.
+        const double turn = degrees * kPi / 180;
+        const double open = std::max(0.0, 2 / std::cos(turn) - 4 * std::tan(turn));
+        CHECK(shadow_area(hole(degrees, tool), 0) == near(16 - 2 * open));
+    }
+    // A box with a lid that hangs over a notch: the lid's shadow, under any skew that keeps z.
+    const std::string notched =
+        "difference() { cube([4, 4, 4]); " + moved(2, -1, -1, "cube([9, 9, 4]);") + " }";
+    CHECK(shadow_area(notched, 0) == near(16));
+    // Sheared along x by z: the lid, 4 wide, moves with z from 3 to 4, the leg below from 0 to 3.
+    CHECK(shadow_area(
+              "multmatrix([[1, 0, 1, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]) { " + notched + " }",
+              0) == near(4 * 8));
+    // Two walls with a slit between them, seen askew: nothing passes; and a wide one, where some does.
+    const auto walls = [&](double slit) {
+        return "multmatrix([[1, 0, 1, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]) { difference() { "
+               "cube([9, 2, 2]); " +
+               moved(4, -1, -1, "cube([" + std::to_string(slit) + ", 9, 9]);") + " } }";
+    };
+    CHECK(shadow_area(walls(1.5), 0) == near(2 * 11));
+    CHECK(shadow_area(walls(2.5), 0) == near(2 * (11 - 0.5)));
+    // Concave polyhedra in an intersection.
+    CHECK(shadow_area("intersection() { " +
+                          slab(30,
+                               "linear_extrude(height = 30, center = true) { "
+                               "polygon([[0,0],[4,0],[4,1],[1,1],[1,3],[0,3]]); }") +
+                          "multmatrix([[0, 0, 1, 0], [0, 1, 0, 0], [-1, 0, 0, 0], [0, 0, 0, 1]]) { " +
+                          "linear_extrude(height = 30, center = true) { "
+                          "polygon([[-1,-1],[1,-1],[1,1],[0,0],[-1,1]]); } } }",
+                      0) > 1);
+}
+
+TEST_CASE("projection: shadows with OpenSCAD's facets have OpenSCAD's areas") {
+    // Measured with OpenSCAD 2021.01, by the volume of linear_extrude(height = 1).
+    const std::string along_y = "multmatrix([[1,0,0,0],[0,0,-1,0],[0,1,0,0],[0,0,0,1]]) { ";
+    const std::string slanted = "multmatrix([[1,0,0,0],[0,0.8,-0.6,0],[0,0.6,0.8,0],[0,0,0,1]]) { ";
+    const auto near = [](double value) { return doctest::Approx(value).epsilon(1e-5); };
+    const std::string bore = "cylinder(h = 62.5, r1 = 12.5, r2 = 6.25, center = true);";
+    CHECK(shadow_area("difference() { sphere(r = 25);" + bore + along_y + bore + "} }", 12) == near(1567.16));
+    CHECK(shadow_area("difference() { cube(4, center = true); " + slanted +
+                          "cylinder(r = 1, h = 20, center = true); } }",
+                      24) == near(16));
+    CHECK(shadow_area("intersection() { " + slanted +
+                          "difference() { cube(4, center = true); cube(2); } } sphere(r = 3); }",
+                      16) == near(21.0268));
+    CHECK(shadow_area("difference() { sphere(r = 10); multmatrix([[1,0,0,5],[0,1,0,3],[0,0,1,6],[0,0,0,1]]) "
+                      "{ sphere(r = 8); } }",
+                      24) == near(305.29).epsilon(0.005));  // there the second sphere has 20
+    CHECK(shadow_area("multmatrix([[0.8,0,0.6,0],[0,1,0,0],[-0.6,0,0.8,0],[0,0,0,1]]) { difference() { "
+                      "cube([8,6,1]); multmatrix([[1,0,0,2],[0,1,0,2],[0,0,1,-1],[0,0,0,1]]) { cylinder(r=1, "
+                      "h=9); } multmatrix([[1,0,0,5],[0,1,0,3],[0,0,1,-1],[0,0,0,1]]) { cube([2,2,4]); } } }",
+                      32) == near(38.6701));
+}
+
+TEST_CASE("projection: shadows of differences, by rays; $fn decides") {
+    check_shadow("difference() { " + skewed("cube(4, center = true);") + moved(0, 1, -1, "cube(3);") + " }",
+                 4, 8);
+    check_shadow(
+        skewed("difference() { cube([6, 5, 1], center = true); " + moved(1, 0, -2, "cube(4);") + " }"), 5, 8);
+    check_shadow(
+        tilted(40, "difference() { " + kTetrahedron + moved(-0.5, -0.5, -3, "cube([1, 1, 9]);") + " }"), 5,
+        12);
+    // A hexagonal and a round hole, tilted by so little that light passes.
+    const auto drilled = [](const std::string& fn) {
+        return projected(tilted(5, "difference() { cube([4, 4, 1], center = true); cylinder($fn = " + fn +
+                                       ", $fa = 12, $fs = 2, h = 9, r1 = 1, r2 = 1, center = true); }"),
+                         false);
+    };
+    CHECK(region_at(read(drilled("6")), {0, 0.89, 0}) == 1);
+    CHECK(region_at(read(drilled("96")), {0, 0.89, 0}) == 0);
+    CHECK(region_at(read(drilled("16")), {0.19, 0.924, 0}) == 1);
+    CHECK(region_at(read(drilled("96")), {0.19, 0.924, 0}) == 0);
+}
+
+TEST_CASE("projection: shadows that would take too long are refused") {
+    std::string holes;
+    for (int i = 0; i < 20; ++i) holes += moved(i, 0, 5, "sphere($fn = 48, $fa = 12, $fs = 2, r = 3);");
+    const std::string text = projected("difference() { sphere(r = 9);" + holes + " }", false);
+    CHECK(refusal(text, "csg").find("20 million") != std::string::npos);
+    CHECK(refusal(projected("difference() { cube(9); implicit(\"x\"); }", false), "csg")
+              .find("given by a formula") != std::string::npos);
 }

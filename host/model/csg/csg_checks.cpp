@@ -92,20 +92,24 @@ void fail_size(const CsgNodeText& node, SourceLocation where, std::string_view w
              std::string(expected));
 }
 
-int fragments_of(const CsgNodeText& node, double radius) {
+double fragment_count(const CsgNodeText& node, double radius) {
     constexpr double kFinestRadius = 1.0 / (1 << 20);  // OpenSCAD's grid
     const double count = wanted_fragments(node);
     const double angle = std::max(optional_number(node, "$fa", -1, 12), 0.01);
     const double size = std::max(optional_number(node, "$fs", -1, 2), 0.01);
     if (radius < kFinestRadius) return 3;
-    const double wanted =
-        count > 0 ? std::max(count, 3.0) : std::max(std::min(360 / angle, radius * 2 * kPi / size), 5.0);
+    return std::ceil(count > 0 ? std::max(count, 3.0)
+                               : std::max(std::min(360 / angle, radius * 2 * kPi / size), 5.0));
+}
+
+int fragments_of(const CsgNodeText& node, double radius) {
+    const double wanted = fragment_count(node, radius);
     if (wanted > kMostFragments) {
         fail(node.source, node.where,
-             quoted(node.name) + ": a circle of " + number_text(std::ceil(wanted)) +
-                 " fragments; expected at most " + std::to_string(kMostFragments) + ": choose another $fn");
+             quoted(node.name) + ": a circle of " + number_text(wanted) + " fragments; expected at most " +
+                 std::to_string(kMostFragments) + ": choose another $fn");
     }
-    return static_cast<int>(std::ceil(wanted));
+    return static_cast<int>(wanted);
 }
 
 int flat_fragments(const CsgNodeText& node, double radius) {

@@ -58,6 +58,8 @@ double read_radius(const CsgNodeText& node);
 /// OpenSCAD's number of fragments of a full circle: $fn, or by $fa and $fs. It takes 3 where $fn is not
 /// finite.
 int fragments_of(const CsgNodeText& node, double radius);
+/// The same, however many.
+double fragment_count(const CsgNodeText& node, double radius);
 
 /// Number of flat fragments that are meant for a circle of that radius; 0: a true curve.
 int flat_fragments(const CsgNodeText& node, double radius);

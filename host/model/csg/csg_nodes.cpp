@@ -1,5 +1,6 @@
 #include "host/model/csg/csg_nodes.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -17,7 +18,15 @@ using Op = CsgNode::Op;
 
 template <std::uint32_t (*add)(Model&, const CsgNodeText&)>
 CsgOperand read_solid(CsgScene& scene, const CsgNodeText& node) {
-    return {Kind::kSolid, add(scene.model, node), node.where};
+    const std::size_t first = scene.model.nodes.size();
+    const std::uint32_t solid = add(scene.model, node);
+    for (std::size_t i = first; i < scene.model.nodes.size() && scene.flat_counts > 0; ++i) {
+        const CsgNode& part = scene.model.nodes[i];
+        if (part.op != Op::kPrimitive || !(part.primitive.radius > 0)) continue;
+        const double count = std::min(fragment_count(node, part.primitive.radius), 1e6);
+        scene.fragments[static_cast<std::uint32_t>(i)] = static_cast<int>(count);
+    }
+    return {Kind::kSolid, solid, node.where};
 }
 
 /// Of plane shapes the xy part moves them.

@@ -12,33 +12,10 @@
 #include <utility>
 
 #include "host/model/affine.hpp"
-#include "host/model/outlines/flat_tree.hpp"
+#include "host/model/solids/facetted_primitives.hpp"
 
 namespace mortise::model_reader {
 namespace {
-
-/// Scales a plane so that its largest component is 1: equal planes of different sizes get equal normals.
-Plane scaled(Plane plane) {
-    double largest = 0;
-    for (const double component : plane.normal) largest = std::max(largest, std::fabs(component));
-    for (double& component : plane.normal) component /= largest;
-    plane.offset /= largest;
-    return plane;
-}
-
-/// The side planes of a regular n-sided frustum about z: vertex 0 of each ring on +x, circumradius
-/// `radius` + `slope`·z.
-void add_sides(std::vector<Plane>& planes, int n, double radius, double slope) {
-    for (int j = 0; j < n; ++j) {
-        const double from = 360.0 * j / n;
-        const double to = 360.0 * (j + 1) / n;
-        const double x = cosine_of_degrees(from);
-        const double y = sine_of_degrees(from);
-        const Vec3 outward = {sine_of_degrees(to) - y, x - cosine_of_degrees(to), 0};
-        const double apothem = outward[0] * x + outward[1] * y;
-        planes.push_back(scaled({{outward[0], outward[1], -slope * apothem}, radius * apothem, ""}));
-    }
-}
 
 void add_caps(std::vector<Plane>& planes, const double* zmin, const double* zmax) {
     if (zmin != nullptr) planes.push_back({{0, 0, -1}, -*zmin, "zmin"});
@@ -60,20 +37,7 @@ std::uint32_t add_csg_sphere(Model& model, const CsgNodeText& node) {
     const double radius = read_radius(node);
     const int n = flat_fragments(node, radius);
     if (n == 0) return model.add_primitive(sphere(radius), node.surface, node.where);
-
-    // Rings of n vertices at polar angles 180 (i + 1/2) / rings; the first and last are flat caps.
-    Primitive polyhedron;
-    const int rings = (n + 1) / 2;
-    const auto ring_z = [&](int i) { return radius * cosine_of_degrees(180 * (i + 0.5) / rings); };
-    const auto ring_radius = [&](int i) { return radius * sine_of_degrees(180 * (i + 0.5) / rings); };
-    for (int i = 0; i + 1 < rings; ++i) {
-        const double slope = (ring_radius(i) - ring_radius(i + 1)) / (ring_z(i) - ring_z(i + 1));
-        add_sides(polyhedron.planes, n, ring_radius(i) - slope * ring_z(i), slope);
-    }
-    const double top = ring_z(0);
-    const double bottom = -top;
-    add_caps(polyhedron.planes, &bottom, &top);
-    return model.add_primitive(std::move(polyhedron), node.surface, node.where);
+    return model.add_primitive(facetted_sphere(radius, n), node.surface, node.where);
 }
 
 std::uint32_t add_csg_cylinder(Model& model, const CsgNodeText& node) {
@@ -111,7 +75,7 @@ std::uint32_t add_csg_cylinder(Model& model, const CsgNodeText& node) {
         Primitive polyhedron;
         // Without taper the offset is exactly the radius; else the line goes through the wider end.
         const double at_zero = radii[0] >= radii[1] ? radii[0] - slope * zmin : radii[1] - slope * zmax;
-        add_sides(polyhedron.planes, n, at_zero, slope);
+        add_frustum_sides(polyhedron.planes, n, at_zero, slope);
         add_caps(polyhedron.planes, lower_cap, upper_cap);
         return model.add_primitive(std::move(polyhedron), node.surface, node.where);
     }

@@ -291,7 +291,7 @@ CsgFinish read_projection(CsgScene& opening, const CsgNodeText& node) {
         const std::optional<std::uint32_t> shape =
             cut ? section(scene.model, child.node, kIdentity, node_boxes(scene.model, child.node), scene.flat,
                           wanted)
-                : shadow(scene.model, child.node, scene.flat, wanted);
+                : shadow(scene.model, child.node, scene.fragments, scene.flat, wanted);
         if (!shape) return {};
         return {Kind::kFlat, *shape, where};
     };

@@ -235,36 +235,6 @@ std::optional<Slice> torus_slice(const Primitive& torus, const Affine& map, Plan
     return Slice{State::kNode, {}, cut.flat.add_operation(FlatNode::Op::kUnion, std::move(circles))};
 }
 
-/// Drops points that lie on the line between those kept, to six digits: faces divided into triangles.
-void drop_straight(std::vector<Vec2>& loop, double tolerance) {
-    if (loop.size() < 4) return;
-    // Begins at a corner: the point farthest from the loop's first one.
-    const auto farther = [&loop](const Vec2& a, const Vec2& b) {
-        const Vec2& o = loop[0];
-        return std::hypot(a[0] - o[0], a[1] - o[1]) < std::hypot(b[0] - o[0], b[1] - o[1]);
-    };
-    std::rotate(loop.begin(), std::max_element(loop.begin(), loop.end(), farther), loop.end());
-    std::vector<Vec2> kept = {loop[0]};
-    constexpr std::size_t kMostDropped = 64;  // so that the time is linear
-    std::size_t first = 1;                    // of those not decided yet
-    for (std::size_t i = 1; i < loop.size(); ++i) {
-        const Vec2& a = kept.back();
-        const Vec2& b = loop[(i + 1) % loop.size()];
-        const double span = std::hypot(b[0] - a[0], b[1] - a[1]);
-        bool straight = span > tolerance && i - first < kMostDropped;
-        for (std::size_t j = first; j <= i && straight; ++j) {
-            const Vec2 d = {loop[j][0] - a[0], loop[j][1] - a[1]};
-            const double off = ((b[0] - a[0]) * d[1] - (b[1] - a[1]) * d[0]) / span;
-            const double along = ((b[0] - a[0]) * d[0] + (b[1] - a[1]) * d[1]) / span;
-            straight = std::fabs(off) <= tolerance && along >= -tolerance && along <= span + tolerance;
-        }
-        if (straight) continue;
-        kept.push_back(loop[i]);
-        first = i + 1;
-    }
-    loop = std::move(kept);
-}
-
 Slice polyhedron_slice(const TriangleSurface& surface, const Affine& map, PlaneCut& cut) {
     std::vector<Vec3> points;
     points.reserve(surface.points.size());
@@ -327,6 +297,7 @@ Slice polyhedron_slice(const TriangleSurface& surface, const Affine& map, PlaneC
             }
         }
         loop.erase(std::unique(loop.begin(), loop.end()), loop.end());
+        // To six digits: faces are divided into triangles.
         drop_straight(loop, kSameHeight * cut.size);
         if (relative_determinant(map) < 0) std::reverse(loop.begin(), loop.end());
         if (loop.size() > 2) loops.push_back(std::move(loop));
@@ -372,6 +343,35 @@ std::uint32_t add_ellipse(FlatTree& flat, const Vec2& centre, double xx, double 
     const double b = xy / a;
     const double c = std::sqrt(yy - b * b);
     return flat.add_transform({a, 0, centre[0], b, c, centre[1]}, flat.add_circle(1, sides));
+}
+
+void drop_straight(std::vector<Vec2>& loop, double tolerance) {
+    if (loop.size() < 4) return;
+    // Begins at a corner: the point farthest from the loop's first one.
+    const auto farther = [&loop](const Vec2& a, const Vec2& b) {
+        const Vec2& o = loop[0];
+        return std::hypot(a[0] - o[0], a[1] - o[1]) < std::hypot(b[0] - o[0], b[1] - o[1]);
+    };
+    std::rotate(loop.begin(), std::max_element(loop.begin(), loop.end(), farther), loop.end());
+    std::vector<Vec2> kept = {loop[0]};
+    constexpr std::size_t kMostDropped = 64;  // so that the time is linear
+    std::size_t first = 1;                    // of those not decided yet
+    for (std::size_t i = 1; i < loop.size(); ++i) {
+        const Vec2& a = kept.back();
+        const Vec2& b = loop[(i + 1) % loop.size()];
+        const double span = std::hypot(b[0] - a[0], b[1] - a[1]);
+        bool straight = span > tolerance && i - first < kMostDropped;
+        for (std::size_t j = first; j <= i && straight; ++j) {
+            const Vec2 d = {loop[j][0] - a[0], loop[j][1] - a[1]};
+            const double off = ((b[0] - a[0]) * d[1] - (b[1] - a[1]) * d[0]) / span;
+            const double along = ((b[0] - a[0]) * d[0] + (b[1] - a[1]) * d[1]) / span;
+            straight = std::fabs(off) <= tolerance && along >= -tolerance && along <= span + tolerance;
+        }
+        if (straight) continue;
+        kept.push_back(loop[i]);
+        first = i + 1;
+    }
+    loop = std::move(kept);
 }
 
 Contours cut_rectangle(const std::vector<HalfPlane>& planes, const Box3& clip) {

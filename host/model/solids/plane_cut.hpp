@@ -48,4 +48,7 @@ std::uint32_t add_ellipse(FlatTree& flat, const Vec2& centre, double xx, double 
 /// if there are none.
 Contours cut_rectangle(const std::vector<HalfPlane>& planes, const Box3& clip);
 
+/// Drops points that lie on the line between those kept, to that distance.
+void drop_straight(std::vector<Vec2>& loop, double tolerance);
+
 }  // namespace mortise::model_reader

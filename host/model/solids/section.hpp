@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <unordered_map>
 
 #include "host/model/outlines/flat_tree.hpp"
 #include "host/model/solids/convex_pieces.hpp"
@@ -20,8 +21,12 @@ inline constexpr double kSameHeight = 1e-6;
 std::optional<std::uint32_t> section(const Model& model, std::uint32_t node, const Affine& map,
                                      const NodeBoxes& boxes, FlatTree& flat, const Wanted& wanted);
 
-/// The shadow along z of a node; nothing if it has no area.
-std::optional<std::uint32_t> shadow(const Model& model, std::uint32_t node, FlatTree& flat,
-                                    const Wanted& wanted);
+/// Sides of the polygon that stands for the circle of a round primitive, by node.
+using Fragments = std::unordered_map<std::uint32_t, int>;
+
+/// The shadow along z of a node; nothing if it has no area. `fragments` counts where round primitives have to
+/// be facetted.
+std::optional<std::uint32_t> shadow(const Model& model, std::uint32_t node, const Fragments& fragments,
+                                    FlatTree& flat, const Wanted& wanted);
 
 }  // namespace mortise::model_reader

@@ -1,7 +1,7 @@
 // The shadow of a solid along z. That of a union is the union of shadows; nothing of the kind holds for
 // differences and intersections, but for two cases: all is upright (plates with holes and pockets), where the
 // sections between the heights of horizontal faces tell; and what is taken away, or kept, is upright and at
-// least as high as the rest, where its section tells.
+// least as high as the rest, where its section tells. All others go through shadow_planes.cpp.
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -10,6 +10,7 @@
 #include "host/model/outlines/polygons.hpp"
 #include "host/model/solids/plane_cut.hpp"
 #include "host/model/solids/section.hpp"
+#include "host/model/solids/shadow_planes.hpp"
 #include "host/model/text.hpp"
 
 namespace mortise::model_reader {
@@ -33,8 +34,13 @@ Vec3 direction(const Affine& m, const Vec3& v) {
 
 class Shadow {
   public:
-    Shadow(const Model& model, std::uint32_t root, FlatTree& flat, const Wanted& wanted)
-        : model_(model), boxes_(node_boxes(model, root)), flat_(flat), wanted_(wanted) {
+    Shadow(const Model& model, std::uint32_t root, const Fragments& fragments, FlatTree& flat,
+           const Wanted& wanted)
+        : model_(model),
+          boxes_(node_boxes(model, root)),
+          fragments_(fragments),
+          flat_(flat),
+          wanted_(wanted) {
         const Box3& box = boxes_.at(root);
         for (std::size_t k = 0; k < 3; ++k) {
             if (std::isfinite(box.max[k] - box.min[k])) size_ = std::max(size_, box.max[k] - box.min[k]);
@@ -267,7 +273,15 @@ class Shadow {
     }
 
     void add_pieces(const Item& item, std::vector<std::uint32_t>& parts) {
-        for (const ConvexPiece& piece : convex_pieces(model_, item.node, wanted_)) {
+        std::vector<ConvexPiece> pieces;
+        try {
+            pieces = convex_pieces(model_, item.node, wanted_);
+        } catch (const Error&) {  // the tree has something else
+            add(shadow_by_planes(model_, item.node, item.map, boxes_, fragments_, flat_, wanted_), item.trim,
+                parts);
+            return;
+        }
+        for (const ConvexPiece& piece : pieces) {
             if (piece.kind == ConvexPiece::Kind::kFrustum) {
                 const Vec3 a = image(item.map, piece.a);
                 const Vec3 b = image(item.map, piece.b);
@@ -295,6 +309,7 @@ class Shadow {
 
     const Model& model_;
     NodeBoxes boxes_;
+    const Fragments& fragments_;
     FlatTree& flat_;
     const Wanted& wanted_;
     double size_ = 0;
@@ -303,9 +318,9 @@ class Shadow {
 
 }  // namespace
 
-std::optional<std::uint32_t> shadow(const Model& model, std::uint32_t node, FlatTree& flat,
-                                    const Wanted& wanted) {
-    return Shadow(model, node, flat, wanted).run(node);
+std::optional<std::uint32_t> shadow(const Model& model, std::uint32_t node, const Fragments& fragments,
+                                    FlatTree& flat, const Wanted& wanted) {
+    return Shadow(model, node, fragments, flat, wanted).run(node);
 }
 
 }  // namespace mortise::model_reader
