@@ -216,9 +216,16 @@ TEST_CASE("nesting is limited by memory only") {
 
     std::string shifts;
     for (int k = 0; k < kDepth; ++k)
-        shifts += "multmatrix([[1,0,0,1],[0,1,0,0],[0,0,1,0],[0,0,0,1]]){cube();";
+        shifts += "multmatrix([[1,0,0,1],[0,1,0,0],[0,0,1,0],[0,0,0,1]]){sphere();";
     shifts += std::string(kDepth, '}');
     CHECK(read(shifts).nodes.size() > 2 * kDepth);
+
+    // Boxes in a row are merged.
+    std::string boxes;
+    for (int k = 0; k < kDepth; ++k) boxes += "multmatrix([[1,0,0,1],[0,1,0,0],[0,0,1,0],[0,0,0,1]]){cube();";
+    boxes += std::string(kDepth, '}');
+    CHECK(inside(boxes, {kDepth + 0.5, 0.5, 0.5}));
+    CHECK_FALSE(inside(boxes, {kDepth + 1.5, 0.5, 0.5}));
 
     // The same for lists of arguments.
     const std::string list = "color(" + std::string(kDepth, '[') + std::string(kDepth, ']') + ") { cube(); }";

@@ -142,7 +142,7 @@ TEST_CASE("scad: the program's first error, with its place") {
 
 TEST_CASE("scad: large output on both streams") {
     const FakeProgram fake(
-        "i=0; while [ $i -lt 20000 ]; do echo 'cube(2); // a line that says nothing'; "
+        "i=0; while [ $i -lt 20000 ]; do echo 'sphere(2); // a line that says nothing'; "
         "echo 'ECHO: another line that says nothing' >&2; i=$((i+1)); done");
     const Model model = read_model(fake.write("part.scad", ""));
     CHECK(model.nodes.size() > 20000);

@@ -11,6 +11,7 @@
 
 #include "host/model/csg/csg_nodes.hpp"
 #include "host/model/readers.hpp"
+#include "host/model/solids/box_unions.hpp"
 
 namespace mortise::model_reader {
 namespace {
@@ -57,6 +58,7 @@ class CsgReader {
                           ? all.node
                           : scene_.model.add_operation(CsgNode::Op::kUnion, {});
         scene_.model.regions.push_back(std::move(result));
+        merge_boxes(scene_.model);
         return std::move(scene_.model);
     }
 
