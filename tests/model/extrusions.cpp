@@ -348,6 +348,15 @@ TEST_CASE("names of extruded surfaces") {
     CHECK(std::count(names.begin(), names.end(), "side7") == 0);
 }
 
+TEST_CASE("resize to no size keeps any solid") {
+    const std::string ball = "difference() { sphere(r = 2); cube(9, center = false); }";
+    const Model model = read("resize(newsize = [0, 0, 0], auto = [0, 0, 0]) { " + ball + " }");
+    CHECK(region_at(model, {-1, -1, -1}) == 1);
+    CHECK(region_at(model, {1, 1, 1}) == 0);
+    CHECK(refusal("resize(newsize = [1, 0, 0]) { " + ball + " }", "csg").find("exact size is not known") !=
+          std::string::npos);
+}
+
 TEST_CASE("errors of plane shapes and extrusions") {
     struct Case {
         const char* text;

@@ -387,9 +387,17 @@ TEST_CASE("minkowski sums") {
 TEST_CASE("hull and minkowski: what is refused") {
     const auto hull = [](const std::string& text) { return build(text).error; };
     const auto minkowski = [](const std::string& text) { return build(text, true).error; };
-    const std::string difference = "difference() { cube(2); cube(1); } cube(1);";
-    CHECK(hull(difference).find("m.csg:3:4: 'hull': a difference among its children is not supported") == 0);
-    CHECK(minkowski(difference).find("m.csg:3:4: 'minkowski': a difference among") == 0);
+    for (const char* const round :
+         {"difference() { sphere(2); cube(1); } cube(1);", "difference() { cube(2); sphere(1); } cube(1);"}) {
+        CHECK(hull(round).find("m.csg:3:4: 'hull': a difference of round solids among its children is not "
+                               "supported") == 0);
+        CHECK(minkowski(round).find("m.csg:3:4: 'minkowski': a difference of round solids") == 0);
+    }
+    CHECK(hull("difference() { cube(2); difference() { cube(1); cube(0.5); } } cube(1);")
+              .find("a difference among its children") != std::string::npos);
+    std::string scattered = "difference() { cube(99);";
+    for (int i = 0; i < 60; ++i) scattered += at(i + 1, i * 7 % 61 + 1, i * 13 % 61 + 1, "cube(1);");
+    CHECK(minkowski(scattered + " } cube(1);").find("more than 256 convex parts") != std::string::npos);
     CHECK(hull("intersection() { cube(2); union() { cube(1); sphere(1); } } cube(1);")
               .find("an intersection with a union") != std::string::npos);
     // Nothing in common: empty, neutral.
@@ -420,6 +428,93 @@ TEST_CASE("hull and minkowski: what is refused") {
     const std::uint32_t dent = model.add_primitive(polyhedron(dented));
     CHECK(refusal(dent, true).find("'minkowski': a polyhedron is not supported") != std::string::npos);
     CHECK(refusal(dent, false).empty());
+}
+
+TEST_CASE("minkowski: differences of solids with flat faces") {
+    const auto text = [](const std::array<double, 6>& b) {
+        return at(b[0], b[1], b[2],
+                  "cube([" + std::to_string(b[3] - b[0]) + ", " + std::to_string(b[4] - b[1]) + ", " +
+                      std::to_string(b[5] - b[2]) + "]);");
+    };
+    std::mt19937 random(5);
+    std::uniform_int_distribution<int> whole(0, 7);
+    std::uniform_real_distribution<double> coordinate(-1, 10);
+    for (int round = 0; round < 12; ++round) {
+        std::vector<std::array<double, 6>> boxes = {{0, 0, 0, 7, 7, 7}};
+        while (boxes.size() < 4) {
+            std::array<double, 6> b{};
+            for (std::size_t k = 0; k < 3; ++k) {
+                b[k] = whole(random);
+                b[k + 3] = whole(random);
+                if (b[k] > b[k + 3]) std::swap(b[k], b[k + 3]);
+            }
+            if (b[0] < b[3] && b[1] < b[4] && b[2] < b[5]) boxes.push_back(b);
+        }
+        std::string solid = "difference() { ";
+        for (const auto& b : boxes) solid += text(b);
+        const Built sum = build(solid + " } cube([1, 2, 0.5]);", true);
+        CAPTURE(solid);
+        CHECK(sum.error.empty());
+        int wrong = 0;
+        int inside = 0;
+        for (int i = 0; i < 300; ++i) {
+            const Vec3 p = {coordinate(random), coordinate(random), coordinate(random)};
+            // Whether p less the small cube meets a unit cell that is left.
+            bool expected = false;
+            for (int cell = 0; cell < 343; ++cell) {
+                const Vec3 c = {static_cast<double>(cell % 7), static_cast<double>(cell / 7 % 7),
+                                static_cast<double>(cell / 49)};
+                const Vec3 size = {1, 2, 0.5};
+                bool meets = true;
+                for (std::size_t k = 0; k < 3; ++k) meets = meets && p[k] - size[k] < c[k] + 1 && p[k] > c[k];
+                for (std::size_t b = 1; b < boxes.size() && meets; ++b) {
+                    bool taken = true;
+                    for (std::size_t k = 0; k < 3; ++k)
+                        taken = taken && boxes[b][k] <= c[k] && c[k] + 1 <= boxes[b][k + 3];
+                    meets = !taken;
+                }
+                expected = expected || meets;
+            }
+            wrong += test::holds(sum.model, sum.node, p) != expected ? 1 : 0;
+            inside += expected ? 1 : 0;
+        }
+        CHECK(wrong == 0);
+        CHECK(inside > 20);
+    }
+    // A frame with a round foot: rounded outside, sharp inside.
+    const Built frame =
+        build("difference() { cube([10, 10, 4]); " + at(2, 2, -1, "cube([6, 6, 9]);") + " } cylinder(r = 1);",
+              true);
+    const auto holds = [&](const Vec3& p) { return test::holds(frame.model, frame.node, p); };
+    CHECK(holds({-0.69, -0.69, 2}));
+    CHECK_FALSE(holds({-0.73, -0.73, 2}));
+    CHECK(holds({2.99, 2.99, 2}));
+    CHECK(holds({2.99, 5, 4.9}));
+    CHECK_FALSE(holds({3.01, 3.01, 2}));
+    CHECK_FALSE(holds({5, 5, 2}));
+    CHECK_FALSE(holds({-0.5, 5, 5.1}));
+}
+
+TEST_CASE("hull: differences of solids with flat faces") {
+    // Half of each edge at a corner is gone: a triangle instead of the corner.
+    const Built cut =
+        build("difference() { cube(4); " + at(2, 2, 2, "cube(9);") + " } " + at(1, 1, 1, "cube(1);"));
+    CHECK(cut.error.empty());
+    const auto holds = [&](const Vec3& p) { return test::holds(cut.model, cut.node, p); };
+    CHECK(holds({3.3, 3.3, 3.3}));
+    CHECK_FALSE(holds({3.4, 3.4, 3.4}));
+    CHECK(holds({3.99, 3.99, 1.99}));
+    CHECK_FALSE(holds({3.99, 3.99, 2.1}));
+    // Nothing is left: neutral. A union, and a difference of a difference, below.
+    compare(build("difference() { cube(1); " + at(-1, -1, -1, "cube(9);") + " } cube([1, 2, 3]);"),
+            box_of({0, 0, 0}, {1, 2, 3}), 2);
+    compare(
+        build("difference() { union() { difference() { cube(4); " + at(2, -1, -1, "cube(9);") + " } " +
+              at(0, 3, 0, "cube([8, 1, 1]);") + " } " + at(1, -1, -1, "cube([9, 9, 9]);") + " } cube(0.1);"),
+        box_of({0, 0, 0}, {1, 4, 4}), 2);
+    std::string deep = "cube(1);";
+    for (int i = 0; i < 2000; ++i) deep = "difference() { " + deep + " cube(0.5); }";
+    CHECK(build(deep + "cube(0.1);").error.empty());
 }
 
 TEST_CASE("vertices of half-spaces, far from the origin and of very different sizes") {

@@ -224,7 +224,7 @@ CsgFinish read_resize(CsgScene&, const CsgNodeText& node) {
     const SourceLocation where = node.where;
     return [size, automatic, where](CsgScene& scene, std::vector<CsgOperand> children) -> CsgOperand {
         CsgOperand child = scene.united(std::move(children));
-        if (child.kind == Kind::kNothing) return child;
+        if (child.kind == Kind::kNothing || size == Vec3{}) return child;
         const bool flat = child.kind == Kind::kFlat;
         Vec3 extent{};
         if (flat) {

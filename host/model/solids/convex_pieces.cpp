@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "host/model/affine.hpp"
+#include "host/model/solids/convex_differences.hpp"
 #include "host/model/solids/convex_hull.hpp"
 #include "host/model/text.hpp"
 #include "host/model/triangles/surface_repair.hpp"
@@ -310,15 +311,61 @@ std::vector<Leaf> leaves_below(const Model& model, std::uint32_t root, const Aff
     return leaves;
 }
 
+[[noreturn]] void refuse_difference(const Wanted& wanted, const std::string& what) {
+    refuse(wanted, "a difference " + what +
+                       " is not supported; expected cubes, spheres, cylinders, polyhedra, their unions and "
+                       "convex intersections");
+}
+
+/// Refuses pieces with round faces: what is left of them is not convex.
+void require_flat(const std::vector<ConvexPiece>& pieces, const Wanted& wanted) {
+    for (const ConvexPiece& piece : pieces) {
+        if (piece.kind != ConvexPiece::Kind::kPoints || piece.facetted)
+            refuse_difference(wanted, "of round solids among its children");
+    }
+}
+
+/// What a difference takes away, in the frame of the model; differences in it are refused, so there is no
+/// recursion.
+std::vector<ConvexPiece> taken_away(const Model& model, const CsgNode& node, const Affine& map,
+                                    Wanted wanted) {
+    wanted.differences = false;
+    std::vector<ConvexPiece> cuts;
+    for (std::size_t k = 1; k < node.children.size(); ++k) {
+        std::vector<ConvexPiece> pieces = convex_pieces(model, node.children[k], wanted);
+        require_flat(pieces, wanted);
+        for (ConvexPiece& piece : pieces) {
+            for (Vec3& point : piece.points) point = image(map, point);
+            cuts.push_back(std::move(piece));
+        }
+    }
+    return cuts;
+}
+
 }  // namespace
 
 std::vector<ConvexPiece> convex_pieces(const Model& model, std::uint32_t root, const Wanted& wanted) {
+    struct Item {
+        std::uint32_t node;
+        Affine map;
+        std::size_t cuts;  ///< taken away from all below: a list in `sets`
+    };
+    struct Set {
+        std::vector<ConvexPiece> cuts;
+        std::size_t next;
+    };
+    constexpr auto kNone = static_cast<std::size_t>(-1);
+    // Below a difference hulls will not do.
+    Wanted strict = wanted;
+    strict.known = nullptr;
+    strict.only_hull = false;
+    std::vector<Set> sets;
     std::vector<ConvexPiece> pieces;
-    std::vector<std::pair<std::uint32_t, Affine>> pending = {{root, kIdentity}};
+    std::vector<Item> pending = {{root, kIdentity, kNone}};
     while (!pending.empty()) {
-        const auto [index, map] = pending.back();
+        const auto [index, map, cuts] = pending.back();
         pending.pop_back();
-        if (wanted.known != nullptr && wanted.only_hull) {
+        if (wanted.known != nullptr && wanted.only_hull && cuts == kNone) {
             const auto known = wanted.known->find(index);
             if (known != wanted.known->end()) {
                 add_extents(known->second, map, pieces);
@@ -327,23 +374,39 @@ std::vector<ConvexPiece> convex_pieces(const Model& model, std::uint32_t root, c
         }
         const CsgNode& node = model.nodes[index];
         switch (node.op) {
-            case CsgNode::Op::kPrimitive: add_primitive({&node.primitive, map}, wanted, pieces); break;
             case CsgNode::Op::kTransform:
-                pending.push_back({node.children[0], compose(map, node.map)});
+                pending.push_back({node.children[0], compose(map, node.map), cuts});
                 break;
             case CsgNode::Op::kUnion:
                 for (std::size_t k = node.children.size(); k-- > 0;)
-                    pending.push_back({node.children[k], map});
+                    pending.push_back({node.children[k], map, cuts});
                 break;
-            case CsgNode::Op::kIntersection:
-                add_intersection(leaves_below(model, index, map, wanted), wanted, pieces);
+            case CsgNode::Op::kPrimitive:
+            case CsgNode::Op::kIntersection: {
+                std::vector<ConvexPiece> made;
+                const Wanted& here = cuts == kNone ? wanted : strict;
+                if (node.op == CsgNode::Op::kPrimitive) {
+                    add_primitive({&node.primitive, map}, here, made);
+                } else {
+                    add_intersection(leaves_below(model, index, map, here), here, made);
+                }
+                for (std::size_t set = cuts; set != kNone; set = sets[set].next) {
+                    require_flat(made, wanted);
+                    take_away(made, sets[set].cuts, wanted);
+                }
+                for (ConvexPiece& piece : made) pieces.push_back(std::move(piece));
                 break;
-            case CsgNode::Op::kDifference:
-            case CsgNode::Op::kComplement:
-                refuse(
-                    wanted,
-                    "a difference among its children is not supported; expected cubes, spheres, cylinders, "
-                    "polyhedra, their unions and convex intersections");
+            }
+            case CsgNode::Op::kDifference: {
+                if (!wanted.differences) refuse_difference(wanted, "among its children");
+                if (node.children.empty()) break;
+                std::vector<ConvexPiece> set = taken_away(model, node, map, strict);
+                const std::size_t below = set.empty() ? cuts : sets.size();
+                if (!set.empty()) sets.push_back({std::move(set), cuts});
+                pending.push_back({node.children[0], map, below});
+                break;
+            }
+            case CsgNode::Op::kComplement: refuse_difference(wanted, "among its children");
         }
     }
     return pieces;

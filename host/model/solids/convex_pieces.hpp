@@ -36,10 +36,12 @@ struct Wanted {
     SourceLocation where;
     const KnownExtents* known = nullptr;  ///< hulls that are known already; for only_hull
     bool only_hull = false;               ///< pieces may be replaced by their hull: bodies need not be convex
+    bool differences = false;             ///< of solids with flat faces are taken apart, too
 };
 
 /// The pieces of a node in the frame of the model. Throws Error(kInput) where the tree has anything that
-/// is not a union of convex, bounded solids; differences, formulas, unbounded solids.
+/// is not a union of convex, bounded solids: formulas, unbounded solids, differences but those of solids with
+/// flat faces where `differences` is set.
 std::vector<ConvexPiece> convex_pieces(const Model& model, std::uint32_t node, const Wanted& wanted);
 
 /// The same solid as points on its surface.

@@ -279,7 +279,7 @@ using ConvexSet = std::vector<ConvexPiece>;  ///< the hull of these
 std::uint32_t add_hull(Model& model, const std::vector<std::uint32_t>& children, const std::string& name,
                        SourceLocation where, const KnownExtents* known) {
     const std::string source = model.source;
-    const Wanted wanted = {"hull", source, where, known, true};
+    const Wanted wanted = {"hull", source, where, known, true, true};
     std::vector<ConvexPiece> pieces;
     for (const std::uint32_t child : children) {
         for (ConvexPiece& piece : convex_pieces(model, child, wanted)) pieces.push_back(std::move(piece));
@@ -308,7 +308,7 @@ std::uint32_t add_polyhedron(Model& model, TriangleSurface surface, double sharp
 std::uint32_t add_minkowski(Model& model, const std::vector<std::uint32_t>& children, const std::string& name,
                             SourceLocation where) {
     const std::string source = model.source;
-    const Wanted wanted = {"minkowski", source, where, nullptr, false};
+    const Wanted wanted = {"minkowski", source, where, nullptr, false, true};
     std::vector<ConvexSet> sums;
     std::size_t operands = 0;
     for (const std::uint32_t child : children) {
