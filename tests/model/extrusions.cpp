@@ -348,6 +348,26 @@ TEST_CASE("names of extruded surfaces") {
     CHECK(std::count(names.begin(), names.end(), "side7") == 0);
 }
 
+TEST_CASE("resize of solids with flat faces, whatever their tree") {
+    // What is left of the cube reaches from 1 to 4 along x, 0 to 4 along y and 0 to 3 along z.
+    const std::string rest =
+        "intersection() { difference() { cube(4); multmatrix([[1,0,0,-8],[0,1,0,-1],[0,0,1,-1],[0,0,0,1]]) { "
+        "cube(9); } } multmatrix([[1,0,0,0],[0,1,0,0],[0,0,1,-6],[0,0,0,1]]) { cube(9); } }";
+    const Model model = read("resize(newsize = [6, 2, 0]) { " + rest + " }");
+    CHECK(region_at(model, {2.01, 0.01, 0.01}) == 1);
+    CHECK(region_at(model, {7.99, 1.99, 2.99}) == 1);
+    CHECK(region_at(model, {1.99, 1, 1}) == 0);
+    CHECK(region_at(model, {8.01, 1, 1}) == 0);
+    CHECK(region_at(model, {5, 2.01, 1}) == 0);
+    CHECK(region_at(model, {5, 1, 3.01}) == 0);
+    const Model tall = read("resize(newsize = [0, 0, 9], auto = true) { " + rest + " }");
+    CHECK(region_at(tall, {3.01, 11.99, 8.99}) == 1);
+    CHECK(region_at(tall, {11.99, 0.01, 0.01}) == 1);
+    CHECK(region_at(tall, {12.01, 1, 1}) == 0);
+    CHECK(refusal("resize(newsize = [1, 0, 0]) { difference() { sphere(2); cube(1); } }", "csg")
+              .find("anything with flat faces") != std::string::npos);
+}
+
 TEST_CASE("resize to no size keeps any solid") {
     const std::string ball = "difference() { sphere(r = 2); cube(9, center = false); }";
     const Model model = read("resize(newsize = [0, 0, 0], auto = [0, 0, 0]) { " + ball + " }");

@@ -8,6 +8,7 @@
 #include "host/model/csg/csg_imports.hpp"
 #include "host/model/outlines/polygons.hpp"
 #include "host/model/solids/section.hpp"
+#include "host/model/solids/shadow_planes.hpp"
 
 namespace mortise::model_reader {
 namespace {
@@ -236,11 +237,15 @@ CsgFinish read_resize(CsgScene&, const CsgNodeText& node) {
             }
             for (std::size_t k = 0; k < 2; ++k) extent[k] = box.max[k] - box.min[k];
         } else {
-            const std::optional<Box3> box = exact_bounds(scene.model, child.node, scene.extents);
+            std::optional<Box3> box = exact_bounds(scene.model, child.node, scene.extents);
+            if (!box) {
+                box = flat_faced_bounds(scene.model, child.node, Wanted{"resize", scene.source, where});
+            }
             if (!box) {
                 fail_not_yet(scene.source, where,
                              "'resize' is not supported yet for this solid, whose exact size is not known: "
-                             "it may hold unions of cubes, spheres, cylinders and straight extrusions");
+                             "it may hold unions of cubes, spheres, cylinders and straight extrusions, and "
+                             "anything with flat faces");
             }
             for (std::size_t k = 0; k < 3; ++k) extent[k] = box->max[k] - box->min[k];
         }

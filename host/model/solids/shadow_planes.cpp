@@ -49,9 +49,9 @@ class FacePlanes {
         collect(map);
         const double work = static_cast<double>(carriers_.size()) * static_cast<double>(faces_);
         if (work > kMostWork) {
-            refuse("the shadow of a solid of " + std::to_string(faces_) +
-                   " faces in several planes each is not supported; expected a product of faces and planes "
-                   "below 20 million: choose fewer facets ($fn)");
+            refuse("the solid has " + std::to_string(faces_) + " faces in " +
+                   std::to_string(carriers_.size()) +
+                   " planes; expected a product below 20 million: choose fewer facets ($fn)");
         }
         Contours loops;
         std::size_t points = 0;
@@ -250,6 +250,26 @@ std::optional<std::uint32_t> shadow_by_planes(const Model& model, std::uint32_t 
                                               const NodeBoxes& boxes, const Fragments& fragments,
                                               FlatTree& flat, const Wanted& wanted) {
     return FacePlanes(model, boxes, fragments, wanted).run(node, map, flat);
+}
+
+std::optional<Box3> flat_faced_bounds(const Model& model, std::uint32_t node, const Wanted& wanted) {
+    const NodeBoxes boxes = node_boxes(model, node);
+    for (const auto& entry : boxes) {
+        const CsgNode& part = model.nodes[entry.first];
+        const Kind kind = part.primitive.kind;
+        if (part.op == Op::kPrimitive && kind != Kind::kConvex && kind != Kind::kPolyhedron) return {};
+    }
+    constexpr Affine kZAlongX = {0, 0, 1, 0, 0, 1, 0, 0, -1, 0, 0, 0};
+    std::array<Box2, 2> sides;
+    for (std::size_t k = 0; k < 2; ++k) {
+        FlatTree flat;
+        const auto shape =
+            shadow_by_planes(model, node, k == 0 ? kIdentity : kZAlongX, boxes, {}, flat, wanted);
+        if (!shape) return {};
+        sides[k] = flat_bounds(flat, *shape);
+    }
+    const auto& [xy, zy] = sides;
+    return Box3{{xy.min[0], xy.min[1], zy.min[0]}, {xy.max[0], xy.max[1], zy.max[0]}};
 }
 
 }  // namespace mortise::model_reader

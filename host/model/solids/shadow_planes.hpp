@@ -15,4 +15,8 @@ std::optional<std::uint32_t> shadow_by_planes(const Model& model, std::uint32_t 
                                               const NodeBoxes& boxes, const Fragments& fragments,
                                               FlatTree& flat, const Wanted& wanted);
 
+/// The smallest box around a solid all of whose primitives have flat faces, by its shadows along z and x;
+/// none if some are round, or if it is empty.
+std::optional<Box3> flat_faced_bounds(const Model& model, std::uint32_t node, const Wanted& wanted);
+
 }  // namespace mortise::model_reader
