@@ -50,7 +50,7 @@ const BadModel kBadModels[] = {
     {"nan.csg", "sphere(r = nan);", kInput, "nan"},
     {"infinite.csg", "cube(size = [inf, 1, 1]);", kInput, "inf"},
     {"zero.csg", "sphere(r = 0);", kInput, "radius 0"},
-    {"negative.csg", "sphere(r = -1);", kInput, "radius is -1"},
+    {"negative.csg", "sphere(r = -1);", kInput, "radius -1"},
     {"negative.geo", kGeo + "solid s = sphere (0, 0, 0; -1);\ntlo s;\n", kInput, "-1"},
     {"flat.csg", "multmatrix([[1,0,0,0],[0,1,0,0],[0,0,0,0],[0,0,0,1]]) { cube(1); }", kInput, "singular"},
     {"disjoint.csg",
