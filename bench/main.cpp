@@ -24,8 +24,8 @@ namespace {
 
 using nlohmann::json;
 
-const std::vector<std::string> kSections = {"copy",    "octree",    "mesh", "threads",
-                                            "command", "jacobians", "gmsh"};
+const std::vector<std::string> kSections = {"copy",    "octree", "mesh",      "threads",
+                                            "command", "stream", "jacobians", "gmsh"};
 
 /// Share of the machine's cores used by others above which figures are marked as unreliable.
 constexpr double kBusy = 0.1;
@@ -105,6 +105,7 @@ void run_sections(const Arguments& arguments) {
         [&] { return mesh_section(settings, copy_rate); },
         [&] { return threads_section(settings); },
         [&] { return command_section(settings); },
+        [&] { return stream_section(settings); },
         [&] { return jacobians_section(settings); },
         [&] { return gmsh_section(settings); },
     };
@@ -132,7 +133,7 @@ void add_options(CLI::App& app, Arguments& arguments) {
         ->check(CLI::ExistingFile);
     app.add_option("--json", arguments.json_path, "write all figures, with every sample, to this file");
     app.add_option("--only", arguments.only,
-                   "sections to run: copy octree mesh threads command jacobians gmsh")
+                   "sections to run: copy octree mesh threads command stream jacobians gmsh")
         ->check(CLI::IsMember(kSections));
     app.add_flag(
         "--quick", arguments.quick,

@@ -91,10 +91,24 @@ Model sphere_model() {
     return model;
 }
 
+/// A cube of two regions, on grid planes: hexahedra only.
+Model halves_model() {
+    Model model;
+    model.source = "halves";
+    for (const double low : {0.0, 0.5}) {
+        Region region;
+        region.name = low > 0 ? "upper" : "lower";
+        region.root = model.add_primitive(box({0, 0, low}, {1, 1, low + 0.5}));
+        model.regions.push_back(region);
+    }
+    return model;
+}
+
 }  // namespace
 
 Model make_model(const std::string& name) {
     if (name == "sphere") return sphere_model();
+    if (name == "halves") return halves_model();
     if (name == "bracket") return read_model(MORTISE_SOURCE_DIR "/assets/models/bracket.csg");
     const std::string prefix = "random:";
     if (name.compare(0, prefix.size(), prefix) == 0) {

@@ -27,6 +27,7 @@ nlohmann::json mesh_section(const Settings& settings, double copy_bytes_per_seco
 nlohmann::json threads_section(const Settings& settings);
 nlohmann::json command_section(const Settings& settings);
 nlohmann::json jacobians_section(const Settings& settings);
+nlohmann::json stream_section(const Settings& settings);
 nlohmann::json gmsh_section(const Settings& settings);
 
 /// Tells on stderr what is being measured, so that a long run is seen to be alive.

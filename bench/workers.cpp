@@ -18,8 +18,11 @@ void run_worker(const Task& task) {
         result = measure_mesh(task);
     } else if (task.kind == "jacobians") {
         result = measure_jacobians(task);
+    } else if (task.kind == "stream") {
+        result = measure_stream(task);
     } else {
-        throw Error(ExitCode::kUsage, "worker '" + task.kind + "': expected copy, octree, mesh or jacobians");
+        throw Error(ExitCode::kUsage,
+                    "worker '" + task.kind + "': expected copy, octree, mesh, jacobians or stream");
     }
     std::printf("%s\n", result.dump().c_str());
 }
@@ -28,9 +31,9 @@ nlohmann::json measure_in_child(const Task& task) {
     const std::string threads = std::to_string(task.threads);
     std::vector<std::string> arguments = {
         own_path(), "worker", task.kind, "--threads", threads, "--repeats", std::to_string(task.repeats)};
-    if (task.kind == "copy") {
+    if (task.kind == "copy" || task.kind == "stream")
         arguments.insert(arguments.end(), {"--bytes", std::to_string(task.bytes)});
-    } else {
+    if (task.kind != "copy") {
         arguments.insert(arguments.end(), {"--model", task.model, "--level", std::to_string(task.level)});
     }
     // PoCL up to 3 reads the first variable, later ones the second.

@@ -12,12 +12,12 @@ namespace mortise::bench {
 
 /// What a worker is to measure.
 struct Task {
-    std::string kind;              ///< "copy", "octree", "mesh" or "jacobians"
+    std::string kind;              ///< "copy", "octree", "mesh", "jacobians" or "stream"
     std::string model = "sphere";  ///< for make_model; not for "copy"
     int level = 6;                 ///< not for "copy"
     int threads = 1;               ///< host threads, and device threads if the device is PoCL's CPU
     int repeats = 1;
-    std::size_t bytes = std::size_t{64} << 20;  ///< "copy" only
+    std::size_t bytes = std::size_t{64} << 20;  ///< "copy"; "stream": of memory
 };
 
 /// Copies `bytes` with memcpy, cut into one part per thread.
@@ -39,6 +39,10 @@ nlohmann::json measure_mesh(const Task& task);
 /// {"device", "is_gpu", "elements", "own_first_seconds", "product_first_seconds" (kernels built or loaded),
 ///  "runs": [{"host_seconds", "own_seconds", "product_seconds"}]}
 nlohmann::json measure_jacobians(const Task& task);
+
+/// Meshes the model part by part within task.bytes of memory.
+/// {"elements", "nodes", "parts", "checksum" (of all arrays), "peak_bytes", "runs": [{"seconds"}]}
+nlohmann::json measure_stream(const Task& task);
 
 /// The worker's side: measures and prints.
 void run_worker(const Task& task);

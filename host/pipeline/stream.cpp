@@ -301,6 +301,7 @@ void stream(const std::function<device::Device&()>& open_device, const Model& mo
     Stages stages(options, out);
     Prepared prepared = prepare(open_device, model, options, stages, out);
     refuse(prepared.tree.graded, "cells of several sizes");
+    malloc_trim(0);
     const std::uint64_t used = memory_now();
     check_memory(used + kShare * kSmallestPart, "the cells at the boundary", options);
     Parts parts(open_device(), options, prepared, stages, (options.memory - used) / kShare,

@@ -1,0 +1,63 @@
+// Meshes within a budget of memory; see sections.hpp.
+#include <cstdio>
+#include <set>
+
+#include "bench/print.hpp"
+#include "bench/sections.hpp"
+#include "bench/statistics.hpp"
+#include "bench/workers.hpp"
+#include "mortise/error.hpp"
+
+namespace mortise::bench {
+
+using nlohmann::json;
+
+json stream_section(const Settings& settings) {
+    std::printf(
+        "Part by part within a budget of memory (--memory), to a sink that keeps checksums; %s\n"
+        "  each part is made two or three times; the budget does not change the mesh\n",
+        count_of_threads(settings.threads).c_str());
+    Table table({{"model, level", ""},
+                 {"budget", "MB"},
+                 {"peak", "MB"},
+                 {"parts", ""},
+                 {"elements", ""},
+                 {"time", "s"},
+                 {"elements", "M/s"},
+                 {"checksum", ""}});
+    json result = json::array();
+    for (const char* model : {"halves", "sphere"}) {
+        std::set<std::string> checksums;
+        for (const std::size_t megabytes : {600u, 1200u}) {
+            Task task;
+            task.kind = "stream";
+            task.model = model;
+            task.level = settings.level(8);
+            task.threads = settings.threads;
+            task.repeats = settings.repeats;
+            task.bytes = megabytes * 1'000'000;
+            announce("stream, " + task.model);
+            json measured = measure_in_child(task);
+            const Samples seconds = collect(measured.at("runs"), "seconds");
+            const auto elements = measured.at("elements").get<std::uint64_t>();
+            checksums.insert(measured.at("checksum").get<std::string>());
+            table.add({task.model + ", " + std::to_string(task.level), std::to_string(megabytes),
+                       fixed(1e-6 * measured.at("peak_bytes").get<double>(), 0),
+                       std::to_string(measured.at("parts").get<std::uint64_t>()), grouped(elements),
+                       short_number(seconds.median()),
+                       short_number(1e-6 * static_cast<double>(elements) / seconds.median()),
+                       measured.at("checksum").get<std::string>()});
+            measured["model"] = task.model;
+            measured["level"] = task.level;
+            measured["budget_bytes"] = task.bytes;
+            measured["seconds"] = to_json(seconds);
+            result.push_back(measured);
+        }
+        if (checksums.size() > 1)
+            throw Error(ExitCode::kMeshing, std::string(model) + ": the budget of memory changed the mesh");
+    }
+    table.print();
+    return result;
+}
+
+}  // namespace mortise::bench
