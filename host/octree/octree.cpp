@@ -74,6 +74,22 @@ std::uint16_t in_region(const Octree& tree, std::uint64_t code) {
     return 1;
 }
 
+void share_memory(device::Device& device, Octree& tree, DeviceTree& on_device) {
+    if (device.info().is_gpu) return;
+    const auto share = [&device](auto& values, device::Buffer& buffer) {
+        if (values.empty()) return;
+        buffer = device.wrap(values.data(), values.size() * sizeof values[0]);
+        device.sync_to_device(buffer);
+    };
+    device.finish();
+    share(tree.nio, on_device.nio);
+    share(tree.tapes, on_device.tapes);
+    share(tree.in_bits, on_device.in_bits);
+    share(tree.nio_bits, on_device.nio_bits);
+    share(tree.in_rank, on_device.in_rank);
+    share(tree.nio_rank, on_device.nio_rank);
+}
+
 InRegions::InRegions(const Octree& tree) {
     std::vector<std::pair<std::uint64_t, std::uint16_t>> nodes;  // by the code of their first cell
     for (const InNode& node : tree.in_nodes) {

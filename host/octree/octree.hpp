@@ -92,6 +92,10 @@ struct DeviceTree {
     bool local_formulas = false;  ///< tapes of neighbours may disagree (BoundModel::spatial)
 };
 
+/// On a CPU device kernels use the host's arrays from now on, instead of copies: half the memory. The tree
+/// must not change any more, and must live until the device has finished.
+void share_memory(device::Device& device, Octree& tree, DeviceTree& on_device);
+
 /// Launches a kernel that begins with TREE_PARAMETERS.
 template <class... Arguments>
 device::Event launch_on(device::Device& device, const DeviceTree& tree, const device::Kernel& kernel,

@@ -76,6 +76,7 @@ Part Parts::make(std::size_t p, double progress, double next) {
     for (const auto& entry : piece.extra_frontier) part.is_shared[entry.second] = 1;
     resolve(piece.foreign_grid, grid_, part);
     resolve(piece.foreign_extras, extras_, part);
+    add_foreign_points(piece, part);
     if (is_new) known_[p].foreign = part.foreign;
     return part;
 }
@@ -90,15 +91,20 @@ void Parts::learn(std::size_t p, const assembly::Piece& piece) {
     if (is_too_large)
         throw Error(ExitCode::kMeshing, "more than 2^32 nodes, or elements of a type; use a lower --level");
     known_.push_back({static_cast<NodeId>(totals_.nodes), static_cast<NodeId>(end), totals_.elements, {}});
-    const auto share = [&](const auto& frontier, auto& shared) {
-        if (p + 1 == ranges_.size()) return;
-        for (const auto& [name, local] : frontier) {
+    if (p + 1 < ranges_.size()) {
+        const auto point_of = [&mesh](NodeId local) {
             const double* point = mesh.points.data() + 3 * std::size_t{local};
-            shared.push_back({name, known_[p].first + local, {point[0], point[1], point[2]}});
+            return Point{point[0], point[1], point[2]};
+        };
+        for (const auto& [name, local] : piece.grid_frontier) {
+            grid_.push_back({name, known_[p].first + local});
+            if (point_of(local) != grid_point(name)) moved_.push_back({name, point_of(local)});
         }
-    };
-    share(piece.grid_frontier, grid_);
-    share(piece.extra_frontier, extras_);
+        for (const auto& [name, local] : piece.extra_frontier) {
+            extras_.push_back({name, known_[p].first + local});
+            extra_points_.push_back(point_of(local));
+        }
+    }
     totals_.nodes = end;
     for (std::size_t t = 0; t < kElementTypes; ++t) totals_.elements[t] += mesh.elements[t].size();
 }
@@ -107,16 +113,43 @@ template <class Name>
 void Parts::resolve(const std::vector<Name>& names, const std::vector<Shared<Name>>& shared, Part& part) {
     auto at = shared.begin();
     for (const Name& name : names) {
-        at = std::lower_bound(at, shared.end(), name, [](const Shared<Name>& known, const Name& wanted) {
-            return known.name < wanted;
-        });
+        at = std::lower_bound(at, shared.end(), name);
         if (at == shared.end() || name < at->name) {
             throw Error(ExitCode::kMeshing,
                         "internal error: a node of another part is missing; please report the model");
         }
         part.foreign.push_back(at->number);
-        part.mesh.points.insert(part.mesh.points.end(), at->point.begin(), at->point.end());
     }
+}
+
+void Parts::add_foreign_points(const assembly::Piece& piece, Part& part) const {
+    std::vector<double>& points = part.mesh.points;
+    const auto add = [&points](const Point& point) {
+        points.insert(points.end(), point.begin(), point.end());
+    };
+    auto moved = moved_.begin();
+    for (const std::uint64_t name : piece.foreign_grid) {
+        moved = std::lower_bound(moved, moved_.end(), name, [](const auto& entry, std::uint64_t wanted) {
+            return entry.first < wanted;
+        });
+        add(moved != moved_.end() && moved->first == name ? moved->second : grid_point(name));
+    }
+    for (const assembly::ExtraName& name : piece.foreign_extras)
+        add(extra_points_[static_cast<std::size_t>(std::lower_bound(extras_.begin(), extras_.end(), name) -
+                                                   extras_.begin())]);
+}
+
+/// The same arithmetic as in place_nodes (kernels/assembly/number.cl).
+Parts::Point Parts::grid_point(std::uint64_t name) const {
+    const std::uint64_t owner = name >> kNodeBits;
+    const auto corner = static_cast<u32>(name & ((1u << kNodeBits) - 1));
+    const double cell = prepared_.tree.finest_edge();
+    Point point;
+    for (u32 j = 0; j < 3; ++j) {
+        const double local = (gather_bits(owner >> j) + (corner < 8 ? (corner >> j) & 1 : 0)) * cell;
+        point[j] = prepared_.bound.origin[j] + prepared_.bound.side * local;
+    }
+    return point;
 }
 
 }  // namespace mortise::pipeline

@@ -53,17 +53,21 @@ class Parts {
         std::array<std::uint64_t, kElementTypes> first_element;
         std::vector<NodeId> foreign;
     };
+    using Point = std::array<double, 3>;
     template <class Name>
     struct Shared {
         Name name;
         NodeId number;
-        std::array<double, 3> point;
+        friend bool operator<(const Shared& a, const Name& b) { return a.name < b; }
     };
 
     void cut(std::uint64_t bytes, std::size_t count);
     void learn(std::size_t p, const assembly::Piece& piece);
     template <class Name>
     static void resolve(const std::vector<Name>& names, const std::vector<Shared<Name>>& shared, Part& part);
+    void add_foreign_points(const assembly::Piece& piece, Part& part) const;
+    /// Where a vertex of the grid lies if it has not been moved; of other nodes the owner's corner.
+    Point grid_point(std::uint64_t name) const;
 
     device::Device& device_;
     const MeshOptions& options_;
@@ -72,9 +76,12 @@ class Parts {
     octree::InRegions in_regions_;
     std::vector<assembly::MortonRange> ranges_;
     std::vector<Known> known_;
-    // Nodes that later parts may name, ascending, since parts and their leaves are in Morton order.
+    // Nodes that later parts may name, ascending, since parts and their leaves are in Morton order. Grid
+    // vertices are most of what is kept of a large mesh, so only those that have moved keep their points.
     std::vector<Shared<std::uint64_t>> grid_;
+    std::vector<std::pair<std::uint64_t, Point>> moved_;
     std::vector<Shared<assembly::ExtraName>> extras_;
+    std::vector<Point> extra_points_;  ///< parallel to extras_
     MeshTotals totals_;
     Extracted extracted_;
 };

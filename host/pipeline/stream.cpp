@@ -34,6 +34,18 @@ void check_stream_options(const MeshOptions& options) {
     refuse(options.quality, "a quality report (--quality)");
 }
 
+/// Waits for all kernels when it goes: however a run ends, none may use memory that is gone.
+struct KernelsEnd {
+    device::Device& device;
+    ~KernelsEnd() {
+        try {
+            device.finish();
+        } catch (const Error&) {
+            // The failure has been told by whoever waited for its kernel, or nobody needs its result.
+        }
+    }
+};
+
 /// The nodes on facets: what features are found from. A mesh of its own, without elements.
 struct Skin {
     Mesh mesh;
@@ -301,6 +313,8 @@ void stream(const std::function<device::Device&()>& open_device, const Model& mo
     Stages stages(options, out);
     Prepared prepared = prepare(open_device, model, options, stages, out);
     refuse(prepared.tree.graded, "cells of several sizes");
+    const KernelsEnd kernels_end{open_device()};
+    octree::share_memory(open_device(), prepared.tree, prepared.on_device);
     malloc_trim(0);
     const std::uint64_t used = memory_now();
     check_memory(used + kShare * kSmallestPart, "the cells at the boundary", options);

@@ -299,8 +299,8 @@ MORTISE_FUNCTION u64 edge_owner(const Tree* tree, MORTISE_GLOBAL u32* used, i32 
 
 // What numbers the nodes of one piece of a mesh: the leaves with codes in [begin, end), which own `nodes`
 // nodes. Nodes of other owners follow, by their place in a sorted list of foreign_count keys (node_key).
-// Arrays over the piece's own leaves begin with its first: IN leaf `first_in`, NIO leaf `first_nio`; arrays by
-// meshed rank with the sum of the two.
+// Arrays over the piece's own leaves begin with its first: IN leaf `first_in`, NIO leaf `first_nio`; arrays
+// by meshed rank with the sum of the two.
 typedef struct PieceRange {
     u64 begin;
     u64 end;
@@ -311,7 +311,8 @@ typedef struct PieceRange {
 } PieceRange;
 
 // Name of a grid vertex or single root across pieces: its owner and its bit there.
-MORTISE_FUNCTION u64 node_key(u64 owner, u32 bit) { return (owner << 5) | bit; }
+#define kNodeBits 5
+MORTISE_FUNCTION u64 node_key(u64 owner, u32 bit) { return (owner << kNodeBits) | bit; }
 
 // Position of a node in its owner's mask.
 MORTISE_FUNCTION u32 mask_rank(u32 mask, u32 bit) { return count_bits(mask & ((1u << bit) - 1u)); }
