@@ -172,7 +172,9 @@ void Block::apply(const Change& change) {
             star_[n].push_back(i);
             changed_[n] = clock_;
         }
+        list_facets(i);
     }
+    for (const Change::Retag& r : change.retagged) list_facets(r.tetrahedron);
     ++(change.collapse ? counters.collapsed : counters.swapped);
 }
 
@@ -264,11 +266,13 @@ void Block::tag_added(Change& change, const std::vector<FaceEntry>& entries) con
     }
 }
 
-double Block::alignment(std::uint32_t surface, const Point& a, const Point& b, const Point& c) const {
+Block::Fit Block::fit(std::uint32_t surface, const Point& a, const Point& b, const Point& c) const {
     const Point normal = cross(b - a, c - a);
     const Surfaces::Sample s = surfaces_.sample(surface, (1.0 / 3) * (a + b + c));
-    const double product = length(normal) * (s.valid ? length(s.gradient) : 0);
-    return product > 0 ? dot(normal, s.gradient) / product : 0;
+    if (!s.valid) return {};
+    const double slope = length(s.gradient);
+    const double product = length(normal) * slope;
+    return {product > 0 ? dot(normal, s.gradient) / product : 0, std::fabs(s.value) / slope};
 }
 
 void Block::collapse_short_edges() {
@@ -341,6 +345,8 @@ void Block::sweep() {
 
 void Block::run(const BlockOptions& options) {
     options_ = options;
+    running_.on = false;
+    if (options_.watch_facets) list_all_facets();
     const bool all_placed = project_nodes();
     collapse_short_edges();
     // Where the model itself has no room for good elements, the search must end.

@@ -13,6 +13,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "host/improve/facet_grid.hpp"
 #include "host/improve/stratum.hpp"
 #include "host/improve/zone.hpp"
 
@@ -25,11 +26,16 @@ inline constexpr double kLeastGain = 1.002;
 /// nothing worse.
 inline constexpr double kShortEdge = 0.35;
 
+/// A facet on a curved surface may lie this far from it, in edges of the smallest leaf there, or as far as
+/// what it replaces: nodes on the surface and a bounded angle do not keep it near.
+inline constexpr double kMostSag = 0.15;
+
 struct BlockOptions {
     bool reposition = true;        ///< move nodes (besides their projection onto the model)
     bool change_boundary = true;   ///< false: facets stay as they are
     bool move_boundary = true;     ///< false: their nodes do, too
     bool look_ahead = true;        ///< changes of several steps
+    bool watch_facets = false;     ///< no change may make facets cross
     double target = kGoodQuality;  ///< elements at least this good are left alone
     int rounds = 6;
 };
@@ -58,8 +64,11 @@ class Block {
     void run(const BlockOptions& options);
 
     /// Whether the block still is a mesh with the same outside: every face has its partner, or is a facet, or
-    /// lies on the block's border as before; nodes do not coincide; facets do not cross.
+    /// lies on the block's border as before; nodes do not coincide.
     bool verify() const;
+
+    /// Whether facets of the outer boundary cross.
+    bool has_crossed();
 
     /// Writes moved nodes to the zone's points, and returns the tetrahedra that are left.
     std::vector<Tetrahedron> store(std::vector<Point>& points) const;
@@ -111,7 +120,15 @@ class Block {
     };
 
     // crossing.cpp
-    bool has_crossed() const;
+    Bounds bounds(const std::array<Local, 3>& node) const;
+    bool stabs(const std::array<Local, 3>& a, const std::array<Local, 3>& b) const;
+    bool cross_each_other(const std::array<Local, 3>& a, const std::array<Local, 3>& b) const;
+    void list_facets(std::uint32_t tetrahedron);
+    void list_all_facets();
+    template <class Stays>
+    bool any_crosses(const std::vector<std::array<Local, 3>>& facets, const Stays& stays) const;
+    bool crosses(const Change& change);
+    bool facets_cross(Local node);
 
     // block.cpp
     void apply(const Change& change);
@@ -125,7 +142,16 @@ class Block {
     bool gather_ring(Local a, Local b, std::size_t longest, Ring& ring) const;
     void tag_added(Change& change, const std::vector<FaceEntry>& entries) const;
     FaceTag tag_of(std::uint32_t tetrahedron, Local a, Local b, Local c) const;
-    double alignment(std::uint32_t surface, const Point& a, const Point& b, const Point& c) const;
+    /// How a facet lies on its surface, at the facet's middle: cosine between both, and distance in finest
+    /// cells.
+    struct Fit {
+        double alignment = 0;
+        double sag = 0;
+    };
+    Fit fit(std::uint32_t surface, const Point& a, const Point& b, const Point& c) const;
+    double alignment(std::uint32_t surface, const Point& a, const Point& b, const Point& c) const {
+        return fit(surface, a, b, c).alignment;
+    }
     bool is_plane(std::uint32_t surface) const { return surfaces_.is_plane(surface); }
     bool improve(std::uint32_t tetrahedron);
     void sweep();
@@ -176,7 +202,7 @@ class Block {
     void gather_views(Local node);
     double quality_at(const Point& p, double enough);
     double star_quality(Local node, double enough) const;
-    double worst_alignment(Local node) const;
+    Fit worst_fit(Local node) const;
 
     const Surfaces& surfaces_;
     BlockOptions options_;
@@ -201,6 +227,9 @@ class Block {
     std::vector<std::array<Local, 5>> pyramids_;
     std::vector<std::vector<std::uint32_t>> star_;          ///< per node: its tetrahedra
     std::vector<std::vector<std::uint32_t>> pyramid_star_;  ///< per node: its pyramids
+    FacetGrid grid_;                                        ///< of the outer boundary's
+    std::size_t most_listed_ = 0;                           ///< entries of it
+    std::vector<std::array<Local, 3>> facets_;              ///< scratch of crosses
     Change trial_;
     Change best_;
     Ring ring_;

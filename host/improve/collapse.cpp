@@ -232,6 +232,7 @@ bool Block::facets_stay_aligned(Local gone, Local kept) const {
     };
     // First which way the facets of each surface look, then each facet.
     double way[kMostSurfaces] = {};
+    double most_sag = kMostSag * size_[gone];
     for (int pass = 0; pass < 2; ++pass) {
         for (const std::uint32_t i : star_[gone]) {
             const Tetrahedron& t = tetrahedra_[i];
@@ -246,9 +247,11 @@ bool Block::facets_stay_aligned(Local gone, Local kept) const {
                 const auto& o = kOpposite[f];
                 std::array<Local, 3> face = {t.node[o[0]], t.node[o[1]], t.node[o[2]]};
                 const Point& a = points_[face[0]];
-                const double before = alignment(surface, a, points_[face[1]], points_[face[2]]);
+                const Fit before = fit(surface, a, points_[face[1]], points_[face[2]]);
                 if (pass == 0) {
-                    way[place] += before * length(cross(points_[face[1]] - a, points_[face[2]] - a));
+                    way[place] +=
+                        before.alignment * length(cross(points_[face[1]] - a, points_[face[2]] - a));
+                    most_sag = std::max(most_sag, before.sag);
                     continue;
                 }
                 if (has(t.node, kept) && t.node[f] != kept) continue;  // the facet vanishes
@@ -256,9 +259,10 @@ bool Block::facets_stay_aligned(Local gone, Local kept) const {
                 for (Local& n : face) n = n == gone ? kept : n;
                 if (is_tiny(face)) continue;
                 const double sign = way[place] < 0 ? -1 : 1;
-                const double limit = was_tiny ? kLeastAlignment : std::min(kLeastAlignment, sign * before);
-                const double after = alignment(surface, points_[face[0]], points_[face[1]], points_[face[2]]);
-                if (!(sign * after >= limit)) return false;
+                const double limit =
+                    was_tiny ? kLeastAlignment : std::min(kLeastAlignment, sign * before.alignment);
+                const Fit after = fit(surface, points_[face[0]], points_[face[1]], points_[face[2]]);
+                if (!(sign * after.alignment >= limit && after.sag <= most_sag)) return false;
             }
         }
     }
@@ -329,7 +333,7 @@ bool Block::examine_ear(Local gone, Change& change) {
     for (std::uint32_t f = 0; f < 4; ++f) {
         if (!has(t.node, n[f])) change.retagged.push_back({other, f, tag});
     }
-    return true;
+    return !crosses(change);
 }
 
 /// Whether a face is so narrow that its direction means nothing.
@@ -455,7 +459,7 @@ bool Block::examine_collapse(Local gone, Local kept, bool good_will_do, double b
         }
     }
     tag_added(change, entries_);
-    return true;
+    return !crosses(change);
 }
 
 }  // namespace mortise::improve

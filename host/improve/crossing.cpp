@@ -1,7 +1,9 @@
-// Whether two skins of the boundary have come to cross.
+// Whether two skins of the boundary come to cross.
 //
 // Elements on both sides of a wall keep its two sides apart: they stay positive. Across a gap there are none,
-// so nothing local tells when a facet is moved through one on the gap's other side.
+// so nothing local tells when a facet is moved through one on the gap's other side, which may share a node
+// with it. A block is looked through when it is done; if facets have come to cross, it is done again, and
+// every change of facets is held against those around it.
 #include <algorithm>
 #include <cmath>
 
@@ -13,40 +15,58 @@ namespace {
 /// Facets that touch do not cross: edges of the finest leaves.
 constexpr double kCrossingDepth = 1e-5;
 
-constexpr std::size_t kMostTetrahedra = 1 << 15;
-
-struct Facet {
-    std::array<std::uint32_t, 3> node;
-    Point low;
-    Point high;
-    Point normal;  ///< outward
-};
+/// The grid is made anew when it has grown by this factor.
+constexpr std::size_t kMostStale = 2;
 
 double volume(const Point& a, const Point& b, const Point& c, const Point& d) {
     return dot(cross(b - a, c - a), d - a);
 }
 
-bool has_common_node(const Facet& a, const Facet& b) {
-    for (const std::uint32_t n : a.node) {
-        if (n == b.node[0] || n == b.node[1] || n == b.node[2]) return true;
-    }
-    return false;
+bool is_outer(FaceTag tag) { return tag != 0 && (tag & kTagInterface) == 0; }
+
+std::array<std::uint32_t, 3> face_nodes(const Tetrahedron& t, std::size_t face) {
+    return {t.node[kOpposite[face][0]], t.node[kOpposite[face][1]], t.node[kOpposite[face][2]]};
 }
 
-/// Whether an edge of `a` passes through the inside of `b`, from one side of it to the other by more than
-/// `depth`.
-bool stabs(const std::vector<Point>& points, const Facet& a, const Facet& b, double depth) {
-    const Point& x = points[b.node[0]];
-    const Point& y = points[b.node[1]];
-    const Point& z = points[b.node[2]];
-    const double least = depth * length(b.normal);
+std::array<std::uint32_t, 3> sorted(std::array<std::uint32_t, 3> node) {
+    std::sort(node.begin(), node.end());
+    return node;
+}
+
+int common_nodes(const std::array<std::uint32_t, 3>& a, const std::array<std::uint32_t, 3>& b) {
+    int count = 0;
+    for (const std::uint32_t n : a) count += n == b[0] || n == b[1] || n == b[2] ? 1 : 0;
+    return count;
+}
+
+}  // namespace
+
+Bounds Block::bounds(const std::array<Local, 3>& node) const {
+    const Point& a = points_[node[0]];
+    const Point& b = points_[node[1]];
+    const Point& c = points_[node[2]];
+    Bounds result{};
+    for (std::size_t j = 0; j < 3; ++j) {
+        result.low[j] = std::min({a[j], b[j], c[j]});
+        result.high[j] = std::max({a[j], b[j], c[j]});
+    }
+    return result;
+}
+
+/// Whether an edge of `a` passes through the inside of `b`, from one side of it to the other.
+bool Block::stabs(const std::array<Local, 3>& a, const std::array<Local, 3>& b) const {
+    const Point& x = points_[b[0]];
+    const Point& y = points_[b[1]];
+    const Point& z = points_[b[2]];
+    const Point normal = cross(y - x, z - x);
+    const double least = kCrossingDepth * unit_ * length(normal);
     double side[3];
-    for (std::size_t k = 0; k < 3; ++k) side[k] = volume(x, y, z, points[a.node[k]]);
+    for (std::size_t k = 0; k < 3; ++k) side[k] = dot(normal, points_[a[k]] - x);
     for (std::size_t k = 0; k < 3; ++k) {
         const std::size_t next = (k + 1) % 3;
         if (!(std::min(side[k], side[next]) < -least && std::max(side[k], side[next]) > least)) continue;
-        const Point& p = points[a.node[k]];
-        const Point& q = points[a.node[next]];
+        const Point& p = points_[a[k]];
+        const Point& q = points_[a[next]];
         const double u = volume(p, q, x, y);
         const double v = volume(p, q, y, z);
         const double w = volume(p, q, z, x);
@@ -55,95 +75,120 @@ bool stabs(const std::vector<Point>& points, const Facet& a, const Facet& b, dou
     return false;
 }
 
-bool may_cross(const Facet& a, const Facet& b) {
-    for (std::size_t j = 0; j < 3; ++j) {
-        if (a.low[j] > b.high[j] || b.low[j] > a.high[j]) return false;
-    }
-    // The sides of a gap look at each other.
-    return dot(a.normal, b.normal) < 0 && !has_common_node(a, b);
+bool Block::cross_each_other(const std::array<Local, 3>& a, const std::array<Local, 3>& b) const {
+    ++evaluated_;
+    return common_nodes(a, b) < 2 && (stabs(a, b) || stabs(b, a));
 }
 
-/// Facets by columns along x; a facet may be in several.
-std::vector<std::vector<std::uint32_t>> columns_of(const std::vector<Facet>& facets) {
-    constexpr double kPerColumn = 16;
-    constexpr double kMost = 64;  // along y, and along z
-    if (facets.empty()) return {};
-    double low[2] = {facets[0].low[1], facets[0].low[2]};
-    double high[2] = {facets[0].high[1], facets[0].high[2]};
-    for (const Facet& f : facets) {
-        for (std::size_t j = 0; j < 2; ++j) {
-            low[j] = std::min(low[j], f.low[j + 1]);
-            high[j] = std::max(high[j], f.high[j + 1]);
-        }
+/// Enters the element's facets where they are now.
+void Block::list_facets(std::uint32_t tetrahedron) {
+    if (!options_.watch_facets) return;
+    // What a trial has removed may come back: its entries stay until it ends.
+    if (grid_.size() > most_listed_ && !running_.on) list_all_facets();
+    const Tetrahedron& t = tetrahedra_[tetrahedron];
+    for (std::uint32_t f = 0; f < 4; ++f) {
+        if (is_outer(t.tag[f])) grid_.add(bounds(face_nodes(t, f)), tetrahedron, f);
     }
-    const double count = std::clamp(std::sqrt(static_cast<double>(facets.size()) / kPerColumn), 1.0, kMost);
-    const auto columns = static_cast<std::size_t>(count);
-    std::vector<std::vector<std::uint32_t>> result(columns * columns);
-    const auto place = [&](double x, std::size_t j) {
-        const double width = std::max(high[j] - low[j], 1e-300);
-        return std::min(columns - 1,
-                        static_cast<std::size_t>((x - low[j]) / width * static_cast<double>(columns)));
-    };
-    for (std::uint32_t i = 0; i < facets.size(); ++i) {
-        const Facet& f = facets[i];
-        for (std::size_t y = place(f.low[1], 0); y <= place(f.high[1], 0); ++y) {
-            for (std::size_t z = place(f.low[2], 1); z <= place(f.high[2], 1); ++z)
-                result[y * columns + z].push_back(i);
-        }
-    }
-    return result;
 }
 
-/// Pairs of facets that cross; those in several columns count more than once.
-template <class Use>
-std::size_t count_crossings(const std::vector<Tetrahedron>& tetrahedra, const std::vector<Point>& points,
-                            double depth, const Use& used) {
-    std::vector<Facet> facets;
-    for (std::size_t i = 0; i < tetrahedra.size(); ++i) {
-        const Tetrahedron& t = tetrahedra[i];
-        if (!used(i)) continue;
-        for (std::size_t f = 0; f < 4; ++f) {
-            if (t.tag[f] == 0 || (t.tag[f] & kTagInterface) != 0) continue;
-            Facet facet;
-            for (std::size_t k = 0; k < 3; ++k) facet.node[k] = t.node[kOpposite[f][k]];
-            const Point& a = points[facet.node[0]];
-            const Point& b = points[facet.node[1]];
-            const Point& c = points[facet.node[2]];
-            for (std::size_t j = 0; j < 3; ++j) {
-                facet.low[j] = std::min({a[j], b[j], c[j]});
-                facet.high[j] = std::max({a[j], b[j], c[j]});
-            }
-            facet.normal = cross(b - a, c - a);
-            facets.push_back(facet);
+void Block::list_all_facets() {
+    Bounds all = {points_[0], points_[0]};
+    for (const Point& p : points_) {
+        for (std::size_t j = 0; j < 3; ++j) {
+            all.low[j] = std::min(all.low[j], p[j]);
+            all.high[j] = std::max(all.high[j], p[j]);
         }
     }
     std::size_t count = 0;
-    for (std::vector<std::uint32_t>& column : columns_of(facets)) {
-        std::sort(column.begin(), column.end(), [&](std::uint32_t i, std::uint32_t j) {
-            return facets[i].low[0] != facets[j].low[0] ? facets[i].low[0] < facets[j].low[0] : i < j;
-        });
-        for (std::size_t i = 0; i < column.size(); ++i) {
-            const Facet& f = facets[column[i]];
-            for (std::size_t j = i + 1; j < column.size() && facets[column[j]].low[0] <= f.high[0]; ++j) {
-                const Facet& g = facets[column[j]];
-                if (may_cross(f, g) && (stabs(points, f, g, depth) || stabs(points, g, f, depth))) ++count;
-            }
+    for (const Tetrahedron& t : tetrahedra_)
+        count += static_cast<std::size_t>(std::count_if(t.tag.begin(), t.tag.end(), is_outer));
+    grid_.reset(all, count);
+    for (std::uint32_t i = 0; i < tetrahedra_.size(); ++i) {
+        for (std::uint32_t f = 0; f < 4 && alive_[i] != 0; ++f) {
+            if (is_outer(tetrahedra_[i].tag[f])) grid_.add(bounds(face_nodes(tetrahedra_[i], f)), i, f);
         }
     }
-    return count;
+    most_listed_ = kMostStale * grid_.size();
 }
 
-}  // namespace
+/// Whether one of `facets` crosses another one of them, or one of the block's that `stays` keeps.
+template <class Stays>
+bool Block::any_crosses(const std::vector<std::array<Local, 3>>& facets, const Stays& stays) const {
+    for (std::size_t i = 0; i < facets.size(); ++i) {
+        const std::array<Local, 3>& facet = facets[i];
+        for (std::size_t k = 0; k < i; ++k) {
+            if (cross_each_other(facet, facets[k])) return true;
+        }
+        const Bounds box = bounds(facet);
+        const bool crossed = grid_.any(box, [&](std::uint32_t t, std::uint32_t f) {
+            if (t >= tetrahedra_.size() || alive_[t] == 0 || !is_outer(tetrahedra_[t].tag[f])) return false;
+            const std::array<Local, 3> other = face_nodes(tetrahedra_[t], f);
+            return box.overlap(bounds(other)) && stays(t, other) && cross_each_other(facet, other);
+        });
+        if (crossed) return true;
+    }
+    return false;
+}
 
-/// Blocks crowded with features far below the cell size are not looked at: their skins cross wherever they
-/// are simplified, and unsimplified they are ten times as many elements.
-bool Block::has_crossed() const {
-    if (original_.size() > kMostTetrahedra) return false;
-    const double depth = kCrossingDepth * unit_;
-    const std::size_t after =
-        count_crossings(tetrahedra_, points_, depth, [&](std::size_t i) { return alive_[i] != 0; });
-    if (after == 0) return false;
-    return after > count_crossings(original_, original_points_, depth, [](std::size_t) { return true; });
+/// Whether any two facets cross.
+bool Block::has_crossed() {
+    list_all_facets();
+    for (std::uint32_t i = 0; i < tetrahedra_.size(); ++i) {
+        if (alive_[i] == 0) continue;
+        for (std::size_t f = 0; f < 4; ++f) {
+            if (!is_outer(tetrahedra_[i].tag[f])) continue;
+            const std::array<Local, 3> facet = face_nodes(tetrahedra_[i], f);
+            const bool crossed = grid_.any(bounds(facet), [&](std::uint32_t t, std::uint32_t g) {
+                if (t <= i) return false;
+                const std::array<Local, 3> other = face_nodes(tetrahedra_[t], g);
+                return common_nodes(facet, other) < 2 && (stabs(facet, other) || stabs(other, facet));
+            });
+            if (crossed) return true;
+        }
+    }
+    return false;
+}
+
+/// Whether facets that the change makes would cross others.
+bool Block::crosses(const Change& change) {
+    if (!options_.watch_facets) return false;
+    facets_.clear();
+    const auto add = [&](const std::array<Local, 3>& facet) {
+        const std::array<Local, 3> key = sorted(facet);
+        for (const std::uint32_t i : change.removed) {
+            const Tetrahedron& t = tetrahedra_[i];
+            for (std::size_t f = 0; f < 4; ++f) {
+                if (is_outer(t.tag[f]) && sorted(face_nodes(t, f)) == key) return;  // it was there
+            }
+        }
+        facets_.push_back(facet);
+    };
+    for (const Tetrahedron& t : change.added) {
+        for (std::size_t f = 0; f < 4; ++f) {
+            if (is_outer(t.tag[f])) add(face_nodes(t, f));
+        }
+    }
+    for (const Change::Retag& r : change.retagged) {
+        if (is_outer(r.tag)) add(face_nodes(tetrahedra_[r.tetrahedron], r.face));
+    }
+    return any_crosses(facets_, [&](std::uint32_t t, const std::array<Local, 3>&) {
+        return std::find(change.removed.begin(), change.removed.end(), t) == change.removed.end();
+    });
+}
+
+/// Whether facets of a node that has moved cross others.
+bool Block::facets_cross(Local node) {
+    if (!options_.watch_facets) return false;
+    facets_.clear();
+    for (const std::uint32_t i : star_[node]) {
+        const Tetrahedron& t = tetrahedra_[i];
+        for (std::size_t f = 0; f < 4; ++f) {
+            if (is_outer(t.tag[f]) && t.node[f] != node) facets_.push_back(face_nodes(t, f));
+        }
+    }
+    return any_crosses(facets_, [node](std::uint32_t, const std::array<Local, 3>& other) {
+        return other[0] != node && other[1] != node && other[2] != node;
+    });
 }
 
 }  // namespace mortise::improve

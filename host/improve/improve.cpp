@@ -66,17 +66,22 @@ class Improver {
             // Whatever goes wrong in a block, the mesh stays valid: the block is done again more carefully,
             // or left as it was.
             BlockOptions tried = block_options;
-            for (int attempt = 0; attempt < 3; ++attempt) {
+            for (int attempt = 0; attempt < 4; ++attempt) {
                 block.counters = {};
                 block.load(zone_, group.tetrahedra, group.pyramids, free_, scratch);
                 block.run(tried);
-                if (block.verify()) {
+                const bool sound = block.verify();
+                if (sound && (tried.watch_facets || !block.has_crossed())) {
                     results[begin] = block.store(zone_.points);
                     counted[begin] = block.counters;
                     return;
                 }
                 counted[begin].repeated = 1;
                 if (!tried.change_boundary) break;
+                if (sound) {
+                    tried.watch_facets = true;
+                    continue;
+                }
                 tried.change_boundary = tried.look_ahead;
                 tried.move_boundary = tried.look_ahead;
                 tried.look_ahead = false;

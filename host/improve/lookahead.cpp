@@ -12,7 +12,7 @@ namespace {
 constexpr std::size_t kMostTrials = 8;  ///< first steps that are tried for an element, the best ones
 constexpr std::size_t kFewPoor = 32;
 constexpr std::size_t kTetrahedraPerPoor = 16;
-constexpr double kMostSag = 0.1;           ///< of a facet, in cells, unless it was larger
+constexpr double kMostTrialSag = 0.1;      ///< of a facet, in cells, unless it was larger
 constexpr std::size_t kMostTouched = 512;  ///< elements; more are around needles of the model
 constexpr int kMostSteps = 8;              ///< in a trial
 constexpr std::uint8_t kEdgeEnds[6][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
@@ -55,7 +55,7 @@ double Block::worst_sag(std::uint32_t tetrahedron) const {
 
 /// Whether the facets that have been touched are as close to their surfaces as they were, or close enough.
 bool Block::trial_stays_close() const {
-    const double limit = std::max(running_.sag, kMostSag);
+    const double limit = std::max(running_.sag, kMostTrialSag);
     const auto close = [&](std::uint32_t i) { return alive_[i] == 0 || worst_sag(i) <= limit; };
     for (auto i = static_cast<std::uint32_t>(running_.tetrahedra); i < tetrahedra_.size(); ++i) {
         if (!close(i)) return false;

@@ -28,16 +28,19 @@ double Block::star_quality(Local node, double enough) const {
     return worst;
 }
 
-/// Smallest cosine between the node's facets on curved surfaces and those surfaces, whichever way both point.
-double Block::worst_alignment(Local node) const {
-    double worst = 1;
+/// Smallest cosine between the node's facets on curved surfaces and those surfaces, whichever way both point,
+/// and the largest distance.
+Block::Fit Block::worst_fit(Local node) const {
+    Fit worst = {1, 0};
     for (const std::uint32_t i : star_[node]) {
         const Tetrahedron& t = tetrahedra_[i];
         for (std::size_t f = 0; f < 4; ++f) {
             if (t.tag[f] == 0 || t.node[f] == node || is_plane(tag_surface(t.tag[f]))) continue;
             const auto& o = kOpposite[f];
-            worst = std::min(worst, std::fabs(alignment(tag_surface(t.tag[f]), points_[t.node[o[0]]],
-                                                        points_[t.node[o[1]]], points_[t.node[o[2]]])));
+            const Fit here = fit(tag_surface(t.tag[f]), points_[t.node[o[0]]], points_[t.node[o[1]]],
+                                 points_[t.node[o[2]]]);
+            worst.alignment = std::min(worst.alignment, std::fabs(here.alignment));
+            worst.sag = std::max(worst.sag, here.sag);
         }
     }
     return worst;
@@ -98,13 +101,15 @@ bool Block::project_nodes() {
         // On its surface an element may be a little worse, at a corner much worse for now; but never flat.
         const bool is_corner = tip_[t.node] != 0 || strata_[t.node].size() > 2;
         const double enough = std::min(0.5 * worst, is_corner ? kFlatAtCorner : 1);
-        if (!(star_quality(t.node, kLowestQuality) > std::max(enough, kLowestQuality))) {
+        if (!(star_quality(t.node, kLowestQuality) > std::max(enough, kLowestQuality)) ||
+            facets_cross(t.node)) {
             points_[t.node] = before;
             all = false;
             continue;
         }
         ++clock_;
         touch(t.node);
+        for (const std::uint32_t i : star_[t.node]) list_facets(i);
         for (const std::uint32_t i : star_[t.node]) tetrahedra_[i].quality = quality(tetrahedra_[i].node);
     }
     return all;
@@ -215,7 +220,14 @@ bool Block::smooth(Local node) {
             if (flat_length > 1e-3) direction[directions++] = (1 / flat_length) * flat;
         }
     }
-    const double alignment_limit = on.empty() ? 0 : std::min(kLeastAlignment, worst_alignment(node));
+    const Fit before = on.empty() ? Fit{} : worst_fit(node);
+    const double least_alignment = std::min(kLeastAlignment, before.alignment);
+    const double most_sag = std::max(kMostSag * size_[node], before.sag);
+    const auto fits = [&] {
+        if (on.empty()) return true;
+        const Fit now = worst_fit(node);
+        return now.alignment >= least_alignment && now.sag <= most_sag && !facets_cross(node);
+    };
     const auto attempt = [&](const Point& from, const Point& candidate) {
         Point p = candidate;
         if (!on.empty() && !surfaces_.project(on.data(), on.size(), size_[node], &p)) return false;
@@ -224,7 +236,7 @@ bool Block::smooth(Local node) {
         if (!(value > needed)) return false;
         points_[node] = p;
         if (!pyramid_star_[node].empty()) value = star_quality(node, needed);
-        if (value > needed && (on.empty() || worst_alignment(node) >= alignment_limit)) {
+        if (value > needed && fits()) {
             best = value;
             return true;
         }
@@ -258,6 +270,9 @@ bool Block::smooth(Local node) {
     ++counters.moved;
     ++clock_;
     touch(node);
+    if (!on.empty()) {
+        for (const std::uint32_t i : star_[node]) list_facets(i);
+    }
     for (const std::uint32_t i : star_[node]) tetrahedra_[i].quality = quality(tetrahedra_[i].node);
     return true;
 }

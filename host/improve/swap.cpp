@@ -159,12 +159,15 @@ bool Block::examine_edge_removal(Local a, Local b, double better_than, Change& c
         return std::find(strata_[n].begin(), strata_[n].end(), surface) != strata_[n].end();
     };
     if (!on(p) || !on(q) || !on(a) || !on(b)) return false;
-    const double old_first = alignment(surface, points_[a], points_[b], points_[p]);
-    const double old_last = alignment(surface, points_[b], points_[a], points_[q]);
-    const double sign = old_first < 0 ? -1 : 1;
-    const double limit = std::min(kLeastAlignment, std::min(sign * old_first, sign * old_last));
-    if (!(sign * alignment(surface, points_[a], points_[q], points_[p]) >= limit)) return false;
-    if (!(sign * alignment(surface, points_[b], points_[p], points_[q]) >= limit)) return false;
+    const Fit old_first = fit(surface, points_[a], points_[b], points_[p]);
+    const Fit old_last = fit(surface, points_[b], points_[a], points_[q]);
+    const double sign = old_first.alignment < 0 ? -1 : 1;
+    const double limit =
+        std::min(kLeastAlignment, std::min(sign * old_first.alignment, sign * old_last.alignment));
+    const double most_sag = std::max({kMostSag * std::min(size_[a], size_[b]), old_first.sag, old_last.sag});
+    const auto fits = [&](const Fit& f) { return sign * f.alignment >= limit && f.sag <= most_sag; };
+    if (!fits(fit(surface, points_[a], points_[q], points_[p]))) return false;
+    if (!fits(fit(surface, points_[b], points_[p], points_[q]))) return false;
     std::vector<Local> fan;
     for (int side = 0; side < (ring_.closed ? 2 : 1); ++side) {
         const std::size_t begin = cut[side];
@@ -195,7 +198,7 @@ bool Block::examine_edge_removal(Local a, Local b, double better_than, Change& c
         if (!fill_polygon(fan, a, b, region, change)) return false;
     }
     tag_added(change, entries_);
-    return true;
+    return !crosses(change);
 }
 
 bool Block::examine_face_removal(std::uint32_t tetrahedron, std::size_t face, double better_than,

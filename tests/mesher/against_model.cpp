@@ -25,6 +25,13 @@ std::optional<Meshed> mesh_unless_empty(const Model& model, const MeshOptions& o
 /// cells may cost. Over 2000 seeds the largest was 0.08, for bodies a few cells thick.
 constexpr double kSurfaceShare = 0.1;
 
+/// Samples are jittered one per box, so only boxes that the boundary cuts add noise: about area / step².
+static bool is_volume(const ScanResult& scan, double area, std::size_t region, double volume) {
+    const double step = std::cbrt(scan.sample_volume);
+    const double spread = 0.5 * scan.sample_volume * std::sqrt(area / (step * step) + 1);
+    return std::fabs(volume - scan.model_volume[region]) <= scan.wrong_volume + 6 * spread;
+}
+
 void compare_with_model(const Model& model, const Meshed& meshed) {
     const MeshReport& report = meshed.report;
     const ScanResult scan = scan_membership(model, meshed.mesh, report.root, report.cell_size, kLines);
@@ -36,12 +43,17 @@ void compare_with_model(const Model& model, const Meshed& meshed) {
     }
     const double noise = 6 * scan.sample_volume * std::sqrt(static_cast<double>(scan.wrong) + 1);
     CHECK(scan.wrong_volume <= kSurfaceShare * area * report.cell_size + noise);
-    // Samples are jittered one per box, so only boxes that the boundary cuts add noise: about area / step².
-    const double step = std::cbrt(scan.sample_volume);
-    const double spread = 0.5 * scan.sample_volume * std::sqrt(area / (step * step) + 1);
     for (std::size_t r = 0; r < model.regions.size(); ++r) {
         const double volume = r < meshed.check.region_volume.size() ? meshed.check.region_volume[r] : 0;
-        CHECK(std::fabs(volume - scan.model_volume[r]) <= scan.wrong_volume + 6 * spread);
+        // Samples of a column share their jitter: beside an upright face one scan may be off by more than
+        // its spread, a finer one is not (random model 141).
+        if (!is_volume(scan, area, r, volume)) {
+            const ScanResult finer =
+                scan_membership(model, meshed.mesh, report.root, report.cell_size, 4 * kLines);
+            CAPTURE(volume);
+            CAPTURE(finer.model_volume[r]);
+            CHECK(is_volume(finer, area, r, volume));
+        }
         CHECK(enclosed_volume(meshed.mesh, r + 1) ==
               doctest::Approx(volume).epsilon(1e-7).scale(report.cell_size));
     }

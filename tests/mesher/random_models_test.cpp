@@ -50,17 +50,7 @@ TEST_CASE("random models give valid meshes that fill them") {
         if (!with) continue;
         ++meshed_models;
         CHECK(with->defects == "");
-        if (random.style.find("nearly coincident") == std::string::npos) {
-            compare_with_model(random.model, *with);
-        } else {
-            // Where slivers are all there is, facets that cross may be all that improvement can make of them
-            // (ARCHITECTURE.md).
-            options.improve = false;
-            const std::optional<Meshed> unimproved = mesh_unless_empty(random.model, options);
-            REQUIRE(unimproved);
-            CHECK(unimproved->defects == "");
-            compare_with_model(random.model, *unimproved);
-        }
+        compare_with_model(random.model, *with);
         if (!with->check.valid()) MESSAGE("nodes of the model:\n" << describe(random.model));
 
         if (seed % 3 != 0) continue;
