@@ -10,6 +10,8 @@ constexpr std::uint64_t kMostTries = 4;
 /// Qualities computed per tetrahedron of the block, at most; ordinary blocks need less than 100, those full
 /// of slivers between nearly coincident surfaces more than 800, in vain.
 constexpr std::uint64_t kMostEvaluations = 100;
+/// Where skins have crossed there is little room, and much to look at.
+constexpr std::uint64_t kMostWatchedEvaluations = 25;
 constexpr int kLookAheads = 4;
 /// Trials of several steps in a block, at most; one per 16 tetrahedra are enough for ordinary parts.
 constexpr std::uint64_t kLeastTrials = 64;
@@ -351,7 +353,8 @@ void Block::run(const BlockOptions& options) {
     collapse_short_edges();
     // Where the model itself has no room for good elements, the search must end.
     most_tried_ = kMostTries * tetrahedra_.size();
-    most_evaluated_ = evaluated_ + kMostEvaluations * tetrahedra_.size();
+    most_evaluated_ = evaluated_ + (options_.watch_facets ? kMostWatchedEvaluations : kMostEvaluations) *
+                                       tetrahedra_.size();
     trials_left_ = options.look_ahead ? kLeastTrials + tetrahedra_.size() / kTetrahedraPerTrial : 0;
     const auto mend = [&] {
         sweep();
