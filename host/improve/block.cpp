@@ -348,14 +348,18 @@ void Block::sweep() {
 void Block::run(const BlockOptions& options) {
     options_ = options;
     running_.on = false;
-    if (options_.watch_facets) list_all_facets();
+    if (options_.watch_facets) {
+        list_all_facets();
+        collapse_short_edges();  // every node that goes now need not be watched while it moves
+    }
     const bool all_placed = project_nodes();
     collapse_short_edges();
     // Where the model itself has no room for good elements, the search must end.
-    most_tried_ = kMostTries * tetrahedra_.size();
-    most_evaluated_ = evaluated_ + (options_.watch_facets ? kMostWatchedEvaluations : kMostEvaluations) *
-                                       tetrahedra_.size();
-    trials_left_ = options.look_ahead ? kLeastTrials + tetrahedra_.size() / kTetrahedraPerTrial : 0;
+    const auto left = static_cast<std::uint64_t>(std::count(alive_.begin(), alive_.end(), 1));
+    most_tried_ = kMostTries * left;
+    most_evaluated_ =
+        evaluated_ + (options_.watch_facets ? kMostWatchedEvaluations : kMostEvaluations) * left;
+    trials_left_ = options.look_ahead ? kLeastTrials + left / kTetrahedraPerTrial : 0;
     const auto mend = [&] {
         sweep();
         for (int again = 0; again < kLookAheads && !is_spent() && look_ahead_all(); ++again) sweep();

@@ -92,22 +92,24 @@ void Block::list_facets(std::uint32_t tetrahedron) {
 }
 
 void Block::list_all_facets() {
-    Bounds all = {points_[0], points_[0]};
-    for (const Point& p : points_) {
-        for (std::size_t j = 0; j < 3; ++j) {
-            all.low[j] = std::min(all.low[j], p[j]);
-            all.high[j] = std::max(all.high[j], p[j]);
+    const auto for_facets = [this](const auto& visit) {
+        for (std::uint32_t i = 0; i < tetrahedra_.size(); ++i) {
+            for (std::uint32_t f = 0; f < 4 && alive_[i] != 0; ++f) {
+                if (is_outer(tetrahedra_[i].tag[f])) visit(bounds(face_nodes(tetrahedra_[i], f)), i, f);
+            }
         }
-    }
+    };
+    Bounds all = {{HUGE_VAL, HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}};
     std::size_t count = 0;
-    for (const Tetrahedron& t : tetrahedra_)
-        count += static_cast<std::size_t>(std::count_if(t.tag.begin(), t.tag.end(), is_outer));
-    grid_.reset(all, count);
-    for (std::uint32_t i = 0; i < tetrahedra_.size(); ++i) {
-        for (std::uint32_t f = 0; f < 4 && alive_[i] != 0; ++f) {
-            if (is_outer(tetrahedra_[i].tag[f])) grid_.add(bounds(face_nodes(tetrahedra_[i], f)), i, f);
+    for_facets([&](const Bounds& facet, std::uint32_t, std::uint32_t) {
+        ++count;
+        for (std::size_t j = 0; j < 3; ++j) {
+            all.low[j] = std::min(all.low[j], facet.low[j]);
+            all.high[j] = std::max(all.high[j], facet.high[j]);
         }
-    }
+    });
+    grid_.reset(all, count);
+    for_facets([this](const Bounds& facet, std::uint32_t i, std::uint32_t f) { grid_.add(facet, i, f); });
     most_listed_ = kMostStale * grid_.size();
 }
 

@@ -69,7 +69,7 @@ class FacetGrid {
 
   private:
     static constexpr std::size_t kFewestPlaces = 8;  ///< along an axis
-    static constexpr std::size_t kMostPlaces = 40;
+    static constexpr std::size_t kMostPlaces = 128;
     static constexpr std::size_t kFacetsPerPlace = 4;  ///< a skin passes through few of all places
     static constexpr std::uint32_t kEnd = 0xffffffffu;
 
