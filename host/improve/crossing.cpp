@@ -135,13 +135,20 @@ bool Block::any_crosses(const std::vector<std::array<Local, 3>>& facets, const S
 /// Whether any two facets cross.
 bool Block::has_crossed() {
     list_all_facets();
+    // Facets that were there when the block was loaded do not cross each other.
+    const auto is_new = [this](std::uint32_t i, std::size_t f) {
+        if (i >= original_.size() || !is_outer(original_[i].tag[f])) return true;
+        const std::array<Local, 3> node = face_nodes(tetrahedra_[i], f);
+        return std::any_of(node.begin(), node.end(),
+                           [this](Local n) { return points_[n] != original_points_[n]; });
+    };
     for (std::uint32_t i = 0; i < tetrahedra_.size(); ++i) {
         if (alive_[i] == 0) continue;
         for (std::size_t f = 0; f < 4; ++f) {
-            if (!is_outer(tetrahedra_[i].tag[f])) continue;
+            if (!is_outer(tetrahedra_[i].tag[f]) || !is_new(i, f)) continue;
             const std::array<Local, 3> facet = face_nodes(tetrahedra_[i], f);
             const bool crossed = grid_.any(bounds(facet), [&](std::uint32_t t, std::uint32_t g) {
-                if (t <= i) return false;
+                if (t <= i && is_new(t, g)) return false;  // has been seen, or is this one
                 const std::array<Local, 3> other = face_nodes(tetrahedra_[t], g);
                 return common_nodes(facet, other) < 2 && (stabs(facet, other) || stabs(other, facet));
             });
