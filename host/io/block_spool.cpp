@@ -7,6 +7,7 @@
 #include <cerrno>
 #include <cstring>
 
+#include "host/io/descriptor.hpp"
 #include "mortise/error.hpp"
 
 namespace mortise::io {
@@ -29,27 +30,16 @@ Spool::~Spool() {
 
 std::uint64_t Spool::append(const void* data, std::size_t size) {
     const std::uint64_t begin = size_;
-    const char* bytes = static_cast<const char*>(data);
-    while (size > 0) {
-        const ssize_t written = pwrite(descriptor_, bytes, size, static_cast<off_t>(size_));
-        if (written < 0 && errno == EINTR) continue;
-        if (written <= 0) fail("write", written < 0 ? errno : ENOSPC);
-        bytes += written;
-        size -= static_cast<std::size_t>(written);
-        size_ += static_cast<std::uint64_t>(written);
-    }
+    const int error = write_all(descriptor_, static_cast<const char*>(data), size, begin);
+    if (error != 0) fail("write", error);
+    size_ += size;
     return begin;
 }
 
 void Spool::move_to(TemporaryFile& file, std::uint64_t offset, std::size_t size) {
     buffer_.resize(size);
-    for (std::size_t done = 0; done < size;) {
-        const ssize_t count =
-            pread(descriptor_, buffer_.data() + done, size - done, static_cast<off_t>(offset + done));
-        if (count < 0 && errno == EINTR) continue;
-        if (count <= 0) fail("read back", count < 0 ? errno : EIO);
-        done += static_cast<std::size_t>(count);
-    }
+    const int error = read_all(descriptor_, buffer_.data(), size, offset, EIO);
+    if (error != 0) fail("read back", error);
     file.write(buffer_.data(), size);
 #ifdef FALLOC_FL_PUNCH_HOLE
     // Whether it works does not matter: it only saves space.

@@ -9,6 +9,7 @@
 #include <cerrno>
 #include <cstring>
 
+#include "host/io/descriptor.hpp"
 #include "mortise/error.hpp"
 
 namespace mortise::io {
@@ -41,16 +42,10 @@ FileReader::~FileReader() { close(descriptor_); }
 
 void FileReader::read_at(std::uint64_t offset, void* data, std::size_t size) const {
     if (offset > size_ || size > size_ - offset) damaged("it ends too early");
-    char* bytes = static_cast<char*>(data);
-    while (size > 0) {
-        const ssize_t got = pread(descriptor_, bytes, size, static_cast<off_t>(offset));
-        if (got < 0 && errno == EINTR) continue;
-        if (got < 0) fail(path_, errno);
-        if (got == 0) damaged("it ends too early");
-        bytes += got;
-        size -= static_cast<std::size_t>(got);
-        offset += static_cast<std::uint64_t>(got);
-    }
+    constexpr int kAtEnd = -1;  // it has become shorter since it was opened
+    const int error = read_all(descriptor_, static_cast<char*>(data), size, offset, kAtEnd);
+    if (error == kAtEnd) damaged("it ends too early");
+    if (error != 0) fail(path_, error);
 }
 
 void FileReader::damaged(const std::string& what) const {

@@ -9,6 +9,7 @@
 #include <cerrno>
 #include <cstring>
 
+#include "host/io/descriptor.hpp"
 #include "mortise/error.hpp"
 
 namespace mortise::io {
@@ -106,14 +107,8 @@ void TemporaryFile::flush() {
 }
 
 void TemporaryFile::write_all(const char* data, std::size_t size, std::uint64_t offset) {
-    while (size > 0) {
-        const ssize_t written = pwrite(descriptor_, data, size, static_cast<off_t>(offset));
-        if (written < 0 && errno == EINTR) continue;
-        if (written <= 0) fail("write", written < 0 ? errno : ENOSPC);
-        data += written;
-        size -= static_cast<std::size_t>(written);
-        offset += static_cast<std::uint64_t>(written);
-    }
+    const int error = io::write_all(descriptor_, data, size, offset);
+    if (error != 0) fail("write", error);
 }
 
 void TemporaryFile::fail(const char* action, int error) const {

@@ -18,6 +18,7 @@
 #include "mortise/check.hpp"
 #include "mortise/error.hpp"
 #include "mortise/io.hpp"
+#include "tests/io/folder.hpp"
 #include "tests/quality/sample_meshes.hpp"
 
 using namespace mortise;
@@ -25,22 +26,6 @@ using namespace mortise::samples;
 namespace fs = std::filesystem;
 
 namespace {
-
-/// A folder that disappears with its contents.
-struct Folder {
-    Folder() {
-        std::string name = (fs::temp_directory_path() / "mortise-io-XXXXXX").string();
-        REQUIRE(mkdtemp(name.data()) != nullptr);
-        path = name;
-    }
-    ~Folder() { fs::remove_all(path); }
-    std::string file(const std::string& name) const { return (path / name).string(); }
-    std::size_t entries() const {
-        return static_cast<std::size_t>(
-            std::distance(fs::directory_iterator(path), fs::directory_iterator()));
-    }
-    fs::path path;
-};
 
 void check_equal(const Mesh& a, const Mesh& b, bool with_kind) {
     CHECK(a.points.size() == b.points.size());

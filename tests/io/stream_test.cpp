@@ -1,6 +1,5 @@
 // Mesh files written from parts: the same bytes as from the whole mesh, wherever it is cut.
-#include <stdlib.h>
-
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -11,22 +10,13 @@
 #include "mortise/check.hpp"
 #include "mortise/error.hpp"
 #include "mortise/io.hpp"
+#include "tests/io/folder.hpp"
 #include "tests/quality/sample_meshes.hpp"
 
 using namespace mortise;
 namespace fs = std::filesystem;
 
 namespace {
-
-struct Folder {
-    Folder() {
-        std::string name = (fs::temp_directory_path() / "mortise-stream-XXXXXX").string();
-        REQUIRE(mkdtemp(name.data()) != nullptr);
-        path = name;
-    }
-    ~Folder() { fs::remove_all(path); }
-    fs::path path;
-};
 
 std::string bytes_of(const fs::path& path) {
     std::ifstream file(path, std::ios::binary);
