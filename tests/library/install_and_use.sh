@@ -1,0 +1,21 @@
+#!/bin/bash
+# Installs a build into a scratch folder, then configures, builds and runs a program that uses the library:
+#     install_and_use.sh BUILD_FOLDER PROGRAM_THAT_CHECKS_MESHES
+set -euo pipefail
+here="$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)"
+scratch="$(mktemp -d)"
+trap 'rm -rf "$scratch"' EXIT
+cmake --install "$1" --prefix "$scratch/prefix" >/dev/null
+cmake -S "$here" -B "$scratch/build" -DCMAKE_PREFIX_PATH="$scratch/prefix" -DCMAKE_BUILD_TYPE=Release >/dev/null
+cmake --build "$scratch/build" >/dev/null
+"$scratch/build/example" "$scratch"
+"$scratch/prefix/bin/mortise" --version
+for mesh in "$scratch"/plate1.vtu "$scratch"/plate20.vtu "$scratch"/large.vtu; do
+    "$2" check "$mesh" >/dev/null
+done
+# Whoever links it must not see Mortise's insides.
+if nm -DC --defined-only "$scratch"/prefix/lib*/libmortise.so "$scratch"/prefix/lib*/*/libmortise.so 2>/dev/null |
+    grep -E ' mortise::(improve|cnio|octree|device|tape|pipeline|assembly)::'; then
+    echo "the library shows these"
+    exit 1
+fi
