@@ -106,7 +106,7 @@ struct Model {
     std::optional<Box3>
         clip;  ///< the file's own bounding box: the solid ends there, its faces are boundaries
     std::vector<std::string> warnings;  ///< one line each
-    std::string source;                 ///< path or description, for messages
+    std::string source = "model";       ///< path or description, for messages
 
     /// Appends a node and returns its index. Throws kInput if a child index is not an earlier node.
     std::uint32_t add(CsgNode node);
