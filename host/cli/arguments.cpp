@@ -18,8 +18,7 @@ constexpr int kNameColumn = 24;
 constexpr const char* kExamples = R"(
 Examples:
   mortise bracket.csg -o bracket.vtu --picture bracket.png
-  mortise part.geo -o part.vtu -o part.msh --size 0.5 --report part.json
-  mortise pipe.geo -o pipe.vtu --box -1 -1 0 1 1 4 --level 7
+  mortise pipe.geo -o pipe.vtu -o pipe.msh --box -1 -1 0 1 1 4 --size 0.05
 )";
 
 constexpr const char* kExitCodes = R"(
