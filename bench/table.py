@@ -208,8 +208,8 @@ def document(arguments: argparse.Namespace, results: Dict[Tuple[str, str], Dict]
 def main() -> int:
     parser = argparse.ArgumentParser(prog="table.sh")
     parser.add_argument("--mortise", required=True, help=argparse.SUPPRESS)
-    parser.add_argument("--level", type=int, default=5)
-    parser.add_argument("--timeout", type=float, default=30, help="seconds for a mesh (30)")
+    parser.add_argument("--level", type=int, default=6)
+    parser.add_argument("--timeout", type=float, default=120, help="seconds for a mesh (120)")
     parser.add_argument("--jobs", type=int, default=1, help="models at a time (1)")
     parser.add_argument("--output", default=os.path.join(ROOT, "docs", "corpora.md"))
     parser.add_argument("--results", default=os.path.join(ROOT, "build", "corpora.jsonl"))

@@ -5,7 +5,7 @@
 #                       [--fresh] [SET ...]
 #
 # Needs Mortise ($MORTISE, or build/release/mortise, built if it is not there) and Python 3; the corpora are in
-# $MORTISE_CORPORA (default ../shared/corpora beside the checkout). Defaults: level 5, 30 s a model, one model at
+# $MORTISE_CORPORA (default ../shared/corpora beside the checkout). Defaults: level 6, 120 s a model, one model at
 # a time. What is done is kept in --results (default build/corpora.jsonl), a line a model: an interrupted run
 # goes on where it was, unless the program, the level or the limit changed (or --fresh). --again tries models
 # again that ran out of time: on a busy machine that may not be their fault. Every mesh is written
