@@ -205,7 +205,8 @@ MORTISE_KERNEL void write_hexahedra(TREE_PARAMETERS, __global const uint* used, 
             const uint x = gather_bits(morton);
             const uint y = gather_bits(morton >> 1);
             const uint z = gather_bits(morton >> 2);
-            __global uint* out = hexahedra + 8 * (ulong)(rank - range.first_in + hexahedron_offsets[nio - range.first_nio]);
+            __global uint* out =
+                hexahedra + 8 * (ulong)(rank - range.first_in + hexahedron_offsets[nio - range.first_nio]);
             for (uint i = 0; i < 8; ++i) {
                 const uint c = kHexahedronCorner[i];
                 out[i] = corner_id(&tree, used, owned, base, foreign, range, morton, x, y, z, edge, c);
