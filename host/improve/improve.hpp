@@ -14,7 +14,7 @@ struct Options {
     int smooth = 4;                    ///< rounds of repositioning; 0: nodes move only onto the model
     int threads = 0;                   ///< host threads; 0: all cores
     const LeafGrid* leaves = nullptr;  ///< null or empty: a uniform tree
-    /// Of a part of a mesh (part.hpp): per node, not 0 if elements around it are missing. May be null.
+    /// Of a part of a mesh (scope.hpp): per node, not 0 if elements around it are missing. May be null.
     const std::vector<std::uint8_t>* is_open = nullptr;
 };
 
