@@ -19,12 +19,7 @@
 #
 # At the end one line a set. The exit code is 3 if a mesh failed.
 set -uo pipefail
-root="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
-# shellcheck source=.ci/setup.sh
-. "$root/.ci/setup.sh"
 # shellcheck source=bench/tools.sh
-. "$root/bench/tools.sh"
-need_mortise || exit 5
-need_command python3 python3 || exit 5
-export PYTHONDONTWRITEBYTECODE=1
-exec python3 "$root/bench/geo.py" --mortise "$MORTISE" "$@"
+. "$(dirname "${BASH_SOURCE[0]}")/tools.sh"
+need_python
+run_python geo "$@"

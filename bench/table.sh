@@ -11,12 +11,7 @@
 # again that ran out of time: on a busy machine that may not be their fault. Every mesh is written
 # and validated with `mortise check`. The exit code is 3 if a mesh is not valid.
 set -uo pipefail
-root="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
-# shellcheck source=.ci/setup.sh
-. "$root/.ci/setup.sh"
 # shellcheck source=bench/tools.sh
-. "$root/bench/tools.sh"
-need_mortise || exit 5
-need_command python3 python3 || exit 5
-export PYTHONDONTWRITEBYTECODE=1
-exec nice python3 "$root/bench/table.py" --mortise "$MORTISE" "$@"
+. "$(dirname "${BASH_SOURCE[0]}")/tools.sh"
+need_python
+run_python table "$@"

@@ -1,5 +1,8 @@
-# For quality.sh and targets.sh: sourced, not run, after .ci/setup.sh.
-# shellcheck shell=bash disable=SC2154
+# For the scripts beside it that run Mortise: sourced, not run.
+# shellcheck shell=bash
+root="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
+# shellcheck source=.ci/setup.sh
+. "$root/.ci/setup.sh"
 
 # install_optional PACKAGE: by apt-get; false, with a line, where that is not possible.
 install_optional() {
@@ -36,4 +39,13 @@ need_mortise() {
         return 1
     }
     MORTISE="$(realpath "$MORTISE")"
+}
+
+# need_python: Mortise and Python 3, or the end. run_python NAME ARGUMENTS: bench/NAME.py, in place of the script.
+need_python() { need_mortise && need_command python3 python3 || exit 5; }
+run_python() {
+    local name="$1"
+    shift
+    export PYTHONDONTWRITEBYTECODE=1
+    exec nice python3 "$root/bench/$name.py" --mortise "$MORTISE" "$@"
 }

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "mortise/mesher.hpp"
+#include "tests/assembly/regions_on_grid.hpp"
 
 using namespace mortise;
 
@@ -48,16 +49,7 @@ TEST_CASE("two halves of the Morton range, and other parts, merge into the same 
 }
 
 TEST_CASE("pieces of several regions with interfaces on cell faces") {
-    // Aligned with the grid: the interface of the two halves, and the skin, lie on faces between cells.
-    const char* const text =
-        "algebraic3d\n"
-        "solid cube = orthobrick (0, 0, 0; 1, 1, 1);\n"
-        "solid cut = plane (0.5, 0, 0; 1, 0, 0);\n"
-        "solid ball = sphere (0.5, 0.5, 0.5; 0.3);\n"
-        "solid left = cube and cut and not ball;\n"
-        "solid right = cube and not cut and not ball;\n"
-        "tlo left;\ntlo right;\ntlo ball;\n";
-    check_pieces(parse_model(text, "geo", "regions"), true);
+    check_pieces(parse_model(test::kRegionsOnGrid, "geo", "regions"), true);
 }
 
 TEST_CASE("a number of pieces out of range is refused") {

@@ -1,6 +1,4 @@
 // hull() and minkowski(): membership against support functions, volumes against closed forms.
-#include "host/model/solids/hulls.hpp"
-
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -8,9 +6,13 @@
 #include <random>
 
 #include "host/model/solids/convex_hull.hpp"
+#include "tests/model/built_hull.hpp"
 #include "tests/model/membership.hpp"
 
 using namespace mortise;
+using test::at;
+using test::build;
+using test::Built;
 
 namespace {
 
@@ -74,28 +76,6 @@ double outside(const Support& support, const Vec3& p, std::mt19937& random) {
     return value(best);
 }
 
-struct Built {
-    Model model;
-    std::uint32_t node = 0;
-    std::string error;
-};
-
-/// The hull or sum of the solids of a .csg text.
-Built build(const std::string& text, bool minkowski = false) {
-    Built built;
-    built.model = parse_model(text, "csg", "m.csg");
-    const CsgNode& root = built.model.nodes[built.model.regions[0].root];
-    std::vector<std::uint32_t> children = {built.model.regions[0].root};
-    if (root.op == CsgNode::Op::kUnion) children = root.children;
-    try {
-        built.node = minkowski ? model_reader::add_minkowski(built.model, children, "minkowski1", {3, 4})
-                               : model_reader::add_hull(built.model, children, "hull1", {3, 4});
-    } catch (const Error& error) {
-        built.error = error.what();
-    }
-    return built;
-}
-
 /// Compares at random points of a cube, except within `band` of the surface.
 void compare(const Built& built, const Support& support, double half, double band = 0.01) {
     REQUIRE(built.error.empty());
@@ -119,12 +99,6 @@ void compare(const Built& built, const Support& support, double half, double ban
 
 /// Of a known form, whose flat faces are exact.
 bool exact(const Built& built) { return built.model.warnings.empty(); }
-
-std::string at(double x, double y, double z, const std::string& solid) {
-    const auto number = [](double v) { return std::to_string(v); };
-    return "multmatrix([[1,0,0," + number(x) + "],[0,1,0," + number(y) + "],[0,0,1," + number(z) +
-           "],[0,0,0,1]]) {" + solid + "}";
-}
 
 std::string ball_at(double x, double y, double z, double r) {
     return at(x, y, z, "sphere(r = " + std::to_string(r) + ");");
@@ -430,71 +404,6 @@ TEST_CASE("hull and minkowski: what is refused") {
     CHECK(refusal(dent, false).empty());
 }
 
-TEST_CASE("minkowski: differences of solids with flat faces") {
-    const auto text = [](const std::array<double, 6>& b) {
-        return at(b[0], b[1], b[2],
-                  "cube([" + std::to_string(b[3] - b[0]) + ", " + std::to_string(b[4] - b[1]) + ", " +
-                      std::to_string(b[5] - b[2]) + "]);");
-    };
-    std::mt19937 random(5);
-    std::uniform_int_distribution<int> whole(0, 7);
-    std::uniform_real_distribution<double> coordinate(-1, 10);
-    for (int round = 0; round < 12; ++round) {
-        std::vector<std::array<double, 6>> boxes = {{0, 0, 0, 7, 7, 7}};
-        while (boxes.size() < 4) {
-            std::array<double, 6> b{};
-            for (std::size_t k = 0; k < 3; ++k) {
-                b[k] = whole(random);
-                b[k + 3] = whole(random);
-                if (b[k] > b[k + 3]) std::swap(b[k], b[k + 3]);
-            }
-            if (b[0] < b[3] && b[1] < b[4] && b[2] < b[5]) boxes.push_back(b);
-        }
-        std::string solid = "difference() { ";
-        for (const auto& b : boxes) solid += text(b);
-        const Built sum = build(solid + " } cube([1, 2, 0.5]);", true);
-        CAPTURE(solid);
-        CHECK(sum.error.empty());
-        int wrong = 0;
-        int inside = 0;
-        for (int i = 0; i < 300; ++i) {
-            const Vec3 p = {coordinate(random), coordinate(random), coordinate(random)};
-            // Whether p less the small cube meets a unit cell that is left.
-            bool expected = false;
-            for (int cell = 0; cell < 343; ++cell) {
-                const Vec3 c = {static_cast<double>(cell % 7), static_cast<double>(cell / 7 % 7),
-                                static_cast<double>(cell / 49)};
-                const Vec3 size = {1, 2, 0.5};
-                bool meets = true;
-                for (std::size_t k = 0; k < 3; ++k) meets = meets && p[k] - size[k] < c[k] + 1 && p[k] > c[k];
-                for (std::size_t b = 1; b < boxes.size() && meets; ++b) {
-                    bool taken = true;
-                    for (std::size_t k = 0; k < 3; ++k)
-                        taken = taken && boxes[b][k] <= c[k] && c[k] + 1 <= boxes[b][k + 3];
-                    meets = !taken;
-                }
-                expected = expected || meets;
-            }
-            wrong += test::holds(sum.model, sum.node, p) != expected ? 1 : 0;
-            inside += expected ? 1 : 0;
-        }
-        CHECK(wrong == 0);
-        CHECK(inside > 20);
-    }
-    // A frame with a round foot: rounded outside, sharp inside.
-    const Built frame =
-        build("difference() { cube([10, 10, 4]); " + at(2, 2, -1, "cube([6, 6, 9]);") + " } cylinder(r = 1);",
-              true);
-    const auto holds = [&](const Vec3& p) { return test::holds(frame.model, frame.node, p); };
-    CHECK(holds({-0.69, -0.69, 2}));
-    CHECK_FALSE(holds({-0.73, -0.73, 2}));
-    CHECK(holds({2.99, 2.99, 2}));
-    CHECK(holds({2.99, 5, 4.9}));
-    CHECK_FALSE(holds({3.01, 3.01, 2}));
-    CHECK_FALSE(holds({5, 5, 2}));
-    CHECK_FALSE(holds({-0.5, 5, 5.1}));
-}
-
 TEST_CASE("hull: differences of solids with flat faces") {
     // Half of each edge at a corner is gone: a triangle instead of the corner.
     const Built cut =
@@ -515,31 +424,4 @@ TEST_CASE("hull: differences of solids with flat faces") {
     std::string deep = "cube(1);";
     for (int i = 0; i < 2000; ++i) deep = "difference() { " + deep + " cube(0.5); }";
     CHECK(build(deep + "cube(0.1);").error.empty());
-}
-
-TEST_CASE("vertices of half-spaces, far from the origin and of very different sizes") {
-    using model_reader::Boundedness;
-    for (const double scale : {1e-3, 1.0, 1e4}) {
-        for (const double shift : {0.0, 100.0}) {
-            const Vec3 low = {shift * scale, -shift * scale, 0};
-            const Vec3 high = {(shift + 2) * scale, (-shift + 1) * scale, 0.01 * scale};
-            std::vector<Vec3> vertices;
-            REQUIRE(model_reader::vertices_of(box(low, high).planes, vertices) == Boundedness::kBounded);
-            CHECK(vertices.size() == 8);
-            const auto hull = model_reader::convex_hull(vertices);
-            REQUIRE(hull);
-            CHECK(hull->faces.size() == 6);
-            CHECK(model_reader::volume_of(*hull) ==
-                  doctest::Approx(0.02 * scale * scale * scale).epsilon(1e-6));
-        }
-    }
-    std::vector<Vec3> vertices;
-    std::vector<Plane> planes = box({0, 0, 0}, {1, 1, 1}).planes;
-    planes.push_back({{1, 1, 1}, -0.1, {}});
-    CHECK(model_reader::vertices_of(planes, vertices) == Boundedness::kEmpty);
-    planes.pop_back();
-    planes.pop_back();
-    CHECK(model_reader::vertices_of(planes, vertices) == Boundedness::kUnbounded);
-    CHECK(model_reader::vertices_of({{{1, 0, 0}, 1, {}}}, vertices) == Boundedness::kUnbounded);
-    CHECK_FALSE(model_reader::convex_hull({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}, {0.5, 0.2, 1e-9}}));
 }

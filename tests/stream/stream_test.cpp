@@ -5,6 +5,7 @@
 
 #include "host/pipeline/partial_improvement.hpp"
 #include "mortise/mesher.hpp"
+#include "tests/assembly/regions_on_grid.hpp"
 #include "tests/mesher/random_models.hpp"
 
 using namespace mortise;
@@ -167,19 +168,11 @@ TEST_CASE("a smooth surface: poor elements are few, and most parts hold none") {
 }
 
 TEST_CASE("several regions, with interfaces on cell faces") {
-    const char* const text =
-        "algebraic3d\n"
-        "solid cube = orthobrick (0, 0, 0; 1, 1, 1);\n"
-        "solid cut = plane (0.5, 0, 0; 1, 0, 0);\n"
-        "solid ball = sphere (0.5, 0.5, 0.5; 0.3);\n"
-        "solid left = cube and cut and not ball;\n"
-        "solid right = cube and not cut and not ball;\n"
-        "tlo left;\ntlo right;\ntlo ball;\n";
     Mesher mesher;
     MeshOptions options;
     options.level = 5;
     for (const int pieces : {3, 50})
-        check_stream(mesher, parse_model(text, "geo", "regions"), options, pieces);
+        check_stream(mesher, parse_model(test::kRegionsOnGrid, "geo", "regions"), options, pieces);
 }
 
 TEST_CASE("random models in parts") {
