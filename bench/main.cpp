@@ -24,8 +24,8 @@ namespace {
 
 using nlohmann::json;
 
-const std::vector<std::string> kSections = {"copy",    "octree", "mesh",      "threads",
-                                            "command", "stream", "jacobians", "gmsh"};
+const std::vector<std::string> kSections = {"copy",    "octree", "mesh",      "stages", "threads",
+                                            "command", "stream", "jacobians", "peers"};
 
 /// Share of the machine's cores used by others above which figures are marked as unreliable.
 constexpr double kBusy = 0.1;
@@ -95,19 +95,22 @@ void run_sections(const Arguments& arguments) {
         settings.repeats, settings.repeats == 1 ? "" : "s");
 
     double copy_rate = 0;
+    double copy_gain = 0;
     const std::vector<std::function<json()>> actions = {
         [&] {
             json result = copy_section(settings);
             copy_rate = result.at("bytes_per_second");
+            copy_gain = copy_rate / result.at("runs").at(0).at("bytes_per_second").get<double>();
             return result;
         },
         [&] { return octree_section(settings); },
         [&] { return mesh_section(settings, copy_rate); },
-        [&] { return threads_section(settings); },
+        [&] { return stages_section(settings, copy_rate); },
+        [&] { return threads_section(settings, copy_gain); },
         [&] { return command_section(settings); },
         [&] { return stream_section(settings); },
         [&] { return jacobians_section(settings); },
-        [&] { return gmsh_section(settings); },
+        [&] { return peers_section(settings); },
     };
     for (std::size_t i = 0; i < kSections.size(); ++i) {
         const bool chosen = arguments.only.empty() || std::find(arguments.only.begin(), arguments.only.end(),
@@ -133,11 +136,29 @@ void add_options(CLI::App& app, Arguments& arguments) {
         ->check(CLI::ExistingFile);
     app.add_option("--json", arguments.json_path, "write all figures, with every sample, to this file");
     app.add_option("--only", arguments.only,
-                   "sections to run: copy octree mesh threads command stream jacobians gmsh")
+                   "sections to run: copy octree mesh stages threads command stream jacobians peers")
         ->check(CLI::IsMember(kSections));
-    app.add_flag(
-        "--quick", arguments.quick,
-        "level 3, one run, small copies, no CLBlast, no Gmsh: shows that it works, measures nothing");
+    app.add_flag("--quick", arguments.quick,
+                 "level 3, one run, small copies, no CLBlast, no other meshers: shows that it works, "
+                 "measures nothing");
+    app.add_option("--finer", arguments.settings.finer,
+                   "levels to add to all; each has eight times the elements of the one before")
+        ->check(CLI::Range(0, 5))
+        ->capture_default_str();
+    app.add_flag("!--no-peers", arguments.settings.with_peers, "other meshers count as not installed");
+    app.add_option("--peer-seconds", arguments.settings.peer_seconds,
+                   "another mesher that would take longer for one mesh makes a coarser one")
+        ->check(CLI::PositiveNumber)
+        ->capture_default_str();
+    app.add_option("--peer-repeats", arguments.settings.peer_repeats,
+                   "runs of other meshers, at most --repeats")
+        ->check(CLI::Range(1, 1000))
+        ->capture_default_str();
+    app.add_option("--cgal", arguments.settings.cgal_program, "the program made from bench/cgal_mesh.cpp")
+        ->check(CLI::ExistingFile);
+    app.add_option("--python-netgen", arguments.settings.python_netgen,
+                   "a Python that may have Netgen's module")
+        ->capture_default_str();
 }
 
 /// `mortise_bench worker KIND ...`: not in the help, as only measure_in_child calls it.
@@ -151,6 +172,8 @@ int worker(int argc, char** argv) {
     app.add_option("--threads", task.threads)->check(CLI::PositiveNumber)->capture_default_str();
     app.add_option("--repeats", task.repeats)->check(CLI::PositiveNumber)->capture_default_str();
     app.add_option("--bytes", task.bytes)->check(CLI::PositiveNumber)->capture_default_str();
+    app.add_flag("--tetrahedra", task.tetrahedra);
+    app.add_option("--path", task.path);
     CLI11_PARSE(app, argc, argv);
     run_worker(task);
     return 0;
@@ -164,13 +187,19 @@ int run(int argc, char** argv) {
     add_options(app, arguments);
     CLI11_PARSE(app, argc, argv);
     Settings& settings = arguments.settings;
+    if (settings.python_netgen.empty()) settings.python_netgen = "/usr/bin/python3";
     settings.threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
     if (arguments.quick) {
         settings.repeats = 1;
         settings.command_repeats = 1;
         settings.level_limit = 3;
+        settings.with_peers = false;
         settings.copy_bytes = std::size_t{4} << 20;
-        if (arguments.only.empty()) arguments.only.assign(kSections.begin(), kSections.end() - 2);
+        if (arguments.only.empty()) {
+            for (const std::string& section : kSections) {
+                if (section != "jacobians") arguments.only.push_back(section);
+            }
+        }
     }
     run_sections(arguments);
     return 0;

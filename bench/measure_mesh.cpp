@@ -4,42 +4,26 @@
 
 #include "bench/models.hpp"
 #include "bench/process.hpp"
+#include "bench/stage_bytes.hpp"
 #include "bench/workers.hpp"
 #include "mortise/mesher.hpp"
 
 namespace mortise::bench {
-namespace {
-
-template <class T>
-std::size_t bytes_of(const std::vector<T>& array) {
-    return array.size() * sizeof(T);
-}
-
-/// Bytes of the mesh's arrays, without names.
-std::size_t mesh_bytes(const Mesh& mesh) {
-    std::size_t sum = bytes_of(mesh.points) + bytes_of(mesh.facets.nodes) + bytes_of(mesh.facets.surface) +
-                      bytes_of(mesh.facets.inside) + bytes_of(mesh.facets.outside);
-    for (const ElementBlock& block : mesh.elements) {
-        sum += bytes_of(block.nodes) + bytes_of(block.region) + bytes_of(block.kind);
-    }
-    return sum;
-}
-
-}  // namespace
-
 nlohmann::json measure_mesh(const Task& task) {
     const Model model = make_model(task.model);
     MeshOptions options;
     options.threads = task.threads;
+    options.tetrahedra = task.tetrahedra;
     options.level = std::min(task.level, 3);
-    generate_mesh(model, options);  // loads the kernels
+    Mesher mesher;
+    mesher.generate(make_model("sphere"), options);  // loads the kernels
     options.level = task.level;
 
     nlohmann::json result = {{"idle_bytes", resident_bytes()}, {"runs", nlohmann::json::array()}};
     for (int run = 0; run < task.repeats; ++run) {
         MeshReport report;
         const auto begin = std::chrono::steady_clock::now();
-        const Mesh mesh = generate_mesh(model, options, &report);
+        const Mesh mesh = mesher.generate(model, options, &report);
         const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begin;
         nlohmann::json stages = nlohmann::json::array();
         for (const StageTime& stage : report.stages) {
@@ -54,6 +38,7 @@ nlohmann::json measure_mesh(const Task& task) {
         result["elements"] = mesh.element_count();
         result["nodes"] = mesh.node_count();
         result["mesh_bytes"] = mesh_bytes(mesh);
+        result["geometry_bytes"] = geometry_bytes(mesh);
         result["cnio_cells"] = report.cnio_cells;
     }
     return result;

@@ -74,6 +74,7 @@ nlohmann::json measure_octree(const Task& task) {
         const auto end = Clock::now();
         result["cells"] = tree.cells_evaluated;
         result["nio_cells"] = tree.nio.size();
+        result["tree_bytes"] = tree.nio.size() * sizeof(TreeNode) + tree.tapes.size() * sizeof(std::uint32_t);
         result["reference_cells"] = cells;
         result["runs"].push_back({{"kernel_seconds", kernel_seconds(device)},
                                   {"stage_seconds", Seconds(built - begin).count()},

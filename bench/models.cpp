@@ -104,11 +104,39 @@ Model halves_model() {
     return model;
 }
 
+/// Round struts along all edges of 10 × 10 × 10 cells, cut at the lattice's own box.
+Model lattice_model() {
+    constexpr int kCells = 10;
+    constexpr double kRadius = 0.15;  // of a cell
+    Model model;
+    model.source = "lattice";
+    const std::uint32_t strut = model.add_primitive(infinite_cylinder(kRadius));
+    std::vector<std::uint32_t> struts;
+    for (int a = 0; a <= kCells; ++a) {
+        for (int b = 0; b <= kCells; ++b) {
+            const double u = a;
+            const double v = b;
+            struts.push_back(model.add_transform({1, 0, 0, u, 0, 1, 0, v, 0, 0, 1, 0}, strut));
+            struts.push_back(model.add_transform({0, 0, 1, 0, 1, 0, 0, u, 0, 1, 0, v}, strut));
+            struts.push_back(model.add_transform({0, 1, 0, u, 0, 0, 1, 0, 1, 0, 0, v}, strut));
+        }
+    }
+    const double far = kCells + 0.5;
+    const std::uint32_t all = model.add_operation(CsgNode::Op::kUnion, struts);
+    const std::uint32_t limits = model.add_primitive(box({-0.5, -0.5, -0.5}, {far, far, far}));
+    Region region;
+    region.name = "lattice";
+    region.root = model.add_operation(CsgNode::Op::kIntersection, {all, limits});
+    model.regions.push_back(region);
+    return model;
+}
+
 }  // namespace
 
 Model make_model(const std::string& name) {
     if (name == "sphere") return sphere_model();
     if (name == "halves") return halves_model();
+    if (name == "lattice") return lattice_model();
     if (name == "bracket") return read_model(MORTISE_SOURCE_DIR "/assets/models/bracket.csg");
     const std::string prefix = "random:";
     if (name.compare(0, prefix.size(), prefix) == 0) {

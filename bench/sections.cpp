@@ -1,6 +1,7 @@
 // Copy bandwidth, octree descent and the whole command; see sections.hpp.
 #include "bench/sections.hpp"
 
+#include <algorithm>
 #include <cstdio>
 
 #include "bench/print.hpp"
@@ -65,14 +66,17 @@ json octree_section(const Settings& settings) {
                  {"spread", ""},
                  {"reference", "Mcells/s"},
                  {"spread", ""},
-                 {"kernels /", "reference"}});
+                 {"kernels /", "reference"},
+                 {"cost a cell", "to 30's"},
+                 {"tree, bytes", "/undecided"}});
     std::string device;
-    for (const char* model : {"sphere", "random:30", "random:300"}) {
+    double cost_at_30 = 0;
+    for (const char* model : {"sphere", "random:30", "random:300", "random:3000"}) {
         Task task;
         task.kind = "octree";
         task.model = model;
         task.level = settings.level(8);
-        task.repeats = settings.repeats;
+        task.repeats = std::min(settings.repeats, 3);
         const std::string title = task.model + ", " + std::to_string(task.level);
         announce("octree, " + title);
         json measured = measure_in_child(task);
@@ -86,11 +90,19 @@ json octree_section(const Settings& settings) {
         const Samples reference = collect(measured.at("runs"), "reference_seconds");
         const double kernel_rate = cells / kernels.median();
         const double reference_rate = measured.at("reference_cells").get<double>() / reference.median();
+        if (task.model == "random:30") cost_at_30 = 1 / kernel_rate;
+        const double cost = cost_at_30 > 0 ? 1 / (kernel_rate * cost_at_30) : 0;
+        const double tree_bytes =
+            measured.at("tree_bytes").get<double>() / std::max(1.0, measured.at("nio_cells").get<double>());
         table.add({title, grouped(measured.at("surfaces")), grouped(measured.at("cells")),
                    grouped(measured.at("reference_cells")), short_number(1e-6 * kernel_rate),
                    percent(kernels.spread()), short_number(1e-6 * cells / stage.median()),
                    percent(stage.spread()), short_number(1e-6 * reference_rate), percent(reference.spread()),
-                   fixed(kernel_rate / reference_rate, 2)});
+                   fixed(kernel_rate / reference_rate, 2), cost > 0 ? fixed(cost, 2) : "",
+                   short_number(tree_bytes)});
+        if (cost > 0) measured["cell_cost_to_random_30"] = cost;
+        measured["tree_bytes_per_undecided_cell"] = tree_bytes;
+        measured["kernels_to_reference"] = kernel_rate / reference_rate;
         measured.erase("runs");
         measured["model"] = task.model;
         measured["level"] = task.level;

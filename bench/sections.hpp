@@ -12,11 +12,17 @@ struct Settings {
     int repeats = 5;
     int command_repeats = 7;
     int threads = 1;       ///< "all threads"
-    int level_limit = 99;  ///< higher levels are lowered to this one
+    int finer = 0;         ///< added to every level
+    int level_limit = 10;  ///< higher levels are lowered to this one
     std::size_t copy_bytes = std::size_t{256} << 20;
-    std::string program;  ///< the command `mortise`; empty: not measured
+    std::string program;        ///< the command `mortise`; empty: not measured
+    bool with_peers = true;     ///< false: all other meshers count as not installed
+    int peer_repeats = 3;       ///< if there are not fewer `repeats`
+    double peer_seconds = 30;   ///< a peer whose run would take longer makes a coarser mesh
+    std::string cgal_program;   ///< made from cgal_mesh.cpp; empty: none
+    std::string python_netgen;  ///< Python that may have Netgen's module
 
-    int level(int wanted) const { return wanted < level_limit ? wanted : level_limit; }
+    int level(int wanted) const { return wanted + finer < level_limit ? wanted + finer : level_limit; }
 };
 
 nlohmann::json copy_section(const Settings& settings);
@@ -24,11 +30,13 @@ nlohmann::json octree_section(const Settings& settings);
 
 /// `copy_bytes_per_second`: of all threads, or 0 if it was not measured.
 nlohmann::json mesh_section(const Settings& settings, double copy_bytes_per_second);
-nlohmann::json threads_section(const Settings& settings);
+nlohmann::json stages_section(const Settings& settings, double copy_bytes_per_second);
+/// `copy_gain`: copy bandwidth of all threads to that of one, or 0.
+nlohmann::json threads_section(const Settings& settings, double copy_gain);
 nlohmann::json command_section(const Settings& settings);
 nlohmann::json jacobians_section(const Settings& settings);
 nlohmann::json stream_section(const Settings& settings);
-nlohmann::json gmsh_section(const Settings& settings);
+nlohmann::json peers_section(const Settings& settings);
 
 /// Tells on stderr what is being measured, so that a long run is seen to be alive.
 void announce(const std::string& what);

@@ -16,13 +16,18 @@ void run_worker(const Task& task) {
         result = measure_octree(task);
     } else if (task.kind == "mesh") {
         result = measure_mesh(task);
+    } else if (task.kind == "edges") {
+        result = measure_edges(task);
+    } else if (task.kind == "stages") {
+        result = measure_stages(task);
     } else if (task.kind == "jacobians") {
         result = measure_jacobians(task);
     } else if (task.kind == "stream") {
         result = measure_stream(task);
     } else {
-        throw Error(ExitCode::kUsage,
-                    "worker '" + task.kind + "': expected copy, octree, mesh, jacobians or stream");
+        throw Error(
+            ExitCode::kUsage,
+            "worker '" + task.kind + "': expected copy, octree, mesh, edges, stages, jacobians or stream");
     }
     std::printf("%s\n", result.dump().c_str());
 }
@@ -36,6 +41,8 @@ nlohmann::json measure_in_child(const Task& task) {
     if (task.kind != "copy") {
         arguments.insert(arguments.end(), {"--model", task.model, "--level", std::to_string(task.level)});
     }
+    if (task.tetrahedra) arguments.push_back("--tetrahedra");
+    if (!task.path.empty()) arguments.insert(arguments.end(), {"--path", task.path});
     // PoCL up to 3 reads the first variable, later ones the second.
     const ProgramResult result =
         run_program(arguments, {{"POCL_MAX_PTHREAD_COUNT", threads}, {"POCL_CPU_MAX_CU_COUNT", threads}});

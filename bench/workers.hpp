@@ -12,12 +12,14 @@ namespace mortise::bench {
 
 /// What a worker is to measure.
 struct Task {
-    std::string kind;              ///< "copy", "octree", "mesh", "jacobians" or "stream"
+    std::string kind;              ///< "copy", "octree", "mesh", "edges", "stages", "jacobians" or "stream"
     std::string model = "sphere";  ///< for make_model; not for "copy"
     int level = 6;                 ///< not for "copy"
     int threads = 1;               ///< host threads, and device threads if the device is PoCL's CPU
     int repeats = 1;
     std::size_t bytes = std::size_t{64} << 20;  ///< "copy"; "stream": of memory
+    bool tetrahedra = false;                    ///< "mesh", "edges": MeshOptions::tetrahedra
+    std::string path;                           ///< "edges": file for the boundary (write_surface), or empty
 };
 
 /// Copies `bytes` with memcpy, cut into one part per thread.
@@ -25,15 +27,27 @@ struct Task {
 nlohmann::json measure_copy(const Task& task);
 
 /// Builds the octree, and classifies the cells of the same model with the scalar host reference.
-/// {"device", "compute_units", "is_gpu", "surfaces", "cells", "nio_cells", "reference_cells",
+/// {"device", "compute_units", "is_gpu", "surfaces", "cells", "nio_cells", "tree_bytes" (NIO leaves and all
+/// tapes),
+///  "reference_cells",
 ///  "runs": [{"kernel_seconds", "stage_seconds", "reference_seconds"}]}
 nlohmann::json measure_octree(const Task& task);
 
-/// Meshes the model in memory, after a small mesh that loads the kernels.
-/// {"device", "level", "elements", "nodes", "mesh_bytes", "cnio_cells", "idle_bytes" (resident after the
-/// small
-///  mesh), "peak_bytes" (after the first run), "runs": [{"seconds", "stages": [{"stage", "wall", "cpu"}]}]}
+/// Meshes the model in memory by one Mesher, after a small mesh that loads the kernels.
+/// {"device", "level", "elements", "nodes", "mesh_bytes", "geometry_bytes" (coordinates and
+///  connectivity), "cnio_cells", "idle_bytes" (resident after the small mesh), "peak_bytes" (after the first
+///  run), "runs": [{"seconds", "stages": [{"stage", "wall", "cpu"}]}]}
 nlohmann::json measure_mesh(const Task& task);
+
+/// Meshes the model and measures its edges.
+/// {"mean_edge"}
+nlohmann::json measure_edges(const Task& task);
+
+/// Meshes the model stage by stage and writes it; each stage with the bytes that it moves by stage_bytes.hpp.
+/// {"elements", "file_bytes", "runs": [{"seconds" (without writing), "plain_write_seconds" (of as many
+/// bytes),
+///  "stages": [{"stage", "seconds", "bytes"}]}]}
+nlohmann::json measure_stages(const Task& task);
 
 /// Meshes the model, then computes its scaled Jacobians on the host, by our kernel and by CLBlast.
 /// {"device", "is_gpu", "elements", "own_first_seconds", "product_first_seconds" (kernels built or loaded),
