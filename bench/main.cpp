@@ -79,7 +79,8 @@ void write_report(const json& report, const std::string& path) {
     }
 }
 
-void run_sections(const Arguments& arguments) {
+/// Whether all went well: a section that fails is told of, and the others are still run.
+bool run_sections(const Arguments& arguments) {
     const Settings& settings = arguments.settings;
     json report = {{"format", "mortise-bench 1"}, {"repeats", settings.repeats}};
     report["machine"] = describe_machine(settings);
@@ -119,12 +120,19 @@ void run_sections(const Arguments& arguments) {
         std::printf("\n%zu. ", i + 1);
         const LoadWatch watch;
         const auto begin = std::chrono::steady_clock::now();
-        report[kSections[i]] = actions[i]();
+        try {
+            report[kSections[i]] = actions[i]();
+        } catch (const Error& error) {
+            std::printf("  failed: %s\n", error.what());
+            std::fprintf(stderr, "mortise_bench: %s: %s\n", kSections[i].c_str(), error.what());
+            report["failed"][kSections[i]] = error.what();
+        }
         const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begin;
         report["load"][kSections[i]] = print_load(watch, wall.count());
         std::fflush(stdout);
     }
     if (!arguments.json_path.empty()) write_report(report, arguments.json_path);
+    return !report.contains("failed");
 }
 
 void add_options(CLI::App& app, Arguments& arguments) {
@@ -201,8 +209,7 @@ int run(int argc, char** argv) {
             }
         }
     }
-    run_sections(arguments);
-    return 0;
+    return run_sections(arguments) ? 0 : static_cast<int>(ExitCode::kMeshing);
 }
 
 }  // namespace

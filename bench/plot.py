@@ -73,9 +73,10 @@ def stages_panel(section: List[dict]) -> Panel:
 
 def octree_panel(section: List[dict]) -> Panel:
     def draw(axes: "pyplot.Axes") -> None:
-        names = [row["model"] for row in section]
-        kernels = [row["kernel_cells_per_second_per_core"] for row in section]
-        reference = [row["reference_cells_per_second"] for row in section]
+        done = [row for row in section if "failed" not in row]
+        names = [f"{row['model']}, {row['level']}" for row in done]
+        kernels = [row["kernel_cells_per_second_per_core"] for row in done]
+        reference = [row["reference_cells_per_second"] for row in done]
         places = range(len(names))
         axes.bar([place - 0.2 for place in places], kernels, 0.38, label="kernels")
         axes.bar([place + 0.2 for place in places], reference, 0.38, label="scalar reference")

@@ -32,6 +32,7 @@ make_cgal_mesh() {
         -ltbb -ltbbmalloc -lgmp -lmpfr -pthread >&2 && mv "$program.new" "$program"
 }
 
+# shellcheck disable=SC2119  # without the packages of the tests
 install_packages || exit 5
 build "$folder" -DMORTISE_WERROR=OFF -- mortise mortise_bench || {
     say "the build failed; see its messages above"
