@@ -153,6 +153,8 @@ void add_options(CLI::App& app, Arguments& arguments) {
                    "levels to add to all; each has eight times the elements of the one before")
         ->check(CLI::Range(0, 5))
         ->capture_default_str();
+    app.add_flag("--lattice", arguments.settings.with_lattice,
+                 "section mesh: also 10 x 10 x 10 cells of struts, once; takes minutes");
     app.add_flag("!--no-peers", arguments.settings.with_peers, "other meshers count as not installed");
     app.add_option("--peer-seconds", arguments.settings.peer_seconds,
                    "another mesher that would take longer for one mesh makes a coarser one")

@@ -25,7 +25,7 @@ Task mesh_task(const Settings& settings, const Case& chosen, int threads) {
     task.model = chosen.model;
     task.level = settings.level(chosen.level);
     task.threads = threads;
-    task.repeats = settings.repeats;
+    task.repeats = task.model == "lattice" ? 1 : settings.repeats;
     return task;
 }
 
@@ -162,8 +162,7 @@ json mesh_section(const Settings& settings, double copy_bytes_per_second) {
     for (const Case& chosen : {Case{"sphere", 6}, Case{"sphere", 7}, Case{"sphere", 8}, Case{"bracket", 6},
                                Case{"bracket", 7}, Case{"bracket", 8}, Case{"lattice", 7}}) {
         const Task task = mesh_task(settings, chosen, settings.threads);
-        // Struts thinner than a cell would only measure the search for them.
-        if (task.model == "lattice" && task.level < 6) continue;
+        if (task.model == "lattice" && !settings.with_lattice) continue;
         if (!cases.empty() && cases.back().at("title") == title_of(task))
             continue;  // lowered to the same level
         json measured = measure(task);

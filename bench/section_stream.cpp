@@ -1,4 +1,5 @@
 // Meshes within a budget of memory; see sections.hpp.
+#include <algorithm>
 #include <cstdio>
 #include <set>
 
@@ -34,7 +35,7 @@ json stream_section(const Settings& settings) {
             task.model = model;
             task.level = settings.level(8);
             task.threads = settings.threads;
-            task.repeats = settings.repeats;
+            task.repeats = std::min(settings.repeats, 2);
             task.bytes = megabytes * 1'000'000;
             announce("stream, " + task.model);
             json measured = measure_in_child(task);

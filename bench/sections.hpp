@@ -16,6 +16,7 @@ struct Settings {
     int level_limit = 10;  ///< higher levels are lowered to this one
     std::size_t copy_bytes = std::size_t{256} << 20;
     std::string program;        ///< the command `mortise`; empty: not measured
+    bool with_lattice = false;  ///< section mesh: the lattice of struts, too
     bool with_peers = true;     ///< false: all other meshers count as not installed
     int peer_repeats = 3;       ///< if there are not fewer `repeats`
     double peer_seconds = 30;   ///< a peer whose run would take longer makes a coarser mesh
