@@ -129,9 +129,9 @@ bool run_sections(const Arguments& arguments) {
         }
         const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begin;
         report["load"][kSections[i]] = print_load(watch, wall.count());
+        if (!arguments.json_path.empty()) write_report(report, arguments.json_path);
         std::fflush(stdout);
     }
-    if (!arguments.json_path.empty()) write_report(report, arguments.json_path);
     return !report.contains("failed");
 }
 

@@ -37,6 +37,17 @@ double kernel_seconds(const std::vector<device::KernelTime>& times,
     return sum;
 }
 
+json kernels_json(const std::vector<device::KernelTime>& times) {
+    json list = json::array();
+    for (const device::KernelTime& time : times) {
+        list.push_back({{"kernel", time.entry},
+                        {"seconds", time.seconds},
+                        {"launches", time.launches},
+                        {"items", time.items}});
+    }
+    return list;
+}
+
 json measure_run(const Model& model, const MeshOptions& options, device::Device& device,
                  const ScratchFolder& folder, json& result) {
     MeshReport report;
@@ -118,6 +129,7 @@ json measure_run(const Model& model, const MeshOptions& options, device::Device&
     result["elements"] = mesh.element_count();
     result["nodes"] = mesh.node_count();
     result["file_bytes"] = file_bytes;
+    result["kernels"] = {{"before_extraction", kernels_json(early)}, {"assembly", kernels_json(late)}};
     return {{"seconds", seconds}, {"plain_write_seconds", plain_seconds}, {"stages", list}};
 }
 

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <iterator>
 #include <optional>
 #include <vector>
 
@@ -197,7 +198,13 @@ json compare(const Settings& settings, const char* model, std::vector<Peer> peer
         announce(job.model + ": all in turn, run " + std::to_string(run + 1));
         for (Own& one : own) run_own(one);
         for (std::size_t i = 0; i < peers.size(); ++i) {
-            const PeerRun made = peers[i].run(jobs[i]);
+            PeerRun made;
+            try {
+                made = peers[i].run(jobs[i]);
+            } catch (const Error& error) {
+                std::printf("  %s, one run: %s\n", peers[i].name.c_str(), error.what());
+                continue;
+            }
             theirs[i].elements = made.elements;
             theirs[i].nodes = made.nodes;
             theirs[i].mean_edge = made.mean_edge;
@@ -206,7 +213,8 @@ json compare(const Settings& settings, const char* model, std::vector<Peer> peer
     }
     std::vector<Row> rows;
     for (const Own& one : own) rows.push_back(one.row);
-    rows.insert(rows.end(), theirs.begin(), theirs.end());
+    std::copy_if(theirs.begin(), theirs.end(), std::back_inserter(rows),
+                 [](const Row& row) { return !row.seconds.values.empty(); });
     std::printf("  %s: target edge length %s (Mortise's hybrid mesh of level %d)\n", model,
                 short_number(target).c_str(), level);
     print(rows, target);

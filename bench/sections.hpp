@@ -11,9 +11,9 @@ namespace mortise::bench {
 struct Settings {
     int repeats = 5;
     int command_repeats = 7;
-    int threads = 1;       ///< "all threads"
-    int finer = 0;         ///< added to every level
-    int level_limit = 10;  ///< higher levels are lowered to this one
+    int threads = 1;      ///< "all threads"
+    int finer = 0;        ///< added to every level
+    int level_limit = 9;  ///< higher levels are lowered to this one; a sphere of level 10 takes 60 GB
     std::size_t copy_bytes = std::size_t{256} << 20;
     std::string program;        ///< the command `mortise`; empty: not measured
     bool with_lattice = false;  ///< section mesh: the lattice of struts, too
