@@ -101,7 +101,7 @@ struct Words {
     bool no_templates = false;
     bool no_snap = false;
     bool no_improve = false;
-    std::string smooth;
+    std::string smooth, merge;
 };
 
 /// An empty word, as from an unset shell variable, is a mistake.
@@ -185,6 +185,9 @@ void add_element_options(CLI::App& app, Arguments& arguments, Words& words) {
         ->option_text("hex|tet");
     app.add_option("--smooth", words.smooth, "rounds of moving nodes to better places, 0 to 100 (4)")
         ->option_text("ROUNDS");
+    app.add_option("--merge", words.merge,
+                   "merge features closer than X cells where slivers would be, 0 to 0.25 (0.05)")
+        ->option_text("X");
     app.add_flag("--no-improve", words.no_improve, "leave elements as templates and certificate make them");
     app.add_flag("--no-snap", words.no_snap, "do not move grid vertices onto the surface");
     app.add_flag("--no-templates", words.no_templates, "mesh simple surface cells like complex ones");
@@ -331,6 +334,7 @@ void read_mesh_words(const Words& words, Arguments& arguments) {
         if (options.smooth > 100)
             refuse("--smooth '" + words.smooth + "': expected a whole number from 0 to 100");
     }
+    if (!words.merge.empty()) options.merge_distance = parse_number("--merge", words.merge);
     options.quality = arguments.quality;
     if (!words.floor.empty()) {
         arguments.quality_floor = parse_number("--quality-floor", words.floor);

@@ -112,6 +112,7 @@ Json mesh_document(const MeshReport& report, const MeshFigures& figures) {
                      {"cnio", report.cnio_cells}};
     json["refused_splits"] = report.refused_splits;
     json["unresolved"] = report.unresolved;
+    json["merged_nodes"] = report.merged_nodes;
     json["dropped_features"] = report.dropped_features;
     json["missed_features"] = missed_document(report.missed);
     json["stages"] = Json::array();

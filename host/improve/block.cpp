@@ -38,6 +38,7 @@ void Block::Change::clear() {
     after = 2;
     needed = 0;
     collapse = false;
+    merge = false;
 }
 
 void Block::load(const Zone& zone, const std::vector<std::uint32_t>& tetrahedra,
@@ -51,6 +52,7 @@ void Block::load(const Zone& zone, const std::vector<std::uint32_t>& tetrahedra,
     free_.clear();
     joined_.clear();
     strata_.clear();
+    renewed_.clear();
     tetrahedra_.clear();
     pyramids_.clear();
     for (auto& list : star_) list.clear();
@@ -105,11 +107,13 @@ void Block::load(const Zone& zone, const std::vector<std::uint32_t>& tetrahedra,
     for (const ZoneNode n : zone_node_) place[n] = kNone;
 }
 
-std::vector<Tetrahedron> Block::store(std::vector<Point>& points) const {
+Block::Result Block::result() const {
+    Result result;
+    result.counters = counters;
+    for (const Local n : renewed_) result.strata.push_back({zone_node_[n], strata_[n]});
     for (std::size_t i = 0; i < points_.size(); ++i) {
-        if (free_[i] != 0) points[zone_node_[i]] = points_[i];
+        if (free_[i] != 0) result.points.push_back({zone_node_[i], points_[i]});
     }
-    std::vector<Tetrahedron> result;
     for (std::size_t i = 0; i < tetrahedra_.size(); ++i) {
         if (alive_[i] == 0) continue;
         Tetrahedron t = tetrahedra_[i];
@@ -117,7 +121,7 @@ std::vector<Tetrahedron> Block::store(std::vector<Point>& points) const {
             std::all_of(t.node.begin(), t.node.end(), [this](Local n) { return free_[n] != 0; });
         t.stuck = inside && !has_changed(static_cast<std::uint32_t>(i));
         for (auto& n : t.node) n = zone_node_[n];
-        result.push_back(t);
+        result.tetrahedra.push_back(t);
     }
     return result;
 }
@@ -178,6 +182,9 @@ void Block::apply(const Change& change) {
     }
     for (const Change::Retag& r : change.retagged) list_facets(r.tetrahedron);
     ++(change.collapse ? counters.collapsed : counters.swapped);
+    if (!change.merge) return;
+    ++counters.merged;
+    renew_strata(change);
 }
 
 std::uint32_t Block::across(std::uint32_t tetrahedron, std::size_t face) const {
@@ -317,10 +324,9 @@ bool Block::improve(std::uint32_t tetrahedron) {
         apply(best_);
         return true;
     }
-    if (!options_.reposition) return false;
     bool moved = false;
-    for (const Local n : node) moved = smooth(n) || moved;
-    return moved;
+    for (const Local n : node) moved = (options_.reposition && smooth(n)) || moved;
+    return moved || merge(node);
 }
 
 /// Sweeps over the poor elements.
@@ -348,10 +354,9 @@ void Block::sweep() {
 void Block::run(const BlockOptions& options) {
     options_ = options;
     running_.on = false;
-    if (options_.watch_facets) {
-        list_all_facets();
-        collapse_short_edges();  // every node that goes now need not be watched while it moves
-    }
+    if (options_.watch_facets) list_all_facets();
+    merge_close_nodes();
+    if (options_.watch_facets) collapse_short_edges();  // what goes now need not be watched while it moves
     const bool all_placed = project_nodes();
     collapse_short_edges();
     // Where the model itself has no room for good elements, the search must end.

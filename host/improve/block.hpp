@@ -30,6 +30,9 @@ inline constexpr double kShortEdge = 0.35;
 /// what it replaces: nodes on the surface and a bounded angle do not keep it near.
 inline constexpr double kMostSag = 0.15;
 
+/// Elements at least this good do not justify that a feature is lost: scaled Jacobian 0.065, 5.7 degrees.
+inline constexpr double kMergeBelow = 0.1;
+
 struct BlockOptions {
     bool reposition = true;        ///< move nodes (besides their projection onto the model)
     bool change_boundary = true;   ///< false: facets stay as they are
@@ -37,12 +40,14 @@ struct BlockOptions {
     bool look_ahead = true;        ///< changes of several steps
     bool watch_facets = false;     ///< no change may make facets cross
     double target = kGoodQuality;  ///< elements at least this good are left alone
+    double merge_distance = 0;     ///< features closer than this, in cells, may be merged; 0: none
     int rounds = 6;
 };
 
 /// What was done.
 struct BlockCounters {
     std::uint64_t collapsed = 0;
+    std::uint64_t merged = 0;   ///< of these, nodes of one feature with those of another
     std::uint64_t swapped = 0;  ///< edges and faces removed
     std::uint64_t moved = 0;
     std::uint64_t compound = 0;  ///< changes of several steps (lookahead.cpp)
@@ -70,8 +75,17 @@ class Block {
     /// Whether facets of the outer boundary cross.
     bool has_crossed();
 
-    /// Writes moved nodes to the zone's points, and returns the tetrahedra that are left.
-    std::vector<Tetrahedron> store(std::vector<Point>& points) const;
+    /// Nodes of the zone with their strata.
+    using Strata = std::vector<std::pair<ZoneNode, std::vector<std::uint32_t>>>;
+
+    /// What is left, in the zone's numbers.
+    struct Result {
+        std::vector<Tetrahedron> tetrahedra;
+        std::vector<std::pair<ZoneNode, Point>> points;  ///< where free nodes are now
+        Strata strata;                                   ///< those that merging has changed
+        BlockCounters counters;
+    };
+    Result result() const;
 
     BlockCounters counters;
 
@@ -92,6 +106,7 @@ class Block {
         double after = 0;   ///< of the worst that is added
         double needed = 0;  ///< `after` must be above this
         bool collapse = false;
+        bool merge = false;  ///< strata change
 
         void clear();
     };
@@ -177,10 +192,10 @@ class Block {
 
     // collapse.cpp
     bool examine_collapse(Local gone, Local kept, bool good_will_do, double better_than, Change& change);
-    bool facets_stay_aligned(Local gone, Local kept) const;
+    bool facets_stay_aligned(Local gone, Local kept, bool any_narrow) const;
     bool examine_ear(Local gone, Change& change);
-    bool ear_leaves_crease(std::uint32_t ear, std::size_t gone, std::size_t single) const;
-    bool is_narrow(std::uint32_t tetrahedron, std::size_t face) const;
+    bool ear_leaves_crease(std::uint32_t ear, std::size_t gone, std::size_t single, bool& merges) const;
+    bool is_narrow(const std::array<Local, 3>& face) const;
     bool chord_is_close(Local gone, Local a, Local b) const;
     bool edge_is_on_stratum(Local gone, Local kept) const;
     std::size_t count_feature_edges(Local node);
@@ -188,6 +203,12 @@ class Block {
     bool is_joined_link_whole(Local gone, Local kept) const;
     bool is_link_whole(std::size_t outer, Local gone) const;
     bool is_link_shared(Local gone, Local kept) const;
+
+    // merge.cpp
+    void merge_close_nodes();
+    bool merge(const std::array<Local, 4>& node);
+    bool may_merge(Local gone, Local kept);
+    void renew_strata(const Change& merge);
 
     // swap.cpp
     bool examine_edge_removal(Local a, Local b, double better_than, Change& change);
@@ -216,6 +237,8 @@ class Block {
     std::vector<std::uint8_t> tip_;  ///< 0, or 1 + place in tips_
     std::vector<Point> tips_;
     std::vector<std::vector<std::uint32_t>> strata_;
+    std::vector<Local> renewed_;  ///< nodes whose strata have changed
+    bool may_merge_ = false;
     std::vector<Tetrahedron> tetrahedra_;
     std::vector<std::uint8_t> alive_;
     std::vector<Tetrahedron> original_;  ///< as they were loaded

@@ -26,6 +26,7 @@ void find_coincident(const PassResult& pass, double same, int threads, std::vect
     std::vector<std::vector<std::uint32_t>> found(chunk_count(pass.after.size(), kChunk));
     parallel_chunks(pass.after.size(), kChunk, threads, [&](std::size_t begin, std::size_t end, int) {
         for (std::size_t n = begin; n < end; ++n) {
+            if (pass.owner[n] == kNone) continue;  // no element has it any more
             const Point& at = pass.after[n];
             const auto first =
                 std::lower_bound(moved.begin(), moved.end(), at[0] - same,

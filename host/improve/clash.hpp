@@ -18,7 +18,7 @@ inline constexpr double kSameNode = 1e-9;
 struct PassResult {
     const std::vector<Point>& before;         ///< positions before the pass
     const std::vector<Point>& after;          ///< and now
-    const std::vector<std::uint32_t>& owner;  ///< per node its block, or `shared` and above
+    const std::vector<std::uint32_t>& owner;  ///< per node its block, `shared`, or kNone if nothing has it
     std::uint32_t shared;
     const std::vector<Tetrahedron>& tetrahedra;  ///< block by block
     const std::vector<std::size_t>& first;       ///< per block, and behind the last: its first tetrahedron

@@ -9,6 +9,7 @@ namespace {
 constexpr double kLongestEdge = 1.75;     ///< an edge that a collapse makes; longer ones may only shrink
 constexpr double kOffSurface = 2e-5;      ///< nodes that could not be projected are closer than that
 constexpr double kTinyFacet = 1e-3;       ///< a facet without a longer edge has no direction to speak of
+constexpr double kHopeless = 1e-3;        ///< elements this flat justify that narrow facets fold
 constexpr std::size_t kMostSurfaces = 8;  ///< that may have a crease in common
 /// Tetrahedra at a node; more, around a needle of the model, would take more time than they are worth.
 constexpr std::size_t kLargestStar = 512;
@@ -219,8 +220,9 @@ bool Block::is_link_shared(Local gone, Local kept) const {
     return true;
 }
 
-/// Whether the facets that a collapse changes lie along their surfaces as well as they did.
-bool Block::facets_stay_aligned(Local gone, Local kept) const {
+/// Whether the facets that a collapse changes lie along their surfaces as well as they did. `any_narrow`:
+/// those that are narrow before and after may be turned.
+bool Block::facets_stay_aligned(Local gone, Local kept, bool any_narrow) const {
     const std::vector<std::uint32_t>& on = strata_[gone];
     const auto is_tiny = [&](const std::array<Local, 3>& face) {
         double longest = 0;
@@ -256,8 +258,9 @@ bool Block::facets_stay_aligned(Local gone, Local kept) const {
                 }
                 if (has(t.node, kept) && t.node[f] != kept) continue;  // the facet vanishes
                 const bool was_tiny = is_tiny(face);
+                const bool may_turn = any_narrow && is_narrow(face);
                 for (Local& n : face) n = n == gone ? kept : n;
-                if (is_tiny(face)) continue;
+                if (is_tiny(face) || (may_turn && is_narrow(face))) continue;
                 const double sign = way[place] < 0 ? -1 : 1;
                 const double limit =
                     was_tiny ? kLeastAlignment : std::min(kLeastAlignment, sign * before.alignment);
@@ -308,14 +311,16 @@ bool Block::examine_ear(Local gone, Change& change) {
     }
     const std::uint32_t other = across(ear, ig);
     if (other == kNone || !options_.change_boundary) return false;
-    if (single != 4 && !ear_leaves_crease(ear, ig, single)) return false;
+    bool merges = false;
+    if (single != 4 && !ear_leaves_crease(ear, ig, single, merges)) return false;
     const std::uint32_t surface = tag_surface(tag);
     const auto faces_surface = [&](std::size_t f, bool inward) {
         const auto& o = kOpposite[f];
         return alignment(surface, points_[t.node[o[0]]], points_[t.node[o[inward ? 2 : 1]]],
                          points_[t.node[o[inward ? 1 : 2]]]);
     };
-    if (!is_narrow(ear, ig)) {
+    const auto& o = kOpposite[ig];
+    if (!is_narrow({t.node[o[0]], t.node[o[1]], t.node[o[2]]})) {
         // The new facet looks the other way than the ear's own face.
         double before = 0;
         for (const std::size_t f : at) {
@@ -327,6 +332,7 @@ bool Block::examine_ear(Local gone, Change& change) {
     }
     change.clear();
     change.collapse = true;
+    change.merge = merges;
     change.before = t.quality;
     change.removed.push_back(ear);
     const auto& n = tetrahedra_[other].node;
@@ -337,19 +343,17 @@ bool Block::examine_ear(Local gone, Change& change) {
 }
 
 /// Whether a face is so narrow that its direction means nothing.
-bool Block::is_narrow(std::uint32_t tetrahedron, std::size_t face) const {
-    const auto& node = tetrahedra_[tetrahedron].node;
-    const auto& o = kOpposite[face];
-    const Point u = points_[node[o[1]]] - points_[node[o[0]]];
-    const Point v = points_[node[o[2]]] - points_[node[o[0]]];
+bool Block::is_narrow(const std::array<Local, 3>& face) const {
+    const Point u = points_[face[1]] - points_[face[0]];
+    const Point v = points_[face[2]] - points_[face[0]];
     const double longest = std::max({squared_length(u), squared_length(v), squared_length(v - u)});
-    const double tiny = kTinyFacet * std::min({size_[node[o[0]]], size_[node[o[1]]], size_[node[o[2]]]});
+    const double tiny = kTinyFacet * std::min({size_[face[0]], size_[face[1]], size_[face[2]]});
     return squared_length(cross(u, v)) < tiny * tiny * longest;
 }
 
 /// Whether the crease through an ear's node may take the edge of the ear's only facet on one of the two
-/// surfaces.
-bool Block::ear_leaves_crease(std::uint32_t ear, std::size_t gone, std::size_t single) const {
+/// surfaces. `merges`: because that one has been merged away behind the edge.
+bool Block::ear_leaves_crease(std::uint32_t ear, std::size_t gone, std::size_t single, bool& merges) const {
     const Tetrahedron& t = tetrahedra_[ear];
     const FaceTag tag = t.tag[single];
     const std::vector<std::uint32_t>& on = strata_[t.node[gone]];
@@ -376,7 +380,8 @@ bool Block::ear_leaves_crease(std::uint32_t ear, std::size_t gone, std::size_t s
             same = same && u.tag[f] == tag;
         }
     }
-    return facets == 1 && same;
+    merges = !same && options_.merge_distance > 0 && t.quality < kMergeBelow;
+    return facets == 1 && (same || merges);
 }
 
 bool Block::examine_collapse(Local gone, Local kept, bool good_will_do, double better_than, Change& change) {
@@ -384,9 +389,11 @@ bool Block::examine_collapse(Local gone, Local kept, bool good_will_do, double b
     if (!options_.change_boundary && !strata_[gone].empty()) return false;
     if (star_[gone].size() > kLargestStar || star_[kept].size() > kLargestStar) return false;
     if (star_[gone].size() == 1) return examine_ear(gone, change);
-    if (!edge_is_on_stratum(gone, kept)) return false;
+    const bool merges = !edge_is_on_stratum(gone, kept);
+    if (merges && !may_merge(gone, kept)) return false;
     change.clear();
     change.collapse = true;
+    change.merge = merges;
     entries_.clear();
     const bool on_surface = !strata_[gone].empty();
     const double longest = kLongestEdge * size_[gone];
@@ -400,8 +407,10 @@ bool Block::examine_collapse(Local gone, Local kept, bool good_will_do, double b
     }
     // A short edge may go if nothing gets worse: the mesh gets simpler, and other changes get room.
     const bool is_short = is_short_edge(gone, kept);
-    change.needed =
-        std::max(change.before * std::min(least_gain_, is_short ? kEqual : kLeastGain), kLowestQuality);
+    const double gain = is_short && !merges ? kEqual : kLeastGain;
+    // What is flatter than allowed goes node by node: the others may stay so.
+    change.needed = std::max(change.before * std::min(least_gain_, gain),
+                             change.before < kLowestQuality ? 0 : kLowestQuality);
     if (good_will_do) change.needed = std::min(change.needed, options_.target);
     change.needed = std::max(change.needed, better_than);
     for (const std::uint32_t i : star_[gone]) {
@@ -446,15 +455,17 @@ bool Block::examine_collapse(Local gone, Local kept, bool good_will_do, double b
         tag_added(change, entries_);
         return true;
     }
-    if (!facets_stay_aligned(gone, kept)) return false;
+    if (!facets_stay_aligned(gone, kept, options_.merge_distance > 0 && change.before < kHopeless))
+        return false;
     if (strata_[gone].size() > 1) {
-        if (count_feature_edges(gone) != 2) return false;  // a corner, or where a crease ends
+        const bool is_crease = count_feature_edges(gone) == 2;
+        if (!is_crease && !merges) return false;  // a corner, or where a crease ends
         // The crease's next node on the other side: its new edge must stay close to both surfaces.
         for (const std::uint32_t i : star_[gone]) {
             const Tetrahedron& t = tetrahedra_[i];
             for (const Local n : t.node) {
                 if (n == gone || n == kept || strata_[n].size() < 2 || !edge_is_on_stratum(gone, n)) continue;
-                if (!chord_is_close(gone, n, kept)) return false;
+                if (is_crease && !chord_is_close(gone, n, kept)) return false;
             }
         }
     }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <optional>
 
 #include "host/common/parallel.hpp"
 #include "host/improve/clash.hpp"
@@ -49,11 +50,13 @@ class Improver {
         find_free_nodes();
         const std::vector<Point> before = zone_.points;
         std::vector<std::vector<Tetrahedron>> results(groups_.size());
+        std::vector<Block::Strata> strata(groups_.size());
         const auto threads = static_cast<std::size_t>(thread_count(options_.threads));
         std::vector<std::vector<std::uint32_t>> place(threads);
         std::vector<BlockCounters> counted(groups_.size());
         BlockOptions block_options;
         block_options.look_ahead = look_ahead;
+        block_options.merge_distance = options_.merge_distance;
         block_options.reposition = options_.smooth > 0;
         block_options.rounds = std::max(2, 2 * options_.smooth);
         std::vector<Block> blocks(threads, Block(surfaces_));
@@ -63,36 +66,24 @@ class Improver {
             auto& scratch = place[static_cast<std::size_t>(thread)];
             if (scratch.empty()) scratch.assign(zone_.points.size(), kNone);
             Block& block = blocks[static_cast<std::size_t>(thread)];
-            // Whatever goes wrong in a block, the mesh stays valid: the block is done again more carefully,
-            // or left as it was.
-            BlockOptions tried = block_options;
-            for (int attempt = 0; attempt < 4; ++attempt) {
-                block.counters = {};
-                block.load(zone_, group.tetrahedra, group.pyramids, free_, scratch);
-                block.run(tried);
-                const bool sound = block.verify();
-                if (sound && (tried.watch_facets || !block.has_crossed())) {
-                    results[begin] = block.store(zone_.points);
-                    counted[begin] = block.counters;
-                    return;
-                }
-                counted[begin].repeated = 1;
-                if (!tried.change_boundary) break;
-                if (sound) {
-                    tried.watch_facets = true;
-                    continue;
-                }
-                tried.change_boundary = tried.look_ahead;
-                tried.move_boundary = tried.look_ahead;
-                tried.look_ahead = false;
+            const auto load = [&] { block.load(zone_, group.tetrahedra, group.pyramids, free_, scratch); };
+            std::optional<Block::Result> result = run_carefully(block, load, block_options);
+            if (!result) {
+                for (const std::uint32_t i : group.tetrahedra) results[begin].push_back(zone_.tetrahedra[i]);
+                counted[begin].given_up = 1;
+                return;
             }
-            for (const std::uint32_t i : group.tetrahedra) results[begin].push_back(zone_.tetrahedra[i]);
-            counted[begin].given_up = 1;
+            for (const auto& [node, point] : result->points) zone_.points[node] = point;
+            results[begin] = std::move(result->tetrahedra);
+            strata[begin] = std::move(result->strata);
+            counted[begin] = result->counters;
         });
         std::vector<Tetrahedron> all = join(results);
         while (revert_clashes(before, all, results, counted)) all = join(results);
         for (std::size_t g = 0; g < groups_.size(); ++g) {
+            if (counted[g].given_up == 0) zone_.set_strata(strata[g]);
             counters.block.collapsed += counted[g].collapsed;
+            counters.block.merged += counted[g].merged;
             counters.block.swapped += counted[g].swapped;
             counters.block.moved += counted[g].moved;
             counters.block.compound += counted[g].compound;
@@ -120,6 +111,29 @@ class Improver {
     }
 
   private:
+    /// Whatever goes wrong in a block, the mesh stays valid: the block is done again more carefully, or
+    /// nothing is returned.
+    template <class Load>
+    static std::optional<Block::Result> run_carefully(Block& block, const Load& load, BlockOptions options) {
+        for (int attempt = 0; attempt < 4; ++attempt) {
+            load();
+            block.counters = {};
+            block.counters.repeated = attempt > 0 ? 1 : 0;
+            block.run(options);
+            const bool sound = block.verify();
+            if (sound && (options.watch_facets || !block.has_crossed())) return block.result();
+            if (!options.change_boundary) break;
+            if (sound) {
+                options.watch_facets = true;
+                continue;
+            }
+            options.change_boundary = options.look_ahead;
+            options.move_boundary = options.look_ahead;
+            options.look_ahead = false;
+        }
+        return std::nullopt;
+    }
+
     double quality_of(const Pyramid& p) const {
         std::array<Point, 5> corners;
         for (std::size_t k = 0; k < 5; ++k) corners[k] = zone_.points[p.node[k]];

@@ -12,6 +12,7 @@ namespace mortise::improve {
 struct Options {
     int level = 0;                     ///< of the finest cells
     int smooth = 4;                    ///< rounds of repositioning; 0: nodes move only onto the model
+    double merge_distance = 0;         ///< features closer than this, in cells, may be merged; 0: none
     int threads = 0;                   ///< host threads; 0: all cores
     const LeafGrid* leaves = nullptr;  ///< null or empty: a uniform tree
     /// Of a part of a mesh (scope.hpp): per node, not 0 if elements around it are missing. May be null.

@@ -261,12 +261,14 @@ class Opener {
         std::sort(on.begin(), on.end());
         on.erase(std::unique(on.begin(), on.end()), on.end());
         zone_.stratum.clear();
-        zone_.stratum_begin.assign(count + 1, 0);
-        for (const auto& entry : on) {
-            ++zone_.stratum_begin[entry.first + 1];
-            zone_.stratum.push_back(entry.second);
+        zone_.stratum_begin.assign(count, 0);
+        zone_.stratum_end.assign(count, 0);
+        for (const auto& [node, surface] : on) {
+            zone_.stratum.push_back(surface);
+            const auto end = static_cast<std::uint32_t>(zone_.stratum.size());
+            if (zone_.stratum_end[node] == 0) zone_.stratum_begin[node] = end - 1;
+            zone_.stratum_end[node] = end;
         }
-        for (std::size_t i = 0; i < count; ++i) zone_.stratum_begin[i + 1] += zone_.stratum_begin[i];
     }
 
     /// Each tip takes the nearest node that lies on its surface alone, within reach.

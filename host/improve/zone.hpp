@@ -65,9 +65,10 @@ struct Zone {
     std::vector<std::uint8_t> joined;      ///< used by a pyramid: never removed
     std::vector<Tetrahedron> tetrahedra;
     std::vector<Pyramid> pyramids;
-    /// Surfaces of node i: stratum[stratum_begin[i]] to stratum[stratum_begin[i + 1]], ascending.
+    /// Surfaces of node i: those of `stratum` from stratum_begin[i] up to stratum_end[i], ascending.
     std::vector<std::uint32_t> stratum;
     std::vector<std::uint32_t> stratum_begin;
+    std::vector<std::uint32_t> stratum_end;
 
     int finest_class = 0;               ///< of the finest leaves of the tree
     double unit = 1;                    ///< their edge
@@ -75,8 +76,15 @@ struct Zone {
 
     std::vector<std::pair<ZoneNode, Point>> tips;  ///< nodes that belong to a surface's singular point
 
-    std::size_t stratum_size(ZoneNode i) const { return stratum_begin[i + 1] - stratum_begin[i]; }
+    std::size_t stratum_size(ZoneNode i) const { return stratum_end[i] - stratum_begin[i]; }
     const std::uint32_t* surfaces(ZoneNode i) const { return stratum.data() + stratum_begin[i]; }
+    void set_strata(const std::vector<std::pair<ZoneNode, std::vector<std::uint32_t>>>& strata) {
+        for (const auto& [node, surfaces] : strata) {
+            stratum_begin[node] = static_cast<std::uint32_t>(stratum.size());
+            stratum.insert(stratum.end(), surfaces.begin(), surfaces.end());
+            stratum_end[node] = static_cast<std::uint32_t>(stratum.size());
+        }
+    }
 
     // How it goes back into the mesh.
     std::vector<NodeId> mesh_node;  ///< kNone: a new node

@@ -113,13 +113,10 @@ Mesh Mesher::generate(const Model& model, const MeshOptions& options, MeshReport
     if (options.improve) {
         stages.begin("improve", 0.93);
         improve::Counters counters;
-        improve::Options improve_options;
-        improve_options.level = prepared.tree.level;
-        improve_options.smooth = options.smooth;
-        improve_options.threads = options.threads;
-        improve_options.leaves = &prepared.leaves;
-        mesh = improve::improve(std::move(mesh), prepared.bound, improve_options, &counters);
+        mesh = improve::improve(std::move(mesh), prepared.bound,
+                                pipeline::improvement_options(prepared, options), &counters);
         stages.end(counters.zone_elements);
+        pipeline::report_improvement(counters, options, out);
     }
     if (mesh.element_count() == 0) pipeline::refuse_empty(model.source);
     mesh.region_names = prepared.compiled.region_names;

@@ -246,24 +246,23 @@ Changes no_changes(const Parts& parts, FacetBlock facets) {
 }
 
 Changes improve_parts(Parts& parts, improve::Scope& scope, FacetBlock facets, const Prepared& prepared,
-                      const MeshOptions& options, Stages& stages) {
+                      const MeshOptions& options, Stages& stages, MeshReport& out) {
     Changes changes = no_changes(parts, std::move(facets));
     for (int reach = kFirstReach; !scope.is_empty(); reach *= 2) {
         scope.spread(reach);
         Selection selection = Selector(parts, scope, options, stages).select(changes.facets);
         stages.begin("improve", 0.55);
-        improve::Options improve_options;
-        improve_options.level = prepared.tree.level;
-        improve_options.smooth = options.smooth;
-        improve_options.threads = options.threads;
+        improve::Options improve_options = improvement_options(prepared, options);
         improve_options.is_open = &selection.is_open;
         improve::Counters counters;
         improve::Trace trace;
         Mesh improved =
             improve::improve(std::move(selection.mesh), prepared.bound, improve_options, &counters, &trace);
         stages.end(counters.zone_elements);
-        if (!counters.reached_open)
+        if (!counters.reached_open) {
+            report_improvement(counters, options, out);
             return describe(selection, std::move(improved), trace, std::move(changes));
+        }
         if (reach >= kLastReach) {
             throw Error(ExitCode::kMeshing,
                         "poor elements reach too far to be improved in parts; leave --memory away, or give "

@@ -33,10 +33,10 @@ struct Changes {
 /// Changes that leave everything as it is.
 Changes no_changes(const Parts& parts, FacetBlock facets);
 
-/// Improves what is in the scope; all parts must have been made once. `zone_elements` as in
-/// improve::Counters. Throws Error(kDevice) if the scope does not fit into MeshOptions::memory.
+/// Improves what is in the scope; all parts must have been made once. Throws Error(kDevice) if the scope does
+/// not fit into MeshOptions::memory.
 Changes improve_parts(Parts& parts, improve::Scope& scope, FacetBlock facets, const Prepared& prepared,
-                      const MeshOptions& options, Stages& stages);
+                      const MeshOptions& options, Stages& stages, MeshReport& out);
 
 /// Memory that this process has now, bytes; 0 if the system does not tell.
 std::uint64_t memory_now();

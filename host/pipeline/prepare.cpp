@@ -13,7 +13,8 @@ namespace mortise::pipeline {
 namespace {
 
 /// Surfaces closer than this everywhere are one: edges of the finest cells.
-constexpr double kMergeDistance = 1e-4;
+constexpr double kSameSurface = 1e-4;
+constexpr double kMostMergeDistance = 0.25;  ///< of MeshOptions::merge_distance
 
 std::string number(double value) {
     char text[32];
@@ -88,6 +89,11 @@ void check_options(const MeshOptions& options) {
                                           std::to_string(options.interior_coarsening) +
                                           " levels is out of range; use 0 to " + std::to_string(kMaxLevel));
     }
+    if (!(options.merge_distance >= 0 && options.merge_distance <= kMostMergeDistance)) {
+        throw Error(ExitCode::kUsage, "features merge within " + number(options.merge_distance) +
+                                          " cells, which is out of range; use 0 to " +
+                                          number(kMostMergeDistance));
+    }
     bool positive = options.size_min >= 0 && options.size_max >= 0 && options.curvature_elements >= 0 &&
                     std::isfinite(options.size_min + options.size_max + options.curvature_elements);
     for (const auto& [name, size] : options.named_sizes)
@@ -127,7 +133,7 @@ Prepared prepare(const std::function<device::Device&()>& open_device, const Mode
     planned.emplace(plan_sizes(options, compiled, bound, bounds, root.level));
     if (!options.strict) {
         // Two surfaces that no cell can tell apart would only make slivers.
-        const double distance = std::ldexp(kMergeDistance, -planned->levels.finest());
+        const double distance = std::ldexp(kSameSurface, -planned->levels.finest());
         tape::BoundModel merged = tape::bind(compiled, root.origin, root.side, distance);
         if (merged.nearly_equal > 0) {
             out.warnings.push_back(
@@ -223,6 +229,25 @@ void report_cells(const Prepared& prepared, const Extracted& extracted, const Mo
         }
         out.warnings.push_back(text);
     }
+}
+
+improve::Options improvement_options(const Prepared& prepared, const MeshOptions& options) {
+    improve::Options result;
+    result.level = prepared.tree.level;
+    result.smooth = options.smooth;
+    result.merge_distance = options.strict ? 0 : options.merge_distance;
+    result.threads = options.threads;
+    result.leaves = &prepared.leaves;
+    return result;
+}
+
+void report_improvement(const improve::Counters& counters, const MeshOptions& options, MeshReport& out) {
+    out.merged_nodes = counters.block.merged;
+    if (out.merged_nodes == 0) return;
+    out.warnings.push_back(std::to_string(out.merged_nodes) + " nodes of features closer than " +
+                           number(options.merge_distance) +
+                           " cells were merged with others, or elements would be slivers; --merge 0 keeps "
+                           "them apart");
 }
 
 void warn_of_empty_regions(const std::vector<std::string>& names, const std::vector<bool>& present,

@@ -6,6 +6,7 @@
 
 #include "host/common/leaf_grid.hpp"
 #include "host/device/device.hpp"
+#include "host/improve/improve.hpp"
 #include "host/octree/octree.hpp"
 #include "host/pipeline/root_box.hpp"
 #include "host/pipeline/stages.hpp"
@@ -42,6 +43,10 @@ void check_options(const MeshOptions& options);
 /// `open_device` is called when the device is needed. Warnings and counts go to `out`.
 Prepared prepare(const std::function<device::Device&()>& open_device, const Model& model,
                  const MeshOptions& options, Stages& stages, MeshReport& out);
+
+/// For all meshes of a run; whoever improves a part of one adds what is open.
+improve::Options improvement_options(const Prepared& prepared, const MeshOptions& options);
+void report_improvement(const improve::Counters& counters, const MeshOptions& options, MeshReport& out);
 
 /// What the report tells of leaves and lost features. Throws Error(kMeshing) if the options forbid these.
 void report_cells(const Prepared& prepared, const Extracted& extracted, const Model& model,

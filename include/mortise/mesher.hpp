@@ -48,6 +48,9 @@ struct MeshOptions {
     bool snap = true;         ///< vertices near a smooth surface move onto it; needs `templates`
     bool improve = true;      ///< false: elements stay as templates and certificate make them
     int smooth = 4;           ///< rounds of node repositioning; 0: nodes move only onto the model
+    /// Nodes of creases and corners closer than this to other features, in cells, may be merged with them
+    /// where elements would be slivers. At most 0.25; 0, or `strict`: never.
+    double merge_distance = 0.05;
     bool tetrahedra = false;  ///< split everything into tetrahedra
     int pieces = 1;           ///< parts of the Morton range that are meshed apart and merged: the same mesh
     bool quality = false;     ///< also make MeshReport::quality
@@ -95,6 +98,7 @@ struct MeshReport {
     std::uint64_t cnio_cells = 0;        ///< meshed by the certificate
     std::uint64_t refused_splits = 0;    ///< bisections that would have made an element too flat
     std::uint64_t unresolved = 0;        ///< tetrahedra that were labelled by their centroid
+    std::uint64_t merged_nodes = 0;      ///< of features closer than MeshOptions::merge_distance
     std::uint64_t dropped_features = 0;  ///< complex cells with a refused split or an unresolved tetrahedron
     std::vector<MissedFeature> missed;   ///< features smaller than a cell, the largest first
     Features features;                   ///< nodes against the model, creases and corners

@@ -53,7 +53,7 @@ TEST_CASE("halves of two quadrilaterals that fold onto each other are no facets"
     mesh.surface_names = {"surface"};
     REQUIRE(check_mesh(mesh).valid());
     improve::Counters counters;
-    const Mesh improved = improve::improve(mesh, model, {5, 4, 1, nullptr}, &counters);
+    const Mesh improved = improve::improve(mesh, model, {5, 4, 0, 1, nullptr}, &counters);
     CHECK(counters.zone_elements == 5);
     CHECK(counters.block.given_up == 0);
     const CheckReport check = check_mesh(improved);

@@ -1,0 +1,98 @@
+// Features of the model closer to each other than a small part of a cell: steps, slits and strips that often
+// are artefacts of the model's making. Kept apart they force slivers of their width. So where elements are
+// poor, a node may be merged with one that lies almost on all of its surfaces.
+//
+// A merged node's stratum is what its facets lie on afterwards, though it lies on some of these surfaces only
+// almost. Topology is that of any collapse: sheets are never joined or parted.
+#include <algorithm>
+
+#include "host/improve/block.hpp"
+
+namespace mortise::improve {
+
+/// Whether `gone`, on a stratum that `kept` is not on, may be merged with it. A crease is not moved onto a
+/// face, nor a corner onto a crease.
+bool Block::may_merge(Local gone, Local kept) {
+    if (!may_merge_ || free_[kept] == 0 || strata_[kept].size() < strata_[gone].size()) return false;
+    const auto& star = star_[gone];
+    if (std::none_of(star.begin(), star.end(),
+                     [this](std::uint32_t i) { return tetrahedra_[i].quality < kMergeBelow; }))
+        return false;
+    const double reach = options_.merge_distance * std::min(size_[gone], size_[kept]);
+    const auto is_near = [&](std::uint32_t surface) {
+        if (std::binary_search(strata_[kept].begin(), strata_[kept].end(), surface)) return true;
+        const Surfaces::Sample s = surfaces_.sample(surface, points_[kept]);
+        return s.valid && std::fabs(s.value) <= reach * length(s.gradient);
+    };
+    if (!std::all_of(strata_[gone].begin(), strata_[gone].end(), is_near)) return false;
+    // A corner, or where a crease ends, goes no farther than to what is next to it.
+    const std::size_t on = strata_[gone].size();
+    if (on < 2 || (on == 2 && count_feature_edges(gone) > 1)) return true;
+    return squared_length(points_[gone] - points_[kept]) <= reach * reach;
+}
+
+/// Before anything else, while features that run side by side still have their nodes side by side.
+void Block::merge_close_nodes() {
+    if (!(options_.merge_distance > 0)) return;
+    const auto is_close = [this](Local a, Local b) {
+        const double reach = options_.merge_distance * std::min(size_[a], size_[b]);
+        return squared_length(points_[a] - points_[b]) <= reach * reach;
+    };
+    may_merge_ = true;
+    for (std::uint32_t i = 0; i < tetrahedra_.size(); ++i) {
+        for (std::size_t k = 0; k < 12 && alive_[i] != 0; ++k) {
+            const Local gone = tetrahedra_[i].node[k % 4];
+            const Local kept = tetrahedra_[i].node[(k % 4 + 1 + k / 4) % 4];
+            if (tetrahedra_[i].quality >= kMergeBelow || !is_close(gone, kept)) continue;
+            if (examine_collapse(gone, kept, true, 0, trial_)) apply(trial_);
+        }
+    }
+    may_merge_ = false;
+}
+
+/// Tries to merge nodes of an element that nothing else improves.
+bool Block::merge(const std::array<Local, 4>& node) {
+    if (!(options_.merge_distance > 0) || running_.on) return false;
+    bool found = false;
+    may_merge_ = true;
+    for (const Local gone : node) {
+        for (const Local kept : node) {
+            if (gone == kept || !examine_collapse(gone, kept, false, found ? best_.after : 0, trial_))
+                continue;
+            std::swap(trial_, best_);
+            found = true;
+        }
+    }
+    may_merge_ = false;
+    if (found) apply(best_);
+    return found;
+}
+
+/// Sets the strata of the nodes of a merge's elements by their facets.
+void Block::renew_strata(const Change& merge) {
+    std::vector<Local> nodes;
+    for (const Tetrahedron& t : merge.added) nodes.insert(nodes.end(), t.node.begin(), t.node.end());
+    for (const std::uint32_t i : merge.removed) {
+        nodes.insert(nodes.end(), tetrahedra_[i].node.begin(), tetrahedra_[i].node.end());
+    }
+    std::sort(nodes.begin(), nodes.end());
+    nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+    for (const Local n : nodes) {
+        // Of others not all facets are in the block.
+        if (free_[n] == 0 || star_[n].empty()) continue;
+        std::vector<std::uint32_t> on;
+        for (const std::uint32_t i : star_[n]) {
+            const Tetrahedron& t = tetrahedra_[i];
+            for (std::size_t f = 0; f < 4; ++f) {
+                if (t.tag[f] != 0 && t.node[f] != n) on.push_back(tag_surface(t.tag[f]));
+            }
+        }
+        std::sort(on.begin(), on.end());
+        on.erase(std::unique(on.begin(), on.end()), on.end());
+        if (on == strata_[n]) continue;
+        strata_[n] = on;
+        renewed_.push_back(n);
+    }
+}
+
+}  // namespace mortise::improve
