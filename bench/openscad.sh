@@ -1,19 +1,23 @@
 #!/bin/bash
 # Volumes of .csg models beside OpenSCAD's own (Debian: openscad), an independent reader and kernel:
 #
-#     bash bench/openscad.sh [--level N] [--count N] [--facets exact|smooth] [FOLDER...]
+#     bash bench/openscad.sh [--level N] [--count N] [--seed N] [--facets exact|smooth] [FOLDER...]
 #
-# Takes COUNT models (default 40) spread evenly over the sorted .csg files of the folders (default: the corpora,
-# MORTISE_CORPORA), and prints per file: OpenSCAD's volume, Mortise's, their difference in percent. Models that
-# one of the two cannot do are listed with the reason. Ends with the number of models within 1 %.
-# MORTISE names the program (default: build/release/mortise).
+# Takes .csg files of the folders (default: the corpora, MORTISE_CORPORA) in an order that follows from their names
+# and the seed (default 1), until COUNT (default 40) could be compared, and prints per file: OpenSCAD's volume,
+# Mortise's, their difference in percent. Files that one of the two cannot do are listed with the reason and do not
+# count. Ends with the number of models within 1 %.
+# MORTISE names the program (default: build/release/mortise), MORTISE_OPTIONS more options of it (--no-improve is
+# faster), MORTISE_LIMIT the longest time for each of the two (default 120 s).
 set -uo pipefail
 root="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
-level=6 count=40 facets=exact
+level=6 count=40 seed=1 facets=exact
+limit="${MORTISE_LIMIT:-120}" options=(${MORTISE_OPTIONS:-})
 while [ $# -gt 0 ]; do
     case "$1" in
     --level) level="$2" && shift 2 ;;
     --count) count="$2" && shift 2 ;;
+    --seed) seed="$2" && shift 2 ;;
     --facets) facets="$2" && shift 2 ;;
     *) break ;;
     esac
@@ -34,21 +38,22 @@ stl_volume() {
          END { printf "%.9g", s / 6 }' "$1"
 }
 
-mapfile -t files < <(find "$@" -name '*.csg' | LC_ALL=C sort)
-total=${#files[@]}
-[ "$total" -gt 0 ] || { echo "openscad.sh: no .csg files in: $*" >&2; exit 1; }
-[ "$count" -le "$total" ] || count=$total
+# Ordered by a checksum of seed and name: the same on every machine.
+mapfile -t files < <(find "$@" -name '*.csg' | LC_ALL=C sort | while read -r file; do
+    printf '%010d %s\n' "$(printf '%s %s' "$seed" "${file#"$corpora"/}" | cksum | cut -d ' ' -f 1)" "$file"
+done | LC_ALL=C sort | cut -d ' ' -f 2-)
+[ ${#files[@]} -gt 0 ] || { echo "openscad.sh: no .csg files in: $*" >&2; exit 1; }
 printf 'openscad\tmortise\tdifference_percent\tmodel\n'
 compared=0 within=0
-for ((k = 0; k < count; k++)); do
-    file="${files[k * total / count]}"
+for file in "${files[@]}"; do
+    [ $compared -lt "$count" ] || break
     name="${file#"$corpora"/}"
     rm -f "$scratch"/*
-    if ! timeout 120 openscad -o "$scratch/o.stl" "$file" >"$scratch/log" 2>&1 || [ ! -s "$scratch/o.stl" ]; then
+    if ! timeout "$limit" openscad -o "$scratch/o.stl" "$file" >"$scratch/log" 2>&1 || [ ! -s "$scratch/o.stl" ]; then
         printf -- '-\t-\t-\t%s: openscad: %s\n' "$name" "$(tail -1 "$scratch/log")"
         continue
     fi
-    timeout 120 "$program" "$file" -o "$scratch/m.vtu" --level "$level" --facets "$facets" >"$scratch/log" 2>&1
+    timeout "$limit" "$program" "$file" -o "$scratch/m.vtu" --level "$level" --facets "$facets" "${options[@]}" >"$scratch/log" 2>&1
     code=$?
     if [ $code -ne 0 ]; then
         printf -- '-\t-\t-\t%s: mortise: exit %d: %s\n' "$name" "$code" "$(grep -v '^warning' "$scratch/log" | tail -1)"
@@ -61,4 +66,4 @@ for ((k = 0; k < count; k++)); do
     compared=$((compared + 1))
     within=$((within + $(awk -v d="$difference" 'BEGIN { print (d < 1 && d > -1) ? 1 : 0 }')))
 done
-echo "$within of $compared models within 1 % of OpenSCAD's volume, level $level, facets $facets"
+echo "$within of $compared models within 1 % of OpenSCAD's volume, level $level, facets $facets, seed $seed"
