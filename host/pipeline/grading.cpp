@@ -5,6 +5,7 @@
 #include <limits>
 #include <string>
 
+#include "host/sizing/hints.hpp"
 #include "host/tape/expression_parser.hpp"
 #include "mortise/error.hpp"
 
@@ -39,12 +40,41 @@ void add_named_size(const std::string& name, double size, const tape::CompiledMo
     throw Error(ExitCode::kUsage, "no region or surface is called '" + name + "'; this model has " + known);
 }
 
+/// What the model asks for at parts without a node of their own. `base`: level of the boundary.
+void add_hints(const tape::BoundModel& model, int base, sizing::SizeField& field) {
+    for (const tape::SurfaceHint& hint : model.hints) {
+        const double size = hint.max_size > 0 ? hint.max_size : std::ldexp(1.0, -base - kHintLevels);
+        if (std::any_of(hint.groups.begin(), hint.groups.end(), [](const auto& g) { return g.empty(); }))
+            continue;
+        if (hint.kind == SizeHint::Kind::kPoint) {
+            field.sources.push_back({hint.at, size, 1});
+        } else if (hint.kind == SizeHint::Kind::kGap) {
+            // Flat gaps are as wide as they are; others may get narrow anywhere.
+            double least = kInfinity;
+            for (const std::uint32_t a : hint.groups[0]) {
+                for (const std::uint32_t b : hint.groups[1])
+                    least = std::min(least, 0.5 * sizing::distance_of_planes(model, a, b));
+            }
+            least = std::max(least, std::ldexp(1.0, -base - kGapLevels));
+            field.gaps.push_back({hint.groups[0], hint.groups[1], least});
+        } else if (hint.groups.size() == 1) {
+            field.surface.resize(model.surfaces.size(), kInfinity);
+            for (const std::uint32_t s : hint.groups[0]) field.surface[s] = std::min(field.surface[s], size);
+        } else {
+            field.meetings.push_back({hint.groups, size});
+        }
+    }
+}
+
 /// What file and options say of sizes; features and curvature are asked apart, since they have limits of
 /// their own.
 sizing::SizeField wanted_sizes(const MeshOptions& options, const tape::CompiledModel& compiled,
-                               const tape::BoundModel& model, const Box3& bounds) {
+                               const tape::BoundModel& model, const Box3& bounds, int base) {
     sizing::SizeField field;
-    if (options.model_sizes) field = sizing::size_field(model);
+    if (options.model_sizes) {
+        field = sizing::size_field(model);
+        add_hints(model, base, field);
+    }
     if (options.size_max > 0) field.everywhere = options.size_max / model.side;
     for (const SizeSource& source : options.sizes) {
         Vec3 at{};
@@ -76,7 +106,7 @@ int level_for(double size) {
 
 Sizes plan_sizes(const MeshOptions& options, const tape::CompiledModel& compiled,
                  const tape::BoundModel& model, const Box3& bounds, int base) {
-    Sizes sizes{{}, sizing::Sizer(model, wanted_sizes(options, compiled, model, bounds))};
+    Sizes sizes{{}, sizing::Sizer(model, wanted_sizes(options, compiled, model, bounds, base))};
     Levels& levels = sizes.levels;
     const double smallest = sizes.sizer.smallest();
     levels.base = base;

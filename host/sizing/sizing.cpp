@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "host/common/parallel.hpp"
+#include "host/sizing/hints.hpp"
 #include "host/sizing/thin.hpp"
 #include "host/sizing/topology.hpp"
 #include "kernels/shared/expression_bounds.h"
@@ -74,11 +75,15 @@ double Sizer::smallest() const {
     double size = size_in(cell_of(0, 0));
     for (const double surface : field_.surface) size = std::min(size, surface);
     for (const double region : field_.region) size = std::min(size, region);
+    for (const SizeField::Meeting& meeting : field_.meetings) size = std::min(size, meeting.size);
+    for (const SizeField::Gap& gap : field_.gaps) size = std::min(size, gap.least);
     return size;
 }
 
 double Sizer::in_size(std::uint64_t morton, int level, std::uint16_t region) const {
-    const double size = size_in(cell_of(morton, level));
+    const tape::Cell cell = cell_of(morton, level);
+    double size = size_in(cell);
+    for (const SizeField::Gap& gap : field_.gaps) size = std::min(size, gap_size(model_, gap, cell));
     return region == 0 ? size : std::min(size, wish(field_.region, region - std::size_t{1}));
 }
 
@@ -97,7 +102,22 @@ bool Sizer::is_too_large(const std::uint32_t* words, std::size_t length, const t
             default: break;
         }
     }
-    return 2 * cell.half > size * (1 + kRounding);
+    const double edge = 2 * cell.half;
+    if (edge > size * (1 + kRounding)) return true;
+    if (field_.meetings.empty() && field_.gaps.empty()) return false;
+    std::vector<std::uint32_t> here;
+    for (std::size_t i = 0; i < length; ++i) {
+        if (tape_operation(words[i]) == kTapeLiteral) here.push_back(tape_surface(words[i]));
+    }
+    std::sort(here.begin(), here.end());
+    here.erase(std::unique(here.begin(), here.end()), here.end());
+    for (const SizeField::Meeting& meeting : field_.meetings) {
+        if (edge > meeting.size * (1 + kRounding) && meet_in(model_, meeting, here, cell)) return true;
+    }
+    return std::any_of(field_.gaps.begin(), field_.gaps.end(), [&](const SizeField::Gap& gap) {
+        return (holds_one(here, gap.a) || holds_one(here, gap.b)) &&
+               edge > gap_size(model_, gap, cell) * (1 + kRounding);
+    });
 }
 
 std::vector<std::uint8_t> Sizer::split_undecided(const std::vector<TreeNode>& nodes,

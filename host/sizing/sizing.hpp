@@ -32,6 +32,19 @@ struct SizeField {
     /// bounds.
     std::vector<ExpressionOp> formula;
     Box3 within{};  ///< where the solid lies, in model coordinates: the formula is asked nowhere else
+    /// Leaves where a surface of each group meets those of the others.
+    struct Meeting {
+        std::vector<std::vector<std::uint32_t>> groups;  ///< two or three, surfaces ascending
+        double size;
+    };
+    std::vector<Meeting> meetings;
+    /// Leaves between surfaces `a` and surfaces `b`: an edge of at most half of their distance there, but not
+    /// below `least`.
+    struct Gap {
+        std::vector<std::uint32_t> a, b;
+        double least;
+    };
+    std::vector<Gap> gaps;
     double curvature_elements = 0;  ///< leaves per full turn of a curved surface; 0: no wish
     /// Edge of the finest leaf that the caller makes, 0: not told. Features thinner than half of it are not
     /// worth a split.

@@ -217,6 +217,18 @@ BoundModel bind(const CompiledModel& compiled, const Vec3& origin, double side, 
         by_offset.emplace(offset, found);
     }
     for (const double size : compiled.region_size) bound.region_size.push_back(size / side);
+    for (const SurfaceHint& hint : compiled.hints) {
+        SurfaceHint local{hint.kind, {}, {}, hint.max_size / side};
+        for (std::size_t j = 0; j < 3; ++j) local.at[j] = (hint.at[j] - origin[j]) / side;
+        for (const auto& group : hint.groups) {
+            std::vector<std::uint32_t> surfaces;
+            for (const std::uint32_t surface : group) surfaces.push_back(target[surface]);
+            std::sort(surfaces.begin(), surfaces.end());
+            surfaces.erase(std::unique(surfaces.begin(), surfaces.end()), surfaces.end());
+            local.groups.push_back(std::move(surfaces));
+        }
+        bound.hints.push_back(std::move(local));
+    }
     bound.tape = compiled.tape;
     for (std::uint32_t& word : bound.tape) {
         if (tape_operation(word) != kTapeLiteral) continue;

@@ -18,6 +18,7 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kLargestNumber = 1e100;  ///< squares of such numbers are still finite
 constexpr std::size_t kMaxTerms = 1u << 24;
+constexpr std::uint32_t kNoNode = 0xffffffffu;
 
 /// A monotone formula over signed surfaces; children come before their users.
 struct Term {
@@ -80,6 +81,7 @@ class Compiler {
             out_.region_names.push_back(region.name);
             out_.region_size.push_back(region_size(region));
         }
+        find_hints();
         compute_needs();
         compute_bounds(roots);
         // Regions are tried in order: the first is the outermost select, so it is emitted last.
@@ -217,11 +219,30 @@ class Compiler {
         return add_constant(false);
     }
 
+    /// Surfaces that primitives have got, wherever they are used.
+    std::vector<std::uint32_t> surfaces_of(std::vector<std::uint32_t> nodes) const {
+        std::sort(nodes.begin(), nodes.end());
+        std::vector<std::uint32_t> found;
+        for (std::uint32_t s = 0; s < surface_node_.size(); ++s) {
+            if (std::binary_search(nodes.begin(), nodes.end(), surface_node_[s])) found.push_back(s);
+        }
+        return found;
+    }
+
+    void find_hints() {
+        for (const SizeHint& hint : model_.hints) {
+            SurfaceHint own{hint.kind, hint.at, {}, hint.max_size};
+            for (const auto& group : hint.groups) own.groups.push_back(surfaces_of(group));
+            out_.hints.push_back(std::move(own));
+        }
+    }
+
     std::uint32_t literal(std::uint32_t surface, bool negated) {
         return add({Term::Type::kLiteral, negated, surface, {}, {}});
     }
 
     std::uint32_t primitive(const Primitive& p, const Frame& frame) {
+        node_ = frame.node;
         static const char* const kNames[] = {"convex", "sphere", "cylinder", "cone",
                                              "cone",   "torus",  "formula",  "polyhedron"};
         const std::size_t kind = static_cast<std::size_t>(p.kind);
@@ -364,6 +385,7 @@ class Compiler {
         if (is_new) out_.surface_names.push_back(name);
         out_.surfaces.push_back({surface, entry->second});
         out_.surface_size.push_back(size);
+        surface_node_.push_back(node_);
         for (int i = 0; i < 12; ++i) {
             if (!std::isfinite(surface.map[i])) {
                 throw Error(ExitCode::kInput,
@@ -379,6 +401,7 @@ class Compiler {
     }
 
     std::uint32_t box_term(const Box3& box) {
+        node_ = kNoNode;
         std::vector<std::uint32_t> faces;
         static const char* const kSides[] = {"box_xmin", "box_xmax", "box_ymin",
                                              "box_ymax", "box_zmin", "box_zmax"};
@@ -484,6 +507,8 @@ class Compiler {
 
     const Model& model_;
     CompiledModel out_;
+    std::uint32_t node_ = kNoNode;             ///< whose surfaces are made
+    std::vector<std::uint32_t> surface_node_;  ///< per surface, kNoNode for those of boxes
     std::vector<Term> terms_;
     std::vector<int> needs_;
     std::map<std::string, std::uint32_t> name_index_;

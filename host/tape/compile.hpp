@@ -28,6 +28,15 @@ struct WorldPolyhedron {
     std::vector<std::uint32_t> surface;  ///< per triangle: index into CompiledModel::surfaces
 };
 
+/// A SizeHint of the model, with surfaces for nodes: indices into `surfaces` of the model that has it,
+/// ascending.
+struct SurfaceHint {
+    SizeHint::Kind kind = SizeHint::Kind::kPoint;
+    Vec3 at{};
+    std::vector<std::vector<std::uint32_t>> groups;
+    double max_size = 0;  ///< 0: kHintLevels
+};
+
 /// A model as formula over surfaces, in model units.
 struct CompiledModel {
     std::vector<WorldSurface> surfaces;
@@ -38,8 +47,9 @@ struct CompiledModel {
     std::vector<std::string> region_names;
     std::vector<double> surface_size;  ///< per surface: element size wanted on it; infinity: none
     std::vector<double> region_size;   ///< per region: element size wanted in it; infinity: none
-    Box3 bounds{};                     ///< holds the solid; components may be infinite
-    double scale = 1;                  ///< a length that is large compared with every number in the model
+    std::vector<SurfaceHint> hints;
+    Box3 bounds{};     ///< holds the solid; components may be infinite
+    double scale = 1;  ///< a length that is large compared with every number in the model
 };
 
 /// A polyhedron in box-local coordinates, on surfaces that may be shared with other solids.
@@ -60,6 +70,7 @@ struct BoundModel {
     std::vector<std::uint32_t> surface_name;  ///< per surface, index into CompiledModel::surface_names
     std::vector<double> surface_size;         ///< per surface, as in CompiledModel, but box-local
     std::vector<double> region_size;          ///< per region, likewise
+    std::vector<SurfaceHint> hints;           ///< box-local
     std::uint64_t nearly_equal = 0;           ///< surfaces merged with one that they are not equal to
     Vec3 origin{};                            ///< model coordinates of the cube's minimum corner
     double side = 1;

@@ -99,12 +99,31 @@ struct Region {
     std::string metadata;    ///< text that the file attached to the region, verbatim
 };
 
+/// Small cells at parts of the model that have no node of their own.
+struct SizeHint {
+    enum class Kind : std::uint8_t {
+        kPoint,    ///< at a point
+        kMeeting,  ///< where a surface of each group meets those of the others; one group: on its surfaces
+        kGap,      ///< between the surfaces of two groups: cells no larger than half of their distance there
+    };
+    Kind kind = Kind::kPoint;
+    Vec3 at{};                                       ///< kPoint
+    std::vector<std::vector<std::uint32_t>> groups;  ///< primitives, by their indices in Model::nodes
+    double max_size = 0;                             ///< element size wanted; 0: kHintLevels below `level`
+    SourceLocation where;
+};
+
+/// Levels below that of the boundary for hints without a size, and at most for gaps that are not flat.
+inline constexpr int kHintLevels = 2;
+inline constexpr int kGapLevels = 4;
+
 /// A whole model as read from a file or built in code.
 struct Model {
     std::vector<CsgNode> nodes;
     std::vector<Region> regions;  ///< at least one
     std::optional<Box3>
         clip;  ///< the file's own bounding box: the solid ends there, its faces are boundaries
+    std::vector<SizeHint> hints;
     std::vector<std::string> warnings;  ///< one line each
     std::string source = "model";       ///< path or description, for messages
 

@@ -314,21 +314,45 @@ TEST_CASE("statements that change nothing yet warn once per kind") {
         "singular face a p -factor=2; singular edge p q; singular point a p q; point (0, 0, -1) -factor=3;"
         "define constant identprec = 1e-6\n"
         "point (1, 1, 1); stray");
-    const char* expected[] = {"-bco",
-                              "-bc",
-                              "identify periodic",
-                              "identify closesurfaces",
-                              "singular face",
-                              "singular edge",
-                              "singular point",
-                              "'point'",
-                              "define constant",
-                              "stray word"};
-    REQUIRE(model.warnings.size() == 10);
-    for (std::size_t k = 0; k < 10; ++k) {
+    const char* expected[] = {"-bco",          "-bc",
+                              "-tlo",          "-slices",
+                              "-factor",       "define constant",
+                              "stray word",    "identify closesurfaces",
+                              "singular face", "singular edge",
+                              "singular point"};
+    REQUIRE(model.warnings.size() == 12);
+    for (std::size_t k = 0; k < 12; ++k) {
         CAPTURE(model.warnings[k]);
         CHECK(model.warnings[k].find(expected[k]) != std::string::npos);
         CHECK(model.warnings[k].rfind("m.geo:", 0) == 0);
     }
+    CHECK(model.hints.size() == 2);
     CHECK(model.regions.size() == 1);
+}
+
+TEST_CASE("hints name the primitives that bound regions; sizes are optional") {
+    const Model model = read(
+        "solid p = plane(0,0,0;0,0,-1); solid q = plane(0,0,1;0,0,1); solid s = sphere(0,0,0;2);"
+        "solid unused = sphere(9,0,0;1); solid a = p and q and s;"
+        "identify closesurfaces p q; singular edge p s -maxh=0.25; singular face a s;"
+        "singular point p q s -factor=2; point (1, 2, 3) -maxh=0.5; singular edge p unused; tlo a;");
+    REQUIRE(model.hints.size() == 5);
+    CHECK(model.hints[0].kind == SizeHint::Kind::kPoint);
+    CHECK(model.hints[0].at == Vec3{1, 2, 3});
+    CHECK(model.hints[0].max_size == 0.5);
+    CHECK(model.hints[1].kind == SizeHint::Kind::kGap);
+    CHECK(model.hints[1].groups == std::vector<std::vector<std::uint32_t>>{{0}, {1}});
+    CHECK(model.hints[2].kind == SizeHint::Kind::kMeeting);
+    CHECK(model.hints[2].groups == std::vector<std::vector<std::uint32_t>>{{0}, {2}});
+    CHECK(model.hints[2].max_size == 0.25);
+    CHECK(model.hints[3].groups == std::vector<std::vector<std::uint32_t>>{{2}});
+    CHECK(model.hints[3].max_size == 0);
+    CHECK(model.hints[4].groups.size() == 3);
+    REQUIRE(model.warnings.size() == 2);
+    CHECK(model.warnings[0].find("-factor") != std::string::npos);
+    CHECK(model.warnings[1].find("singular edge") != std::string::npos);
+    CHECK(test::refusal("algebraic3d solid a = sphere(0,0,0;1); tlo a; point (0,0,0) -maxh=-1;", "geo")
+              .find("positive") != std::string::npos);
+    CHECK(test::refusal("algebraic3d solid a = sphere(0,0,0;1); tlo a; singular edge a b;", "geo")
+              .find("'b'") != std::string::npos);
 }

@@ -4,6 +4,7 @@
 // statements) is an error here, except a stray word before a statement or the end of the file, which is a
 // warning; a solid that is defined twice is an error; statements that we cannot honour yet warn once per
 // kind.
+#include <algorithm>
 #include <cmath>
 #include <unordered_map>
 #include <unordered_set>
@@ -32,6 +33,7 @@ class GeoReader {
             fail_here("the file declares no top-level object; expected 'tlo NAME;' for at least one solid");
         }
         apply_overrides();
+        apply_hints();
         return std::move(model_);
     }
 
@@ -42,6 +44,11 @@ class GeoReader {
         std::string name;
         std::string statement;
         SourceLocation where;
+    };
+
+    struct Hint {
+        SizeHint hint;
+        std::string statement;
     };
 
     [[noreturn]] void fail_here(const std::string& message) const {
@@ -272,10 +279,16 @@ class GeoReader {
             fail(source_, where,
                  "'identify " + kind + "' is unknown; expected periodic, closesurfaces or closeedges");
         }
-        for (int k = 0; k < (kind == "closeedges" ? 3 : 2); ++k) take_solid("the name of a solid");
-        lexer_.take_flags();
+        SizeHint hint;
+        hint.kind = SizeHint::Kind::kGap;
+        hint.where = where;
+        for (int k = 0; k < (kind == "closeedges" ? 3 : 2); ++k)
+            hint.groups.push_back(surfaces_.primitives(take_solid("the name of a solid")));
+        const std::vector<GeoFlag> flags = lexer_.take_flags();
         lexer_.take_symbol(';', "after 'identify'");
-        warn_unused("identify " + kind, where);
+        if (kind != "closesurfaces") return warn_unused("identify " + kind, where);
+        for (const GeoFlag& flag : flags) warn_of_flag(flag);
+        hints_.push_back({std::move(hint), "identify closesurfaces"});
     }
 
     /// singular face REGION SOLID [flags] ;  singular edge A B [flags] ;  singular point A B C [flags] ;
@@ -284,20 +297,73 @@ class GeoReader {
         if (kind != "face" && kind != "edge" && kind != "point") {
             fail(source_, where, "'singular " + kind + "' is unknown; expected face, edge or point");
         }
-        for (int k = 0; k < (kind == "point" ? 3 : 2); ++k) take_solid("the name of a solid");
-        lexer_.take_flags();
+        SizeHint hint;
+        hint.kind = SizeHint::Kind::kMeeting;
+        hint.where = where;
+        std::vector<std::uint32_t> solids;
+        for (int k = 0; k < (kind == "point" ? 3 : 2); ++k)
+            solids.push_back(take_solid("the name of a solid"));
+        if (kind == "face") {
+            hint.groups = {surfaces_.common_primitives(solids[1], solids[0])};
+        } else {
+            for (const std::uint32_t solid : solids) hint.groups.push_back(surfaces_.primitives(solid));
+        }
+        hint.max_size = take_hint_size();
         lexer_.take_symbol(';', "after 'singular'");
-        warn_unused("singular " + kind, where);
+        hints_.push_back({std::move(hint), "singular " + kind});
     }
 
     /// point (x, y, z) [flags] ;
     void read_point(SourceLocation where) {
+        SizeHint hint;
+        hint.where = where;
         lexer_.take_symbol('(', "after 'point'");
-        lexer_.take_vector("the point");
+        hint.at = lexer_.take_vector("the point");
         lexer_.take_symbol(')', "after the point");
-        lexer_.take_flags();
+        hint.max_size = take_hint_size();
         lexer_.take_symbol(';', "after 'point'");
-        warn_unused("point", where);
+        model_.hints.push_back(std::move(hint));
+    }
+
+    /// Flags of a hint: -maxh is a size, -factor weighs basis functions and is of no use to a mesh.
+    double take_hint_size() {
+        double size = 0;
+        for (const GeoFlag& flag : lexer_.take_flags()) {
+            if (flag.name == "maxh") {
+                size = positive_flag(flag);
+            } else {
+                warn_of_flag(flag);
+            }
+        }
+        return size;
+    }
+
+    /// Keeps the hints whose solids bound a region; regions may be declared after them.
+    void apply_hints() {
+        std::vector<std::uint32_t> used;
+        for (const Region& region : model_.regions) {
+            const std::vector<std::uint32_t> below = surfaces_.primitives(region.root);
+            used.insert(used.end(), below.begin(), below.end());
+        }
+        std::sort(used.begin(), used.end());
+        for (Hint& entry : hints_) {
+            bool whole = true;
+            for (auto& group : entry.hint.groups) {
+                group.erase(std::remove_if(group.begin(), group.end(),
+                                           [&used](std::uint32_t node) {
+                                               return !std::binary_search(used.begin(), used.end(), node);
+                                           }),
+                            group.end());
+                whole = whole && !group.empty();
+            }
+            if (whole) {
+                model_.hints.push_back(std::move(entry.hint));
+            } else {
+                warn_once(entry.statement, entry.hint.where,
+                          "'" + entry.statement +
+                              "' names a solid that has no surface on a top-level object; it has no effect");
+            }
+        }
     }
 
     /// define constant NAME = number [;]: Netgen itself does not take the semicolon.
@@ -354,6 +420,7 @@ class GeoReader {
     std::unordered_set<std::string> region_names_;
     std::unordered_set<std::string> warned_;
     std::vector<Override> overrides_;
+    std::vector<Hint> hints_;
 };
 
 }  // namespace

@@ -68,6 +68,15 @@ void GeoSurfaces::set_face_conditions(std::uint32_t polyhedron, const std::vecto
     node.primitive.triangles = std::move(named);
 }
 
+std::vector<std::uint32_t> GeoSurfaces::primitives(std::uint32_t root) const {
+    std::vector<std::uint32_t> found = reachable(root, false);
+    found.erase(std::remove_if(
+                    found.begin(), found.end(),
+                    [this](std::uint32_t node) { return model_.nodes[node].op != CsgNode::Op::kPrimitive; }),
+                found.end());
+    return found;
+}
+
 std::vector<std::uint32_t> GeoSurfaces::common_primitives(std::uint32_t root, std::uint32_t region) const {
     const std::vector<std::uint32_t> inside = reachable(region, false);
     std::vector<std::uint32_t> found;

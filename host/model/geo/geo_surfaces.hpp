@@ -32,6 +32,11 @@ class GeoSurfaces {
     /// other regions, too. False if there is none.
     bool set_size(std::uint32_t root, std::uint32_t region, double size);
 
+    /// Primitives below a node, ascending.
+    std::vector<std::uint32_t> primitives(std::uint32_t root) const;
+    /// Primitives below both nodes, ascending.
+    std::vector<std::uint32_t> common_primitives(std::uint32_t root, std::uint32_t region) const;
+
     /// Calls the surfaces of nodes [first, end) that have neither condition nor name after their solid.
     void set_solid(std::uint32_t first, const std::string& solid);
 
@@ -41,8 +46,6 @@ class GeoSurfaces {
 
   private:
     void set_primitive(std::uint32_t node, const std::string& name);
-    /// Primitives below both nodes.
-    std::vector<std::uint32_t> common_primitives(std::uint32_t root, std::uint32_t region) const;
     /// Nodes reachable from `root`, ascending. With `open_only`, not below a settled node.
     std::vector<std::uint32_t> reachable(std::uint32_t root, bool open_only) const;
     void grow() { settled_.resize(model_.nodes.size(), 0); }
