@@ -78,6 +78,15 @@ ExitCode info_command(const Arguments& arguments) {
         document["box"] = {{"min", model.clip->min}, {"max", model.clip->max}};
         text += "  box        " + corner_text(model.clip->min) + " to " + corner_text(model.clip->max) + "\n";
     }
+    document["size_hints"] = model.hints.size();
+    if (!model.hints.empty())
+        text +=
+            "  hints      " + std::to_string(model.hints.size()) + " places where small cells are wanted\n";
+    document["periodic"] = Json::array();
+    for (const PeriodicPair& pair : model.periodic) {
+        document["periodic"].push_back(pair.name);
+        text += "  periodic   " + pair.name + "\n";
+    }
     add_summary(summarize(model), document, text);
     document["warnings"] = model.warnings;
     print(arguments.json ? to_text(document) : text);

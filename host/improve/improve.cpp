@@ -294,7 +294,7 @@ Mesh improve(Mesh mesh, const tape::BoundModel& model, const Options& options, C
     const std::vector<Tip> tips = find_tips(model, options.level);
     Counters local;
     for (int run = 0; run < kRuns; ++run) {
-        Zone zone = open_zone(mesh, frame, surfaces, tips, options.threads);
+        Zone zone = open_zone(mesh, frame, surfaces, tips, options.held, options.threads);
         if (zone.tetrahedra.empty()) break;
         if (options.is_open != nullptr && holds_open(zone, *options.is_open, *trace)) {
             local.reached_open = true;

@@ -33,7 +33,19 @@ std::vector<QuadKey> outer_quads(const Mesh& mesh) {
     return quads;
 }
 
-void mark_kept_quads(const Mesh& mesh, const std::vector<QuadKey>& outer, std::vector<ElementRef>& elements) {
+std::vector<QuadKey> held_quads(const Mesh& mesh, const std::vector<std::uint8_t>* held) {
+    const FacetBlock& facets = mesh.facets;
+    std::vector<QuadKey> quads;
+    for (std::size_t i = 0; i < facets.size() && held != nullptr; ++i) {
+        const NodeId* node = facets.nodes.data() + 4 * i;
+        if (node[2] != node[3] && (*held)[facets.surface[i]] != 0) quads.push_back(quad_key(node));
+    }
+    std::sort(quads.begin(), quads.end());
+    return quads;
+}
+
+void mark_kept_quads(const Mesh& mesh, const std::vector<QuadKey>& outer, const std::vector<QuadKey>& held,
+                     std::vector<ElementRef>& elements) {
     std::vector<QuadUse> uses;
     for (std::size_t i = 0; i < elements.size(); ++i) {
         elements[i].kept = 0;
@@ -53,9 +65,12 @@ void mark_kept_quads(const Mesh& mesh, const std::vector<QuadKey>& outer, std::v
     for (std::size_t i = 0; i < uses.size();) {
         std::size_t end = i + 1;
         while (end < uses.size() && uses[end].key == uses[i].key) ++end;
-        if (end == i + 1 && !std::binary_search(outer.begin(), outer.end(), uses[i].key)) {
-            elements[uses[i].face / 8].kept |= static_cast<std::uint8_t>(1u << (uses[i].face % 8));
-        }
+        const auto is_in = [&](const std::vector<QuadKey>& list) {
+            return std::binary_search(list.begin(), list.end(), uses[i].key);
+        };
+        const bool kept = is_in(held) || (end == i + 1 && !is_in(outer));
+        for (std::size_t k = i; k < end && kept; ++k)
+            elements[uses[k].face / 8].kept |= static_cast<std::uint8_t>(1u << (uses[k].face % 8));
         i = end;
     }
 }

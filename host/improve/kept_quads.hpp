@@ -23,8 +23,12 @@ struct ElementRef {
 /// The quadrilateral facets of the outer boundary, ascending.
 std::vector<QuadKey> outer_quads(const Mesh& mesh);
 
-/// Marks the quadrilaterals that stay whole: those that an element outside also has. `outer` from
-/// outer_quads.
-void mark_kept_quads(const Mesh& mesh, const std::vector<QuadKey>& outer, std::vector<ElementRef>& elements);
+/// Those on held surfaces (Options::held; null: none), ascending.
+std::vector<QuadKey> held_quads(const Mesh& mesh, const std::vector<std::uint8_t>* held);
+
+/// Marks the quadrilaterals that stay whole: held ones, and those that an element outside also has. `outer`
+/// and `held` from the functions above.
+void mark_kept_quads(const Mesh& mesh, const std::vector<QuadKey>& outer, const std::vector<QuadKey>& held,
+                     std::vector<ElementRef>& elements);
 
 }  // namespace mortise::improve

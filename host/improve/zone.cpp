@@ -26,11 +26,12 @@ constexpr double kLowestSplit = 0.02;
 class Opener {
   public:
     Opener(const Mesh& mesh, const CellFrame& frame, const Surfaces& surfaces, const std::vector<Tip>& tips,
-           int threads)
+           const std::vector<std::uint8_t>* held, int threads)
         : mesh_(mesh),
           frame_(frame),
           surfaces_(surfaces),
           tips_(tips),
+          held_(held),
           threads_(threads),
           cells_(frame.level, frame.leaves) {}
 
@@ -47,6 +48,7 @@ class Opener {
         for (const CellId cell : poor) cells_.set_ring(cell);
         if (!cells_.is_graded()) find_cells(mesh_, frame_, cells_, threads_, places_);
         outer_quads_ = outer_quads(mesh_);
+        held_quads_ = held_quads(mesh_, held_);
         place_.assign(mesh_.node_count(), kNone);
         for (int round = 0; round < kGrowths; ++round) {
             collect();
@@ -57,7 +59,7 @@ class Opener {
         }
         finish_nodes();
         find_strata();
-        tag_faces(mesh_, place_, zone_);
+        tag_faces(mesh_, place_, held_, zone_);
         correct_tags();
         find_strata();
         assign_tips();
@@ -93,7 +95,7 @@ class Opener {
             });
             for (const auto& list : found) elements_.insert(elements_.end(), list.begin(), list.end());
         }
-        mark_kept_quads(mesh_, outer_quads_, elements_);
+        mark_kept_quads(mesh_, outer_quads_, held_quads_, elements_);
         number_nodes();
     }
 
@@ -238,6 +240,13 @@ class Opener {
             });
         }
         zone_.frozen.assign(frozen.begin(), frozen.end());
+        for (std::size_t i = 0; i < mesh_.facets.size() && held_ != nullptr; ++i) {
+            if ((*held_)[mesh_.facets.surface[i]] == 0) continue;
+            for (std::size_t k = 0; k < 4; ++k) {
+                const ZoneNode node = place_[mesh_.facets.nodes[4 * i + k]];
+                if (node != kNone) zone_.frozen[node] = 1;
+            }
+        }
     }
 
     /// Surfaces of each node: of the facets of the mesh that stay, and of those that the zone has taken.
@@ -360,13 +369,14 @@ class Opener {
     const CellFrame& frame_;
     const Surfaces& surfaces_;
     const std::vector<Tip>& tips_;
+    const std::vector<std::uint8_t>* held_;
     int threads_;
     CellSet cells_;
     Zone zone_;
     Places places_;
     int unit_class_ = 0;
     double rounding_ = kVolumeRounding;
-    std::vector<QuadKey> outer_quads_;
+    std::vector<QuadKey> outer_quads_, held_quads_;
     std::vector<ElementRef> elements_;
     std::vector<std::uint32_t> place_;  ///< per node of the mesh: its place in the zone
 };
@@ -374,8 +384,8 @@ class Opener {
 }  // namespace
 
 Zone open_zone(const Mesh& mesh, const CellFrame& frame, const Surfaces& surfaces,
-               const std::vector<Tip>& tips, int threads) {
-    return Opener(mesh, frame, surfaces, tips, threads).open();
+               const std::vector<Tip>& tips, const std::vector<std::uint8_t>* held, int threads) {
+    return Opener(mesh, frame, surfaces, tips, held, threads).open();
 }
 
 }  // namespace mortise::improve

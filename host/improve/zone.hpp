@@ -25,7 +25,8 @@ inline constexpr std::uint32_t kNone = 0xffffffffu;
 using FaceTag = std::uint32_t;
 inline constexpr FaceTag kTagInside = 1;     ///< the facet's region `inside` is that of this tetrahedron
 inline constexpr FaceTag kTagInterface = 2;  ///< there is a region on the other side too
-inline constexpr FaceTag kTagBorder = 4;     ///< an interface to an element outside the zone: stays as it is
+inline constexpr FaceTag kTagBorder =
+    4;  ///< held, or an interface to an element outside the zone: stays as it is
 inline FaceTag make_tag(std::uint32_t surface) { return (surface + 1) << 3; }
 inline std::uint32_t tag_surface(FaceTag tag) { return (tag >> 3) - 1; }
 
@@ -114,10 +115,10 @@ struct Trace {
     std::vector<std::uint32_t> facet;
 };
 
-/// Collects the zone; cells of tips count as poor. `threads` host threads; the result does not depend on
-/// them.
+/// Collects the zone; cells of tips count as poor. `held` as Options::held. `threads` host threads; the
+/// result does not depend on them.
 Zone open_zone(const Mesh& mesh, const CellFrame& frame, const Surfaces& surfaces,
-               const std::vector<Tip>& tips, int threads);
+               const std::vector<Tip>& tips, const std::vector<std::uint8_t>* held, int threads);
 
 /// Puts the zone's elements, facets and moved nodes in place of those that were taken. `trace` may be null;
 /// it is brought up to date.

@@ -27,7 +27,8 @@ std::array<std::array<NodeId, 3>, 2> halves(const NodeId* node) {
 
 /// Facets whose triangles are faces of the zone's tetrahedra. Equal nodes are not enough: half of a
 /// quadrilateral that stays whole may have the nodes of a face inside the solid.
-void tag_faces(const Mesh& mesh, const std::vector<std::uint32_t>& place, Zone& zone) {
+void tag_faces(const Mesh& mesh, const std::vector<std::uint32_t>& place,
+               const std::vector<std::uint8_t>* held, Zone& zone) {
     const FacetBlock& facets = mesh.facets;
     std::vector<TriangleKey> triangles;
     const auto add = [&](std::size_t i, const std::array<NodeId, 3>& node, std::uint8_t parts) {
@@ -115,7 +116,8 @@ void tag_faces(const Mesh& mesh, const std::vector<std::uint32_t>& place, Zone& 
         FaceTag tag = make_tag(facets.surface[m.facet]);
         if (facets.outside[m.facet] != 0) tag |= kTagInterface;
         if (m.inside) tag |= kTagInside;
-        if (facets.outside[m.facet] == 0 || (inside != 0 && outside != 0)) {
+        const bool stays = held != nullptr && (*held)[facets.surface[m.facet]] != 0;
+        if (!stays && (facets.outside[m.facet] == 0 || (inside != 0 && outside != 0))) {
             zone.facet_taken[m.facet] = 1;
         } else {
             tag |= kTagBorder;

@@ -42,8 +42,9 @@ void add_named_size(const std::string& name, double size, const tape::CompiledMo
 
 /// What the model asks for at parts without a node of their own. `base`: level of the boundary.
 void add_hints(const tape::BoundModel& model, int base, sizing::SizeField& field) {
+    const auto below = [base](int levels) { return std::ldexp(1.0, -std::min(base + levels, kMaxLevel)); };
     for (const tape::SurfaceHint& hint : model.hints) {
-        const double size = hint.max_size > 0 ? hint.max_size : std::ldexp(1.0, -base - kHintLevels);
+        const double size = hint.max_size > 0 ? hint.max_size : below(kHintLevels);
         if (std::any_of(hint.groups.begin(), hint.groups.end(), [](const auto& g) { return g.empty(); }))
             continue;
         if (hint.kind == SizeHint::Kind::kPoint) {
@@ -55,7 +56,7 @@ void add_hints(const tape::BoundModel& model, int base, sizing::SizeField& field
                 for (const std::uint32_t b : hint.groups[1])
                     least = std::min(least, 0.5 * sizing::distance_of_planes(model, a, b));
             }
-            least = std::max(least, std::ldexp(1.0, -base - kGapLevels));
+            least = std::max(least, below(kGapLevels));
             field.gaps.push_back({hint.groups[0], hint.groups[1], least});
         } else if (hint.groups.size() == 1) {
             field.surface.resize(model.surfaces.size(), kInfinity);
@@ -132,7 +133,8 @@ Sizes plan_sizes(const MeshOptions& options, const tape::CompiledModel& compiled
 }
 
 octree::Octree build_tree(device::Device& device, const MeshOptions& options, const tape::BoundModel& model,
-                          const Sizes& sizes, octree::DeviceTree* on_device) {
+                          const Sizes& sizes, const std::vector<PeriodicAxis>& periodic,
+                          octree::DeviceTree* on_device) {
     const Levels& levels = sizes.levels;
     if (levels.is_uniform()) return octree::build(device, model, levels.base, on_device);
     sizing::SizeField shape;
@@ -153,6 +155,7 @@ octree::Octree build_tree(device::Device& device, const MeshOptions& options, co
         };
         if (level < levels.sizes) ask(sizes.sizer);
         if (level < levels.features) ask(features);
+        split_images(model, periodic, nodes, level, result);
         return result;
     };
     grading.split_in = [&](std::uint64_t morton, int level, std::uint16_t region) {

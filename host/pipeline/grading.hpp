@@ -3,6 +3,7 @@
 
 #include "host/common/leaf_grid.hpp"
 #include "host/octree/octree.hpp"
+#include "host/pipeline/periodic.hpp"
 #include "host/sizing/sizing.hpp"
 #include "host/tape/compile.hpp"
 #include "mortise/mesher.hpp"
@@ -31,9 +32,10 @@ struct Sizes {
 Sizes plan_sizes(const MeshOptions& options, const tape::CompiledModel& compiled,
                  const tape::BoundModel& model, const Box3& bounds, int base);
 
-/// The tree, uniform if all levels are one.
+/// The tree, uniform if all levels are one. What sizes split at periodic planes is split at both.
 octree::Octree build_tree(device::Device& device, const MeshOptions& options, const tape::BoundModel& model,
-                          const Sizes& sizes, octree::DeviceTree* on_device);
+                          const Sizes& sizes, const std::vector<PeriodicAxis>& periodic,
+                          octree::DeviceTree* on_device);
 
 /// The meshed leaves, for stages that only have the mesh; empty lists if the tree is uniform.
 LeafGrid leaf_grid(const octree::Octree& tree);

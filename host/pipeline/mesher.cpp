@@ -8,6 +8,7 @@
 #include "host/improve/improve.hpp"
 #include "host/jacobian/jacobian.hpp"
 #include "host/pipeline/names.hpp"
+#include "host/pipeline/periodic.hpp"
 #include "host/pipeline/piece.hpp"
 #include "host/pipeline/prepare.hpp"
 #include "host/pipeline/stream.hpp"
@@ -113,8 +114,10 @@ Mesh Mesher::generate(const Model& model, const MeshOptions& options, MeshReport
     if (options.improve) {
         stages.begin("improve", 0.93);
         improve::Counters counters;
-        mesh = improve::improve(std::move(mesh), prepared.bound,
-                                pipeline::improvement_options(prepared, options), &counters);
+        improve::Options improve_options = pipeline::improvement_options(prepared, options);
+        const std::vector<std::uint8_t> held = pipeline::held_surfaces(prepared.bound, prepared.periodic);
+        if (!held.empty()) improve_options.held = &held;
+        mesh = improve::improve(std::move(mesh), prepared.bound, improve_options, &counters);
         stages.end(counters.zone_elements);
         pipeline::report_improvement(counters, options, out);
     }
@@ -122,9 +125,16 @@ Mesh Mesher::generate(const Model& model, const MeshOptions& options, MeshReport
     mesh.region_names = prepared.compiled.region_names;
     pipeline::warn_of_empty_regions(mesh.region_names, regions_present(mesh), model.source, out);
 
+    std::vector<NodeId> copy_of;
+    if (!prepared.periodic.empty()) {
+        stages.begin("periodic", 0.945);
+        copy_of = pipeline::match_planes(prepared.periodic, model, prepared.bound, prepared.root.cell(), mesh,
+                                         out.warnings);
+        stages.end(prepared.periodic.size());
+    }
     if (options.tetrahedra) {
         stages.begin("tetrahedra", 0.95);
-        mesh = tetrahedra::split(mesh);
+        mesh = tetrahedra::split(mesh, copy_of.empty() ? nullptr : &copy_of);
         stages.end(mesh.element_count());
     }
     describe_mesh(prepared.compiled, prepared.bound, prepared.leaves, options, stages, mesh, out);

@@ -120,7 +120,8 @@ Prepared prepare(const std::function<device::Device&()>& open_device, const Mode
     result.compiled = tape::compile(model, options.box ? &*options.box : nullptr);
     const tape::CompiledModel& compiled = result.compiled;
     const Box3 bounds = tape::find_bounds(compiled, model.source);
-    const Root root = result.root = choose_root(compiled, bounds, options);
+    result.periodic = periodic_axes(compiled, model, &out.warnings);
+    const Root root = result.root = choose_root(compiled, bounds, options, result.periodic, out.warnings);
     if (root.level > octree::kMaxUniformLevel) {
         throw Error(ExitCode::kUsage, "cells of size " + number(options.size) + " need level " +
                                           std::to_string(root.level) + "; a uniform tree has at most level " +
@@ -169,7 +170,7 @@ Prepared prepare(const std::function<device::Device&()>& open_device, const Mode
 
     stages.begin("octree", 0.05);
     octree::Octree& tree = result.tree;
-    tree = build_tree(device, options, bound, sizes, &result.on_device);
+    tree = build_tree(device, options, bound, sizes, result.periodic, &result.on_device);
     octree::drop_coincident(device, bound, tree, result.on_device, options.threads);
     stages.end(tree.cells_evaluated);
 

@@ -21,6 +21,7 @@ namespace mortise::pipeline {
 struct Prepared {
     tape::CompiledModel compiled;
     tape::BoundModel bound;
+    std::vector<PeriodicAxis> periodic;
     Root root;
     octree::Octree tree;
     octree::DeviceTree on_device;

@@ -11,6 +11,7 @@ namespace {
 constexpr int kDefaultLevel = 6;
 constexpr double kOnPlane = 1e-6;         ///< cells: closer than signs can tell (kSignTolerance)
 constexpr double kFewestCells = 0.8;      ///< share of the cells across the model that fitting keeps
+constexpr double kWhole = 1e-9;           ///< cells
 constexpr std::size_t kMostPlanes = 512;  ///< per axis, of models with more the first
 
 /// Places of the planes across each axis, ascending, inside the bounds.
@@ -94,11 +95,60 @@ Root fit_root(const tape::CompiledModel& compiled, const Box3& bounds, double ex
     return best;
 }
 
+/// Cells of which every distance between periodic planes is a whole number, with all these planes on the
+/// grid: the largest number of them that the root's level allows, the smallest not below its size. False, and
+/// nothing done, if there are none.
+bool fit_periodic(const std::vector<PeriodicAxis>& pairs, const Box3& bounds, double extent, bool fixed_size,
+                  Root& root) {
+    if (root.level < 3) return false;
+    const auto is_whole = [](double length, double cell) {
+        const double count = std::fabs(length) / cell;
+        return std::fabs(count - std::round(count)) < kWhole && std::round(count) >= 1;
+    };
+    const double period = std::fabs(pairs[0].second - pairs[0].first);
+    const double wanted = root.cell();
+    const double ratio = period / wanted;
+    double count = fixed_size ? std::ceil(ratio * (1 - kWhole)) : std::floor(ratio * (1 + kWhole));
+    const double step = fixed_size ? 1 : -1;
+    for (; count >= std::max(1.0, 0.5 * ratio) && count <= 2 * ratio + 1; count += step) {
+        Root tried = root;
+        const double cell = period / count;
+        while (tried.level < kMaxLevel && std::ldexp(cell, tried.level) < (extent + 2 * cell) * (1 - kWhole))
+            ++tried.level;
+        if (!fixed_size && tried.level != root.level) continue;
+        tried.side = std::ldexp(cell, tried.level);
+        bool fits = true;
+        for (std::size_t j = 0; j < 3 && fits; ++j) {
+            tried.origin[j] = 0.5 * (bounds.min[j] + bounds.max[j] - tried.side);
+            const PeriodicAxis* anchor = nullptr;
+            for (const PeriodicAxis& pair : pairs) {
+                if (pair.axis != j) continue;
+                if (anchor == nullptr) anchor = &pair;
+                fits = fits && is_whole(pair.second - pair.first, cell) &&
+                       (pair.first == anchor->first || is_whole(pair.first - anchor->first, cell));
+            }
+            if (anchor == nullptr || !fits) continue;
+            const double most = bounds.min[j] - cell;
+            const double least = bounds.max[j] + cell - tried.side;
+            double origin = anchor->first - cell * std::round((anchor->first - tried.origin[j]) / cell);
+            if (origin > most + kOnPlane * cell) origin -= cell;
+            if (origin < least - kOnPlane * cell) origin += cell;
+            fits = origin <= most + kOnPlane * cell && origin >= least - kOnPlane * cell;
+            tried.origin[j] = origin;
+        }
+        if (!fits) continue;
+        root = tried;
+        return true;
+    }
+    return false;
+}
+
 }  // namespace
 
 double Root::cell() const { return std::ldexp(side, -level); }
 
-Root choose_root(const tape::CompiledModel& compiled, const Box3& bounds, const MeshOptions& options) {
+Root choose_root(const tape::CompiledModel& compiled, const Box3& bounds, const MeshOptions& options,
+                 const std::vector<PeriodicAxis>& periodic, std::vector<std::string>& warnings) {
     double extent = 0;
     for (std::size_t j = 0; j < 3; ++j) extent = std::max(extent, bounds.max[j] - bounds.min[j]);
     Root root{};
@@ -114,6 +164,12 @@ Root choose_root(const tape::CompiledModel& compiled, const Box3& bounds, const 
         root.side = root.level >= 3 ? extent * (cells / (cells - 2)) : 1.25 * extent;
     }
     for (std::size_t j = 0; j < 3; ++j) root.origin[j] = 0.5 * (bounds.min[j] + bounds.max[j] - root.side);
+    if (!periodic.empty()) {
+        if (fit_periodic(periodic, bounds, extent, fixed_size, root)) return root;
+        warnings.push_back(
+            "the distances of periodic planes have no common cell of about this size; their faces may "
+            "differ");
+    }
     if (options.box_fit && root.level >= 3) return fit_root(compiled, bounds, extent, root, fixed_size);
     return root;
 }

@@ -1,6 +1,7 @@
 // The root cube: where the octree lies in model space.
 #pragma once
 
+#include "host/pipeline/periodic.hpp"
 #include "host/tape/compile.hpp"
 #include "mortise/mesher.hpp"
 
@@ -20,6 +21,11 @@ struct Root {
 /// With MeshOptions::box_fit (Saxena & Perucchio 1992, §6.1: size and offset of the enclosing box) cells may
 /// be up to a quarter larger than those of `level`, and the cube is shifted, so that as many as possible of
 /// the model's planes across the axes lie on grid planes, where cells stay whole.
-Root choose_root(const tape::CompiledModel& compiled, const Box3& bounds, const MeshOptions& options);
+///
+/// Planes of `periodic` pairs lie on grid planes, whatever the options say of the box: cells get larger for
+/// that, by less than a factor of two, or smaller with MeshOptions::size. If no such grid is found, a warning
+/// tells.
+Root choose_root(const tape::CompiledModel& compiled, const Box3& bounds, const MeshOptions& options,
+                 const std::vector<PeriodicAxis>& periodic, std::vector<std::string>& warnings);
 
 }  // namespace mortise::pipeline

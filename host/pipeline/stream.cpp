@@ -313,6 +313,10 @@ void stream(const std::function<device::Device&()>& open_device, const Model& mo
     check_stream_options(options);
     Stages stages(options, out);
     Prepared prepared = prepare(open_device, model, options, stages, out);
+    if (!prepared.periodic.empty()) {
+        out.warnings.push_back(model.source +
+                               ": periodic faces are not made to match in meshes made part by part");
+    }
     refuse(prepared.tree.graded, "cells of several sizes");
     const KernelsEnd kernels_end{open_device()};
     octree::share_memory(open_device(), prepared.tree, prepared.on_device);

@@ -229,6 +229,11 @@ BoundModel bind(const CompiledModel& compiled, const Vec3& origin, double side, 
         }
         bound.hints.push_back(std::move(local));
     }
+    for (PeriodicSurfaces pair : compiled.periodic) {
+        for (std::uint32_t* surface : {&pair.first, &pair.second})
+            if (*surface != PeriodicSurfaces::kNoSurface) *surface = target[*surface];
+        bound.periodic.push_back(pair);
+    }
     bound.tape = compiled.tape;
     for (std::uint32_t& word : bound.tape) {
         if (tape_operation(word) != kTapeLiteral) continue;

@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "host/tape/expression_parser.hpp"
+#include "host/tape/hints.hpp"
 #include "host/tape/polyhedron.hpp"
 #include "host/tape/surface_bounds.hpp"
 
@@ -81,7 +82,7 @@ class Compiler {
             out_.region_names.push_back(region.name);
             out_.region_size.push_back(region_size(region));
         }
-        find_hints();
+        find_hints(model_, surface_node_, out_);
         compute_needs();
         compute_bounds(roots);
         // Regions are tried in order: the first is the outermost select, so it is emitted last.
@@ -217,24 +218,6 @@ class Compiler {
             case CsgNode::Op::kTransform: return frame.terms.at(0);
         }
         return add_constant(false);
-    }
-
-    /// Surfaces that primitives have got, wherever they are used.
-    std::vector<std::uint32_t> surfaces_of(std::vector<std::uint32_t> nodes) const {
-        std::sort(nodes.begin(), nodes.end());
-        std::vector<std::uint32_t> found;
-        for (std::uint32_t s = 0; s < surface_node_.size(); ++s) {
-            if (std::binary_search(nodes.begin(), nodes.end(), surface_node_[s])) found.push_back(s);
-        }
-        return found;
-    }
-
-    void find_hints() {
-        for (const SizeHint& hint : model_.hints) {
-            SurfaceHint own{hint.kind, hint.at, {}, hint.max_size};
-            for (const auto& group : hint.groups) own.groups.push_back(surfaces_of(group));
-            out_.hints.push_back(std::move(own));
-        }
     }
 
     std::uint32_t literal(std::uint32_t surface, bool negated) {

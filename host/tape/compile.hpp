@@ -37,6 +37,13 @@ struct SurfaceHint {
     double max_size = 0;  ///< 0: kHintLevels
 };
 
+/// A PeriodicPair of the model as surfaces; kNoSurface where its solid has none in the model.
+struct PeriodicSurfaces {
+    static constexpr std::uint32_t kNoSurface = 0xffffffffu;
+    std::uint32_t first = kNoSurface;
+    std::uint32_t second = kNoSurface;
+};
+
 /// A model as formula over surfaces, in model units.
 struct CompiledModel {
     std::vector<WorldSurface> surfaces;
@@ -48,7 +55,8 @@ struct CompiledModel {
     std::vector<double> surface_size;  ///< per surface: element size wanted on it; infinity: none
     std::vector<double> region_size;   ///< per region: element size wanted in it; infinity: none
     std::vector<SurfaceHint> hints;
-    Box3 bounds{};     ///< holds the solid; components may be infinite
+    std::vector<PeriodicSurfaces> periodic;  ///< parallel to Model::periodic
+    Box3 bounds{};                           ///< holds the solid; components may be infinite
     double scale = 1;  ///< a length that is large compared with every number in the model
 };
 
@@ -71,6 +79,7 @@ struct BoundModel {
     std::vector<double> surface_size;         ///< per surface, as in CompiledModel, but box-local
     std::vector<double> region_size;          ///< per region, likewise
     std::vector<SurfaceHint> hints;           ///< box-local
+    std::vector<PeriodicSurfaces> periodic;   ///< as in CompiledModel
     std::uint64_t nearly_equal = 0;           ///< surfaces merged with one that they are not equal to
     Vec3 origin{};                            ///< model coordinates of the cube's minimum corner
     double side = 1;

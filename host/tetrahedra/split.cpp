@@ -23,13 +23,23 @@ double determinant(const std::vector<double>& points, const Tetrahedron& t) {
            edge[0][2] * (edge[1][0] * edge[2][1] - edge[1][1] * edge[2][0]);
 }
 
+/// Order of the nodes of a mesh; nodes without a rank come last.
+struct Order {
+    const std::vector<NodeId>* rank;
+
+    bool operator()(NodeId a, NodeId b) const {
+        const auto of = [this](NodeId n) { return rank != nullptr && n < rank->size() ? (*rank)[n] : n; };
+        return of(a) != of(b) ? of(a) < of(b) : a < b;
+    }
+};
+
 /// Triangles of a facet of three or four nodes, cut through its lowest node; the orientation stays.
-void triangulate(const NodeId* node, int count, std::vector<std::array<NodeId, 3>>& out) {
+void triangulate(const NodeId* node, int count, const Order& less, std::vector<std::array<NodeId, 3>>& out) {
     if (count == 3) {
         out.push_back({node[0], node[1], node[2]});
         return;
     }
-    const auto low = static_cast<std::size_t>(std::min_element(node, node + 4) - node);
+    const auto low = static_cast<std::size_t>(std::min_element(node, node + 4, less) - node);
     for (std::size_t k = 1; k < 3; ++k) {
         out.push_back({node[low], node[(low + k) % 4], node[(low + k + 1) % 4]});
     }
@@ -37,7 +47,8 @@ void triangulate(const NodeId* node, int count, std::vector<std::array<NodeId, 3
 
 /// Tetrahedra from `apex` over the faces that do not hold it. Outward triangles make a positive one as (a, c,
 /// b, apex).
-void cone(ElementType type, const NodeId* node, NodeId apex, std::vector<Tetrahedron>& out) {
+void cone(ElementType type, const NodeId* node, NodeId apex, const Order& less,
+          std::vector<Tetrahedron>& out) {
     std::vector<std::array<NodeId, 3>> triangles;
     const LocalFaces faces = local_faces(type);
     for (int f = 0; f < faces.count; ++f) {
@@ -49,7 +60,7 @@ void cone(ElementType type, const NodeId* node, NodeId apex, std::vector<Tetrahe
             corner[count++] = node[i];
             holds = holds || node[i] == apex;
         }
-        if (!holds) triangulate(corner, count, triangles);
+        if (!holds) triangulate(corner, count, less, triangles);
     }
     for (const auto& t : triangles) out.push_back({t[0], t[2], t[1], apex});
 }
@@ -61,7 +72,8 @@ bool all_positive(const std::vector<double>& points, const std::vector<Tetrahedr
 
 }  // namespace
 
-Mesh split(const Mesh& mesh) {
+Mesh split(const Mesh& mesh, const std::vector<NodeId>* rank) {
+    const Order less{rank};
     Mesh result;
     result.points = mesh.points;
     result.region_names = mesh.region_names;
@@ -78,7 +90,7 @@ Mesh split(const Mesh& mesh) {
             if (type == ElementType::kTetrahedron) {
                 pieces.push_back({node[0], node[1], node[2], node[3]});
             } else {
-                cone(type, node, *std::min_element(node, node + size), pieces);
+                cone(type, node, *std::min_element(node, node + size, less), less, pieces);
                 if (!all_positive(result.points, pieces)) {
                     pieces.clear();
                     const auto centre = static_cast<NodeId>(result.node_count());
@@ -88,7 +100,7 @@ Mesh split(const Mesh& mesh) {
                             sum += mesh.points[3 * std::size_t{node[k]} + j];
                         result.points.push_back(sum / static_cast<double>(size));
                     }
-                    cone(type, node, centre, pieces);
+                    cone(type, node, centre, less, pieces);
                     if (!all_positive(result.points, pieces)) {
                         throw Error(ExitCode::kMeshing,
                                     "element " + std::to_string(i) + " of type " + std::to_string(t) +
@@ -108,7 +120,7 @@ Mesh split(const Mesh& mesh) {
     for (std::size_t i = 0; i < facets.size(); ++i) {
         const NodeId* node = facets.nodes.data() + 4 * i;
         triangles.clear();
-        triangulate(node, node[3] == node[2] ? 3 : 4, triangles);
+        triangulate(node, node[3] == node[2] ? 3 : 4, less, triangles);
         for (const auto& triangle : triangles) {
             result.facets.nodes.insert(result.facets.nodes.end(), triangle.begin(), triangle.end());
             result.facets.nodes.push_back(triangle[2]);

@@ -11,7 +11,9 @@
 namespace mortise::tetrahedra {
 
 /// Splits all elements and facets. Regions, kinds, facet surfaces and the order of elements carry over.
-/// Throws Error(kMeshing) if an element cannot be split into positive tetrahedra even from its centre.
-Mesh split(const Mesh& mesh);
+/// Nodes are compared by `rank`, then by number; null: by number alone. Faces whose nodes have the same ranks
+/// are cut alike. Throws Error(kMeshing) if an element cannot be split into positive tetrahedra even from its
+/// centre.
+Mesh split(const Mesh& mesh, const std::vector<NodeId>* rank = nullptr);
 
 }  // namespace mortise::tetrahedra

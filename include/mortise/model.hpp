@@ -117,6 +117,13 @@ struct SizeHint {
 inline constexpr int kHintLevels = 2;
 inline constexpr int kGapLevels = 4;
 
+/// Two planes between which the solid repeats: their facets shall match, moved from one to the other.
+struct PeriodicPair {
+    std::vector<std::uint32_t> first, second;  ///< primitives, as in SizeHint; the first plane of each counts
+    std::string name;                          ///< as the file calls them, for messages
+    SourceLocation where;
+};
+
 /// A whole model as read from a file or built in code.
 struct Model {
     std::vector<CsgNode> nodes;
@@ -124,6 +131,7 @@ struct Model {
     std::optional<Box3>
         clip;  ///< the file's own bounding box: the solid ends there, its faces are boundaries
     std::vector<SizeHint> hints;
+    std::vector<PeriodicPair> periodic;
     std::vector<std::string> warnings;  ///< one line each
     std::string source = "model";       ///< path or description, for messages
 

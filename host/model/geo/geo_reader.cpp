@@ -282,12 +282,19 @@ class GeoReader {
         SizeHint hint;
         hint.kind = SizeHint::Kind::kGap;
         hint.where = where;
-        for (int k = 0; k < (kind == "closeedges" ? 3 : 2); ++k)
+        std::string names;
+        for (int k = 0; k < (kind == "closeedges" ? 3 : 2); ++k) {
+            names += (k == 0 ? "" : " ") + std::string(lexer_.token().text);
             hint.groups.push_back(surfaces_.primitives(take_solid("the name of a solid")));
+        }
         const std::vector<GeoFlag> flags = lexer_.take_flags();
         lexer_.take_symbol(';', "after 'identify'");
-        if (kind != "closesurfaces") return warn_unused("identify " + kind, where);
+        if (kind == "closeedges") return warn_unused("identify " + kind, where);
         for (const GeoFlag& flag : flags) warn_of_flag(flag);
+        if (kind == "periodic") {
+            model_.periodic.push_back({hint.groups[0], hint.groups[1], names, where});
+            return;
+        }
         hints_.push_back({std::move(hint), "identify closesurfaces"});
     }
 

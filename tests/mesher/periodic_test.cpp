@@ -1,0 +1,225 @@
+// Periodic faces of Netgen's "identify periodic": the facets of one, moved, are those of the other.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <map>
+#include <set>
+
+#include "tests/mesher/meshed.hpp"
+
+namespace mortise::test {
+namespace {
+
+/// Sections of the mesh's elements with a plane: the faces that lie in it, as sorted positions in the plane,
+/// with the region of their element.
+using Section = std::multiset<std::pair<std::vector<std::array<double, 2>>, int>>;
+
+/// Element faces in the plane x[axis] == at, taken from the elements: facets are not looked at.
+Section section(const Mesh& mesh, std::size_t axis, double at) {
+    Section result;
+    for (int t = 0; t < kElementTypes; ++t) {
+        const auto type = static_cast<ElementType>(t);
+        const ElementBlock& block = mesh.block(type);
+        const auto size = static_cast<std::size_t>(kElementNodes[static_cast<std::size_t>(t)]);
+        const LocalFaces faces = local_faces(type);
+        for (std::size_t i = 0; i < block.size(); ++i) {
+            for (int f = 0; f < faces.count; ++f) {
+                std::vector<std::array<double, 2>> key;
+                bool in_plane = true;
+                for (const int k : faces.faces[f]) {
+                    if (k < 0) continue;
+                    const NodeId node = block.nodes[i * size + static_cast<std::size_t>(k)];
+                    const double* p = mesh.points.data() + 3 * std::size_t{node};
+                    in_plane = in_plane && p[axis] == at;
+                    key.push_back({p[(axis + 1) % 3], p[(axis + 2) % 3]});
+                }
+                if (!in_plane) continue;
+                std::sort(key.begin(), key.end());
+                result.insert({key, block.region[i]});
+            }
+        }
+    }
+    return result;
+}
+
+/// Equal up to 1e-12 of the unit box.
+bool is_same(const Section& a, const Section& b) {
+    if (a.size() != b.size()) return false;
+    const auto rounded = [](const Section& s) {
+        std::multiset<std::pair<std::vector<std::array<long long, 2>>, int>> result;
+        for (const auto& [key, region] : s) {
+            std::vector<std::array<long long, 2>> k;
+            for (const auto& p : key) k.push_back({std::llround(p[0] * 1e12), std::llround(p[1] * 1e12)});
+            std::sort(k.begin(), k.end());
+            result.insert({k, region});
+        }
+        return result;
+    };
+    return a == b || rounded(a) == rounded(b);
+}
+
+bool warns_of_period(const MeshReport& report) {
+    return std::any_of(report.warnings.begin(), report.warnings.end(),
+                       [](const std::string& w) { return w.find("periodic") != std::string::npos; });
+}
+
+const std::string kCube =
+    "algebraic3d\n"
+    "solid px = plane (0,0,0;-1,0,0); solid qx = plane (1,0,0;1,0,0);\n"
+    "solid py = plane (0,0,0;0,-1,0); solid qy = plane (0,1,0;0,1,0);\n"
+    "solid pz = plane (0,0,0;0,0,-1); solid qz = plane (0,0,1;0,0,1);\n"
+    "solid cube = px and qx and py and qy and pz and qz;\n";
+const std::string kPairs = "identify periodic px qx; identify periodic py qy; identify periodic pz qz;\n";
+
+/// Balls at the corners, in the middle of two faces and in the middle, so that all planes cut some.
+std::string balls() {
+    std::string text = "solid balls = sphere(0.5,0.52,0.47;0.2)";
+    for (int c = 0; c < 8; ++c) {
+        text += " or sphere(" + std::to_string(c & 1) + "," + std::to_string((c >> 1) & 1) + "," +
+                std::to_string(c >> 2) + ";0.31)";
+    }
+    text += " or sphere(0,0.47,0.55;0.17) or sphere(1,0.47,0.55;0.17)";
+    return text + ";\n";
+}
+
+void check_periodic(const std::string& text, const MeshOptions& options, const Vec3& period = {1, 1, 1}) {
+    const Meshed m = mesh_and_check(parse_model(text, "geo", "periodic.geo"), options);
+    CHECK(m.defects == "");
+    CHECK_FALSE(warns_of_period(m.report));
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        CAPTURE(axis);
+        const Section low = section(m.mesh, axis, 0);
+        CHECK(low.size() > 50);
+        CHECK(is_same(low, section(m.mesh, axis, period[axis])));
+    }
+}
+
+}  // namespace
+
+TEST_CASE("three pairs of planes, balls at corners and faces, as holes and as a region") {
+    const std::string regions =
+        kCube + balls() + "solid inner = cube and balls; solid outer = cube and not balls;\n";
+    for (const char* tlos : {"tlo outer;\n", "tlo outer; tlo inner;\n", "tlo inner;\n"}) {
+        CAPTURE(tlos);
+        for (const int level : {4, 5}) {
+            MeshOptions options;
+            options.level = level;
+            check_periodic(regions + tlos + kPairs, options);
+            options.improve = false;
+            check_periodic(regions + tlos + kPairs, options);
+        }
+    }
+}
+
+TEST_CASE("tetrahedra, sizes by length, pieces: the same faces") {
+    const std::string text = kCube + balls() + "solid outer = cube and not balls; tlo outer;\n" + kPairs;
+    MeshOptions options;
+    options.level = 5;
+    options.tetrahedra = true;
+    check_periodic(text, options);
+    options = {};
+    options.size = 0.043;
+    check_periodic(text, options);
+    options = {};
+    options.level = 5;
+    options.pieces = 5;
+    check_periodic(text, options);
+    options.pieces = 1;
+    options.interior_coarsening = 2;
+    check_periodic(text, options);
+}
+
+TEST_CASE("sizes at one plane hold at the other, too") {
+    const std::string text = kCube + balls() + "solid outer = cube and not balls; tlo outer;\n" + kPairs;
+    for (const char* hint : {"singular edge px py;", "point (0, 0, 0.5);", "tlo outer px -maxh=0.02;"}) {
+        CAPTURE(std::string(hint));
+        MeshOptions options;
+        options.level = 4;
+        check_periodic(text + hint, options);
+    }
+}
+
+TEST_CASE("periods that differ share a cell") {
+    const std::string text =
+        "algebraic3d\n"
+        "solid px = plane (0,0,0;-1,0,0); solid qx = plane (1,0,0;1,0,0);\n"
+        "solid py = plane (0,0,0;0,-1,0); solid qy = plane (0,0.6,0;0,1,0);\n"
+        "solid pz = plane (0,0,0;0,0,-1); solid qz = plane (0,0,0.35;0,0,1);\n"
+        "solid a = px and qx and py and qy and pz and qz and not (sphere(0,0.3,0.2;0.13) or "
+        "sphere(1,0.3,0.2;0.13)); tlo a;\n" +
+        kPairs;
+    MeshOptions options;
+    options.level = 6;
+    check_periodic(text, options, {1, 0.6, 0.35});
+    // No cell fits an irrational ratio: a warning.
+    const std::string odd = kCube.substr(0, kCube.find("solid pz")) +
+                            "solid pz = plane (0,0,0;0,0,-1); solid qz = plane (0,0,0.70710678;0,0,1);\n"
+                            "solid a = px and qx and py and qy and pz and qz; tlo a;\n" +
+                            kPairs;
+    options.level = 4;
+    const Meshed m = mesh_and_check(parse_model(odd, "geo", "odd.geo"), options);
+    CHECK(m.defects == "");
+    CHECK(warns_of_period(m.report));
+}
+
+TEST_CASE("a model that does not repeat: one warning with the place") {
+    const std::string text = kCube +
+                             "solid a = cube and not sphere(0,0.5,0.5;0.2); tlo a;\n"
+                             "identify periodic px qx; identify periodic py qy;";
+    MeshOptions options;
+    options.level = 5;
+    const Meshed m = mesh_and_check(parse_model(text, "geo", "half.geo"), options);
+    CHECK(m.defects == "");
+    REQUIRE(m.report.warnings.size() == 1);
+    CAPTURE(m.report.warnings[0]);
+    CHECK(m.report.warnings[0].rfind("half.geo:7:1: identify periodic px qx: ", 0) == 0);
+    CHECK(m.report.warnings[0].find("the model differs") != std::string::npos);
+    CHECK(m.report.warnings[0].find("'a'") != std::string::npos);
+    const Section low = section(m.mesh, 1, 0);
+    CHECK(is_same(low, section(m.mesh, 1, 1)));
+}
+
+TEST_CASE("what no grid can repeat is told") {
+    const auto warning = [](const std::string& statement) {
+        MeshOptions options;
+        options.level = 4;
+        const Meshed m = mesh_and_check(
+            parse_model(
+                "algebraic3d\nsolid p = plane(0,0,0;-1,-1,0); solid q = plane(1,1,0;1,1,0);\n"
+                "solid s = sphere(0,0,0;9); solid b = orthobrick(-1,-1,-1;2,2,2); solid a = p and q and b;\n"
+                "solid far = plane(0,0,0;0,1,0); tlo a;\n" +
+                    statement,
+                "geo", "odd.geo"),
+            options);
+        CHECK(m.defects == "");
+        REQUIRE(m.report.warnings.size() == 1);
+        return m.report.warnings[0];
+    };
+    CHECK(warning("identify periodic p q;").find("across the same axis") != std::string::npos);
+    CHECK(warning("identify periodic p far;").find("bounds no region") != std::string::npos);
+}
+
+TEST_CASE("the corpora's periodic model") {
+    const char* folder = std::getenv("MORTISE_CORPORA");
+    const std::filesystem::path file =
+        (folder != nullptr ? std::filesystem::path(folder)
+                           : std::filesystem::path(MORTISE_SOURCE_DIR) / ".." / "shared" / "corpora") /
+        "netgen-tutorials" / "period.geo";
+    if (!std::filesystem::exists(file)) {
+        MESSAGE("skipped: 1 model of the corpora is not there");
+        return;
+    }
+    MeshOptions options;
+    options.level = 5;
+    const Meshed m = mesh_and_check(read_model(file.string()), options);
+    CHECK(m.defects == "");
+    CHECK_FALSE(warns_of_period(m.report));
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        CHECK(is_same(section(m.mesh, axis, 0), section(m.mesh, axis, 1)));
+}
+
+}  // namespace mortise::test
