@@ -146,6 +146,25 @@ TEST_CASE("derivatives of random programs agree with central differences") {
     CHECK(compared > 1500);
 }
 
+TEST_CASE("an infinite slope at what does not change is no slope") {
+    // acos(min(x, 1)) + y, acos(max(x, -1)) + y.
+    for (const double bound : {1.0, -1.0}) {
+        const std::vector<ExpressionOp> ops = {
+            {kExprX, 1, 0, 0, 0},
+            {bound > 0 ? kExprMin : kExprMax, 1, 1, kExpressionLiteral, bound},
+            {kExprAcos, 1, 1, 0, 0},
+            {kExprY, 2, 0, 0, 0},
+            {kExprAdd, 0, 1, 2, 0}};
+        const double u[3] = {3 * bound, 0.25, 0};
+        double gradient[3];
+        CHECK(expression_sample(ops.data(), static_cast<u32>(ops.size()), u, gradient) ==
+              doctest::Approx(bound > 0 ? 0.25 : 3.14159265358979 + 0.25));
+        CHECK(gradient[0] == 0);
+        CHECK(gradient[1] == 1);
+        CHECK(gradient[2] == 0);
+    }
+}
+
 TEST_CASE("a program may use every register") {
     // x in all registers, added up from the last to the first.
     std::vector<ExpressionOp> ops;
