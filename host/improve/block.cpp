@@ -120,6 +120,7 @@ Block::Result Block::result() const {
         const bool inside =
             std::all_of(t.node.begin(), t.node.end(), [this](Local n) { return free_[n] != 0; });
         t.stuck = inside && !has_changed(static_cast<std::uint32_t>(i));
+        result.slivers += inside && t.quality < kMergeBelow ? 1 : 0;
         for (auto& n : t.node) n = zone_node_[n];
         result.tetrahedra.push_back(t);
     }

@@ -83,9 +83,13 @@ class Block {
         std::vector<Tetrahedron> tetrahedra;
         std::vector<std::pair<ZoneNode, Point>> points;  ///< where free nodes are now
         Strata strata;                                   ///< those that merging has changed
+        std::size_t slivers = 0;                         ///< elements that merging is for
         BlockCounters counters;
     };
     Result result() const;
+
+    /// Whether there are creases closer to each other than half of `merge_distance` (in cells) for some way.
+    bool has_creases_side_by_side(double merge_distance) const;
 
     BlockCounters counters;
 
@@ -208,6 +212,8 @@ class Block {
     void merge_close_nodes();
     bool merge(const std::array<Local, 4>& node);
     bool may_merge(Local gone, Local kept);
+    Point facet_normal(Local node, std::uint32_t surface) const;
+    bool makes_blade(Local gone, Local kept) const;
     void renew_strata(const Change& merge);
 
     // swap.cpp

@@ -56,7 +56,6 @@ class Improver {
         std::vector<BlockCounters> counted(groups_.size());
         BlockOptions block_options;
         block_options.look_ahead = look_ahead;
-        block_options.merge_distance = options_.merge_distance;
         block_options.reposition = options_.smooth > 0;
         block_options.rounds = std::max(2, 2 * options_.smooth);
         std::vector<Block> blocks(threads, Block(surfaces_));
@@ -67,7 +66,18 @@ class Improver {
             if (scratch.empty()) scratch.assign(zone_.points.size(), kNone);
             Block& block = blocks[static_cast<std::size_t>(thread)];
             const auto load = [&] { block.load(zone_, group.tetrahedra, group.pyramids, free_, scratch); };
-            std::optional<Block::Result> result = run_carefully(block, load, block_options);
+            load();
+            BlockOptions merging = block_options;
+            merging.merge_distance = options_.merge_distance;
+            // Merging is for what nothing else helps, but where creases run side by side there is no doubt.
+            const bool merges_first = block.has_creases_side_by_side(merging.merge_distance);
+            std::optional<Block::Result> result =
+                run_carefully(block, load, merges_first ? merging : block_options);
+            if (!result || (result->slivers > 0 && !merges_first)) {
+                std::optional<Block::Result> other =
+                    run_carefully(block, load, merges_first ? block_options : merging);
+                if (other && (!result || other->slivers < result->slivers)) result = std::move(other);
+            }
             if (!result) {
                 for (const std::uint32_t i : group.tetrahedra) results[begin].push_back(zone_.tetrahedra[i]);
                 counted[begin].given_up = 1;

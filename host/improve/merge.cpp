@@ -9,11 +9,81 @@
 #include "host/improve/block.hpp"
 
 namespace mortise::improve {
+namespace {
+
+constexpr double kParallel = 0.1;  ///< sine of the angle between two creases
+constexpr int kFewestSideBySide = 4;
+constexpr double kFacingAway = 0.5;  ///< cosine between outward normals, less than zero
+
+}  // namespace
+
+bool Block::has_creases_side_by_side(double merge_distance) const {
+    const auto direction = [this](Local n) -> Point {
+        const Surfaces::Sample a = surfaces_.sample(strata_[n][0], points_[n]);
+        const Surfaces::Sample b = surfaces_.sample(strata_[n][1], points_[n]);
+        return a.valid && b.valid ? cross(a.gradient, b.gradient) : Point{0, 0, 0};
+    };
+    const auto is_side_by_side = [&](Local a, Local b) {
+        if (strata_[a].size() != 2 || strata_[b].size() != 2 || strata_[a] == strata_[b]) return false;
+        const double reach = 0.5 * merge_distance * std::min(size_[a], size_[b]);
+        if (squared_length(points_[a] - points_[b]) > reach * reach) return false;
+        const Point u = direction(a);
+        const Point v = direction(b);
+        return squared_length(cross(u, v)) < kParallel * kParallel * squared_length(u) * squared_length(v);
+    };
+    int count = 0;
+    for (const Tetrahedron& t : tetrahedra_) {
+        for (std::size_t i = 0; i < 4 && t.quality < kMergeBelow; ++i) {
+            for (std::size_t j = i + 1; j < 4; ++j) {
+                if (is_side_by_side(t.node[i], t.node[j]) && ++count == kFewestSideBySide) return true;
+            }
+        }
+    }
+    return false;
+}
+
+/// Outward normal of a node's facets on a surface, as long as their area.
+Point Block::facet_normal(Local node, std::uint32_t surface) const {
+    Point sum = {0, 0, 0};
+    for (const std::uint32_t i : star_[node]) {
+        const Tetrahedron& t = tetrahedra_[i];
+        for (std::size_t f = 0; f < 4; ++f) {
+            if (t.node[f] == node || (t.tag[f] & kTagInside) == 0 || tag_surface(t.tag[f]) != surface)
+                continue;
+            const Point& a = points_[t.node[kOpposite[f][0]]];
+            sum = sum + cross(points_[t.node[kOpposite[f][1]]] - a, points_[t.node[kOpposite[f][2]]] - a);
+        }
+    }
+    return sum;
+}
+
+/// Whether surfaces that face away from each other would meet: the rim of a thin plate, or of a slit, would
+/// be eaten up from there.
+bool Block::makes_blade(Local gone, Local kept) const {
+    const std::vector<std::uint32_t>& on_gone = strata_[gone];
+    const std::vector<std::uint32_t>& on_kept = strata_[kept];
+    const auto is_in = [](const std::vector<std::uint32_t>& list, std::uint32_t surface) {
+        return std::binary_search(list.begin(), list.end(), surface);
+    };
+    for (const std::uint32_t a : on_gone) {
+        const Point u = facet_normal(gone, a);
+        for (const std::uint32_t b : on_kept) {
+            if (is_in(on_kept, a) && is_in(on_gone, b)) continue;
+            const Point v = facet_normal(kept, b);
+            const double cosine = dot(u, v);
+            if (cosine < 0 &&
+                cosine * cosine > kFacingAway * kFacingAway * squared_length(u) * squared_length(v))
+                return true;
+        }
+    }
+    return false;
+}
 
 /// Whether `gone`, on a stratum that `kept` is not on, may be merged with it. A crease is not moved onto a
 /// face, nor a corner onto a crease.
 bool Block::may_merge(Local gone, Local kept) {
-    if (!may_merge_ || free_[kept] == 0 || strata_[kept].size() < strata_[gone].size()) return false;
+    if (!may_merge_ || free_[kept] == 0 || strata_[kept].size() < 2) return false;
+    if (strata_[kept].size() < strata_[gone].size()) return false;
     const auto& star = star_[gone];
     if (std::none_of(star.begin(), star.end(),
                      [this](std::uint32_t i) { return tetrahedra_[i].quality < kMergeBelow; }))
@@ -24,7 +94,8 @@ bool Block::may_merge(Local gone, Local kept) {
         const Surfaces::Sample s = surfaces_.sample(surface, points_[kept]);
         return s.valid && std::fabs(s.value) <= reach * length(s.gradient);
     };
-    if (!std::all_of(strata_[gone].begin(), strata_[gone].end(), is_near)) return false;
+    if (!std::all_of(strata_[gone].begin(), strata_[gone].end(), is_near) || makes_blade(gone, kept))
+        return false;
     // A corner, or where a crease ends, goes no farther than to what is next to it.
     const std::size_t on = strata_[gone].size();
     if (on < 2 || (on == 2 && count_feature_edges(gone) > 1)) return true;
