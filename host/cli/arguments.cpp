@@ -334,7 +334,11 @@ void read_mesh_words(const Words& words, Arguments& arguments) {
         if (options.smooth > 100)
             refuse("--smooth '" + words.smooth + "': expected a whole number from 0 to 100");
     }
-    if (!words.merge.empty()) options.merge_distance = parse_number("--merge", words.merge);
+    if (!words.merge.empty()) {
+        options.merge_distance = parse_number("--merge", words.merge);
+        if (options.merge_distance < 0 || options.merge_distance > 0.25)
+            refuse("--merge '" + words.merge + "': expected a part of a cell, from 0 to 0.25");
+    }
     options.quality = arguments.quality;
     if (!words.floor.empty()) {
         arguments.quality_floor = parse_number("--quality-floor", words.floor);
