@@ -16,6 +16,12 @@ using device::Device;
 
 /// Words that the tape arena starts with for each node of a level; it grows when a level needs more.
 constexpr std::size_t kWordsPerNode = 4;
+/// A level rarely adds more than twice what the one before did; room for so much is not made beyond this.
+constexpr std::size_t kMostAhead = std::size_t{1} << 26;
+/// Words of all tapes (MOST_TAPE_WORDS in kernels/octree/descend.cl).
+constexpr std::size_t kMostTapeWords = 0xc0000000u;
+/// Scratch for the states of words; a level whose tapes need more is split in several launches.
+constexpr std::size_t kScratchBytes = 8u << 20;
 
 /// Runs kernels/octree/descend.cl level by level.
 class Descent {
@@ -32,12 +38,13 @@ class Descent {
         const std::vector<TreeNode> root = {{0, 0, static_cast<std::uint32_t>(model.tape.size())}};
         nodes_ = device.upload(root);
         count_ = 1;
+        longest_ = added_words_ = model.tape.size();
         in_nodes_ = device.allocate(sizeof(InNode));
     }
 
     /// Splits the nodes at hand, which are of level - 1; then those are their undecided children.
     void step(int level, const Buffer& ops) {
-        if (!used_) used_ = device_.allocate(sizeof(std::uint32_t));
+        if (!used_) used_ = device_.allocate(2 * sizeof(std::uint32_t));
         split(level, ops);
         cells_evaluated_ += 8 * evaluated_;
     }
@@ -72,24 +79,30 @@ class Descent {
         Buffer states = device_.allocate(8 * count_ * sizeof(std::int32_t));
         Buffer unknown = device_.allocate((count_ + 1) * sizeof(std::uint32_t));
         Buffer in = device_.allocate((count_ + 1) * sizeof(std::uint32_t));
-        reserve(used_words_ + kWordsPerNode * count_);
+        reserve(used_words_ + kWordsPerNode * count_ + std::min(2 * added_words_, kMostAhead));
+        const std::size_t batch = reserve_scratch();
         for (;;) {
-            const auto before = static_cast<std::uint32_t>(used_words_);
-            device_.upload(used_, &before, 1);
-            device_.launch(descend_, count_, nodes_, tapes_, bounds_, ops, spatial_, children, states,
-                           unknown, in, used_, static_cast<std::uint32_t>(capacity_),
-                           static_cast<std::int32_t>(level));
-            std::uint32_t after = 0;
-            device_.download(used_, &after, 1);
-            if (after <= capacity_ && after >= before) {
-                used_words_ = after;
+            const std::uint32_t before[2] = {static_cast<std::uint32_t>(used_words_), 0};
+            device_.upload(used_, before, 2);
+            for (std::size_t first = 0; first < count_; first += batch) {
+                device_.launch(descend_, std::min(batch, count_ - first), nodes_, tapes_, bounds_, ops,
+                               spatial_, children, states, unknown, in, used_, scratch_,
+                               static_cast<std::uint32_t>(capacity_), static_cast<std::uint32_t>(first),
+                               static_cast<std::uint32_t>(longest_), static_cast<std::int32_t>(level));
+            }
+            std::uint32_t after[2] = {};
+            device_.download(used_, after, 2);
+            if (after[0] <= capacity_) {
+                added_words_ = after[0] - before[0];
+                used_words_ = after[0];
+                longest_ = after[1];
                 break;
             }
-            if (after < before || capacity_ >= 0x80000000u) {
+            if (after[0] >= kMostTapeWords) {
                 throw Error(ExitCode::kDevice, "the tapes of level " + std::to_string(level) +
-                                                   " need more than 2^32 words; use a lower --level");
+                                                   " need more than 12 GB; use a lower --level");
             }
-            reserve(after);
+            reserve(after[0]);
         }
         const std::uint64_t next_count = device_.exclusive_scan_u32(unknown, unknown, count_);
         const std::uint64_t new_in = device_.exclusive_scan_u32(in, in, count_);
@@ -103,9 +116,20 @@ class Descent {
         nodes_ = std::move(next);
     }
 
+    /// Scratch for the states of the words of as many nodes' tapes as are split at once; returns their
+    /// number.
+    std::size_t reserve_scratch() {
+        const std::size_t slot = std::max<std::size_t>(1, longest_) *
+                                 static_cast<std::size_t>(1 + device_.lanes()) * sizeof(std::uint16_t);
+        const std::size_t batch =
+            std::clamp<std::size_t>(kScratchBytes / slot, 1, std::max<std::size_t>(1, count_));
+        if (batch * slot > scratch_.bytes()) scratch_ = device_.allocate(batch * slot);
+        return batch;
+    }
+
     void reserve(std::size_t words) {
         if (words <= capacity_) return;
-        const std::size_t capacity = std::min<std::size_t>(std::max(words, 2 * capacity_), 0xfffffff0u);
+        const std::size_t capacity = std::min<std::size_t>(std::max(words, 2 * capacity_), kMostTapeWords);
         grow(tapes_, used_words_ * sizeof(std::uint32_t), capacity * sizeof(std::uint32_t));
         capacity_ = capacity;
     }
@@ -126,8 +150,11 @@ class Descent {
     Buffer nodes_;
     Buffer in_nodes_;
     Buffer used_;
+    Buffer scratch_;
     std::size_t capacity_ = 0;
     std::size_t used_words_ = 0;
+    std::size_t added_words_ = 0;  ///< by the last level
+    std::size_t longest_ = 0;      ///< words of the longest tape of the nodes at hand, or more
     std::size_t count_ = 0;
     std::size_t in_count_ = 0;
     std::uint64_t evaluated_ = 0;

@@ -2,13 +2,16 @@
 // by interval arithmetic on the node's pruned tape (algorithms.md §1; Saxena & Perucchio 1992, §3: IN / OUT /
 // ? cells).
 //
-// Reads   parents, tapes (words of the parents), surfaces, ops, spatial (kernels/shared/spatial.h).
-// Writes  children[8i + c], states[8i + c] for parent i, unknown_counts[i], in_counts[i], new words of tapes.
+// Reads   parents[first_item + i], tapes (words of the parents), surfaces, ops, spatial
+//         (kernels/shared/spatial.h).
+// Writes  children[8i + c], states[8i + c] for parent i, unknown_counts[i], in_counts[i], new words of tapes;
+//         used[0], words of all tapes, and used[1], words of the longest tape of an undecided child;
+//         scratch: for each work-item 1 + LANES values for each of slot_words words; no tape has more.
 // One work-item handles one parent; its eight children are the lanes of one vector on CPUs (LANES 8) and a
 // loop on GPUs (LANES 1). Guarantees: a child is IN or OUT only if its closed cube is, whatever the rounding;
-// results do not depend on the order of work-items, though the places of new tapes do. If the tape arena is
-// too small, used[0] still counts the words that were needed, and the caller runs the level again in a larger
-// arena.
+// tapes of any length are pruned alike; results do not depend on the order of work-items, though the places
+// of new tapes do. If the tape arena is too small, used[0] still counts the words that were needed (up to
+// MOST_TAPE_WORDS), and the caller runs the level again in a larger arena.
 #include "shared/bounds.h"
 #include "shared/expression_bounds.h"
 #include "shared/lattice.h"
@@ -38,11 +41,13 @@ typedef int lanes_int;
 #error "LANES must be 1 or 8"
 #endif
 
-// States of literals beyond this many words are treated as unknown by the pruning: conservative.
-#define MAX_CHOICES 2048
-// Tapes of more surfaces or words are not searched for surfaces on which they do not depend.
+// Tapes of more surfaces or words are not searched for surfaces on which they do not depend. A surface is one
+// bit of the number of a choice of signs, a choice one bit of a word.
 #define MAX_REDUCED 5
 #define MAX_REDUCED_WORDS 48
+#define KEPT_WORDS 48                 // of a child's tape that are kept while the parent's is evaluated
+#define NOTHING 0xffffffffu           // no word of a tape
+#define MOST_TAPE_WORDS 0xc0000000u   // of all tapes: counting ends here, before it wraps
 #define RELATIVE 9.5367431640625e-7f  // 2^-20: more than the rounding of any sum below
 
 typedef struct Cube {
@@ -188,175 +193,239 @@ lanes_int classify_surface(__global const SurfaceBounds* s, __global const Expre
     }
 }
 
-// State of word i for lane c: 0 unknown, 1 false, 2 true.
-int choice_of(const ushort* choices, uint i, int c) {
-    return i < MAX_CHOICES ? (choices[i] >> (2 * c)) & 3 : 0;
-}
-
 // What a spatial word is in child c: 0, 1 or kUnknown.
 int spatial_state(uint entry, uint word) {
     return entry > kSpatialIn ? kUnknown : (int)(entry ^ tape_negated(word));
 }
 
-// Writes what stands for an undecided spatial word in a child, the child's node or its formula, to out (null:
-// counts only). Returns the number of words.
-uint expand_spatial(__global const uint* spatial, uint entry, uint word, __global uint* out) {
-    const uint place = entry & ~kSpatialFormula;
-    if (entry == place) {
-        if (out) out[0] = make_spatial(place, tape_negated(word));
-        return 1;
-    }
-    if (out) {
-        for (uint i = 0; i < spatial[place]; ++i) {
-            const uint copied = spatial[place + 1 + i];
-            out[i] = tape_negated(word) ? negate_word(copied) : copied;
-        }
-    }
-    return spatial[place];
+// Number of words that stand for an undecided spatial word in a child: the child's node, or its formula.
+uint expanded_words(__global const uint* spatial, uint entry) {
+    return entry & kSpatialFormula ? spatial[entry & ~kSpatialFormula] : 1u;
 }
 
-// Copies what is unknown of a tape for child c; out may be null to count only. Returns the number of words.
-// While it runs it writes up to `peak` words: code of an operand is dropped only when its operation turns out
-// to be known. `expanded` tells whether spatial words were replaced.
-uint prune(__global const uint* tape, uint length, __global const uint* spatial, const ushort* choices, int c,
-           __global uint* out, uint* peak, int* expanded) {
+// Word k of them.
+uint expanded_word(__global const uint* spatial, uint entry, uint word, uint k) {
+    if (entry & kSpatialFormula) {
+        const uint copied = spatial[(entry & ~kSpatialFormula) + 1 + k];
+        return tape_negated(word) ? negate_word(copied) : copied;
+    }
+    return make_spatial(entry, tape_negated(word));
+}
+
+// Bit k: lane k of `yes`; bit 8 + k: lane k of `also`. A lane is set where its condition holds.
+uint lane_bits(lanes_int yes, lanes_int also) {
+#if LANES == 8
+    const int8 bits =
+        (yes & (int8)(1, 2, 4, 8, 16, 32, 64, 128)) | (also & ((int8)(1, 2, 4, 8, 16, 32, 64, 128) << 8));
+    const int4 half_bits = bits.lo | bits.hi;
+    const int2 quarter_bits = half_bits.lo | half_bits.hi;
+    return (uint)(quarter_bits.x | quarter_bits.y);
+#else
+    return (uint)((yes ? 1 : 0) | (also ? 256 : 0));
+#endif
+}
+
+// A short tape as words are dropped: the stack of values, each with the place where its code begins, and the
+// number of words kept so far. Code of an operand is dropped only when its operation turns out to be known,
+// so more words than in the end may be kept for a while.
+typedef struct Pruning {
     int value[kTapeStack];
     uint begin[kTapeStack];
-    int top = -1;
-    uint words = 0;
-    for (uint i = 0; i < length; ++i) {
-        const uint word = tape[i];
-        const uint operation = tape_operation(word);
-        uint emitted = word;
-        int emits = 0;
-        if (operation == kTapeLiteral) {
-            const int choice = choice_of(choices, i, c);
-            ++top;
-            value[top] = choice == 0 ? kUnknown : choice - 1;
-            begin[top] = words;
-            emits = choice == 0;
-        } else if (operation == kTapeSpatial) {
-            const uint entry = spatial[tape_surface(word) + (uint)c];
-            ++top;
-            value[top] = spatial_state(entry, word);
-            begin[top] = words;
-            if (value[top] == kUnknown) {
-                words += expand_spatial(spatial, entry, word, out ? out + words : 0);
-                *peak = max(*peak, words);
-                *expanded = 1;
-            }
-        } else if (operation == kTapeSelectConst) {
-            value[top] = combine_select(tape_otherwise(word), value[top], tape_region(word));
-            if (value[top] == kUnknown) {
-                emits = 1;
-            } else {
-                words = begin[top];
-            }
-        } else {
-            const int b = value[top];
-            const int a = value[top - 1];
-            int combined;
-            --top;
-            emits = a == kUnknown && b == kUnknown;
-            if (operation == kTapeSelect) {
-                combined = combine_select(a, b, tape_region(word));
-                if (a != kUnknown && b == kUnknown) {
-                    emits = 1;
-                    emitted = make_operation(kTapeSelectConst, tape_region(word), a);
-                }
-            } else {
-                combined = operation == kTapeAnd ? combine_and(a, b) : combine_or(a, b);
-            }
-            if (combined != kUnknown) {
-                emits = 0;
-                words = begin[top];
-            }
-            value[top] = combined;
-        }
-        if (emits) {
-            if (out) out[words] = emitted;
-            ++words;
-            *peak = max(*peak, words);
-        }
-    }
-    return words;
+    int top;
+    uint words;
+} Pruning;
+
+void push_value(Pruning* p, int value) {
+    ++p->top;
+    p->value[p->top] = value;
+    p->begin[p->top] = p->words;
 }
 
-// Value of a tape whose surfaces are all given: bit s of `inside` tells of surfaces[s].
-int evaluate(__global const uint* tape, uint length, const uint* surfaces, uint inside) {
-    int value[kTapeStack];
-    int top = -1;
-    for (uint i = 0; i < length; ++i) {
-        const uint word = tape[i];
-        const uint operation = tape_operation(word);
-        if (operation == kTapeLiteral) {
-            uint s = 0;
-            while (surfaces[s] != tape_surface(word)) ++s;
-            value[++top] = (int)(((inside >> s) & 1) ^ tape_negated(word));
-        } else if (operation == kTapeSelectConst) {
-            value[top] = combine_select(tape_otherwise(word), value[top], tape_region(word));
+// Takes an operation. Returns the word to keep at place p->words, or NOTHING.
+uint take_operation(Pruning* p, uint word) {
+    const uint operation = tape_operation(word);
+    uint kept = NOTHING;
+    int combined;
+    if (operation == kTapeSelectConst) {
+        combined = combine_select(tape_otherwise(word), p->value[p->top], tape_region(word));
+        kept = word;
+    } else {
+        const int b = p->value[p->top];
+        const int a = p->value[p->top - 1];
+        --p->top;
+        if (a == kUnknown && b == kUnknown) kept = word;
+        if (operation == kTapeSelect) {
+            combined = combine_select(a, b, tape_region(word));
+            if (a != kUnknown && b == kUnknown) kept = make_operation(kTapeSelectConst, tape_region(word), a);
         } else {
-            const int b = value[top--];
-            const int a = value[top];
-            value[top] = operation == kTapeAnd  ? combine_and(a, b)
-                         : operation == kTapeOr ? combine_or(a, b)
-                                                : combine_select(a, b, tape_region(word));
+            combined = operation == kTapeAnd ? combine_and(a, b) : combine_or(a, b);
         }
     }
-    return value[0];
+    p->value[p->top] = combined;
+    if (combined == kUnknown) return kept;
+    p->words = p->begin[p->top];
+    return NOTHING;
+}
+
+// From the last word to the first: in which lanes is a word needed by the operation that takes its value, and
+// kept? Each entry of `masks` held the lanes where the value is unknown, and from bit 8 on those where the
+// word is to stay if it is needed; then it holds those where it stays.
+void find_kept(__global const uint* tape, uint length, __global ushort* masks) {
+    uint needed[kTapeStack];
+    int top = 0;
+    needed[0] = 0xffu;
+    for (uint i = length; i-- > 0;) {
+        const uint operation = tape_operation(tape[i]);
+        const uint mask = masks[i];
+        const uint here = needed[top];
+        masks[i] = (ushort)(here & (mask >> 8));
+        if (operation == kTapeLiteral || operation == kTapeSpatial) {
+            --top;
+        } else {
+            needed[top] = here & mask;
+            if (operation != kTapeSelectConst) {
+                needed[top + 1] = here & mask;
+                ++top;
+            }
+        }
+    }
+}
+
+// The word that is kept for a lane: a select whose rest is known takes that as a constant. `rests` holds what
+// is known of it, for each lane; kMaxRegions + 1: unknown.
+uint kept_word(uint word, __global const ushort* rests, int lane) {
+    if (tape_operation(word) != kTapeSelect || rests[lane] > kMaxRegions) return word;
+    return make_operation(kTapeSelectConst, tape_region(word), (int)rests[lane]);
+}
+
+// Writes what a child keeps of its parent's tape.
+void copy_kept(__global const uint* tape, uint length, __global const uint* spatial,
+               __global const ushort* masks, __global const ushort* rests, int lane, int c,
+               __global uint* out) {
+    for (uint i = 0; i < length; ++i) {
+        const uint word = tape[i];
+        if (((masks[i] >> lane) & 1) == 0) continue;
+        if (tape_operation(word) == kTapeSpatial) {
+            const uint entry = spatial[tape_surface(word) + (uint)c];
+            const uint count = expanded_words(spatial, entry);
+            for (uint k = 0; k < count; ++k) *out++ = expanded_word(spatial, entry, word, k);
+        } else {
+            *out++ = kept_word(word, rests + i * LANES, lane);
+        }
+    }
 }
 
 // Drops the surfaces on which a short tape does not depend (both cofactors equal), such as the common plane
-// of two flush solids. Works in place, on the caller's own words. Returns the new length; 0 if the tape is
-// constant, whose value then is in `constant_value`.
-uint reduce(__global uint* tape, uint length, int* constant_value) {
+// of two flush solids. Works in place. Returns the new length; 0 if the tape is constant, whose value then is
+// in `constant_value`.
+uint reduce(uint* tape, uint length, int* constant_value) {
+    // Bit a: what the surface is in choice a.
+    const uint inside[MAX_REDUCED] = {0xaaaaaaaau, 0xccccccccu, 0xf0f0f0f0u, 0xff00ff00u, 0xffff0000u};
     uint surfaces[MAX_REDUCED];
-    int table[1 << MAX_REDUCED];
-    ushort choices[MAX_REDUCED_WORDS];
     uint count = 0;
     uint redundant = 0;
+    uint region_bits = 0;
+    uint regions[12];  // by bit of the region's number
     if (length > MAX_REDUCED_WORDS) return length;
     for (uint i = 0; i < length; ++i) {
-        if (tape_operation(tape[i]) == kTapeSpatial) return length;
-        if (tape_operation(tape[i]) == kTapeLiteral) {
+        const uint operation = tape_operation(tape[i]);
+        if (operation == kTapeSpatial) return length;
+        if (operation == kTapeLiteral) {
             uint s = 0;
             while (s < count && surfaces[s] != tape_surface(tape[i])) ++s;
             if (s == MAX_REDUCED) return length;
             if (s == count) surfaces[count++] = tape_surface(tape[i]);
+        } else if (operation == kTapeSelect || operation == kTapeSelectConst) {
+            region_bits |= (uint)(tape_region(tape[i]) | tape_otherwise(tape[i]));
         }
     }
-    for (uint a = 0; a < (1u << count); ++a) table[a] = evaluate(tape, length, surfaces, a);
-    for (uint s = 0; s < count; ++s) {
-        int same = 1;
-        for (uint a = 0; a < (1u << count); ++a) same = same && table[a] == table[a ^ (1u << s)];
-        if (same) redundant |= 1u << s;
-    }
-    if (redundant == 0) return length;
-    *constant_value = table[0];
-    if (redundant == (1u << count) - 1u) return 0;
-    // A redundant surface may be taken as outside everywhere.
-    for (uint i = 0; i < length; ++i) {
-        uint s = 0;
-        choices[i] = 0;
-        if (tape_operation(tape[i]) != kTapeLiteral) continue;
-        while (surfaces[s] != tape_surface(tape[i])) ++s;
-        if ((redundant >> s) & 1) choices[i] = (ushort)(tape_negated(tape[i]) ? 2 : 1);
-    }
     {
-        uint peak = 0;  // in place, never more than what was read
-        int expanded = 0;
-        return prune(tape, length, 0, choices, 0, tape, &peak, &expanded);
+        // The value for all choices at once. Regions are at the bottom of the stack only.
+        uint stack[kTapeStack];
+        int top = -1;
+        for (uint i = 0; i < length; ++i) {
+            const uint word = tape[i];
+            const uint operation = tape_operation(word);
+            if (operation == kTapeLiteral) {
+                uint s = 0;
+                while (surfaces[s] != tape_surface(word)) ++s;
+                stack[++top] = tape_negated(word) ? ~inside[s] : inside[s];
+            } else if (operation == kTapeAnd || operation == kTapeOr) {
+                const uint b = stack[top--];
+                stack[top] = operation == kTapeAnd ? stack[top] & b : stack[top] | b;
+            } else {
+                const uint a = stack[top];
+                const uint region = (uint)tape_region(word);
+                const uint otherwise = (uint)tape_otherwise(word);
+                for (uint j = 0; (region_bits >> j) != 0; ++j) {
+                    const uint rest = operation == kTapeSelect ? regions[j]
+                                      : ((otherwise >> j) & 1) ? 0xffffffffu
+                                                               : 0u;
+                    regions[j] = (((region >> j) & 1) ? a : 0u) | (rest & ~a);
+                }
+                if (operation == kTapeSelect) --top;
+            }
+        }
     }
+    *constant_value = 0;
+    for (uint s = 0; s < count; ++s) {
+        uint differs = 0;
+        for (uint j = 0; (region_bits >> j) != 0; ++j) {
+            differs |= (regions[j] ^ (regions[j] >> (1u << s))) & ~inside[s];
+        }
+        if (differs == 0) redundant |= 1u << s;
+    }
+    for (uint j = 0; (region_bits >> j) != 0; ++j) *constant_value |= (int)((regions[j] & 1u) << j);
+    if (redundant == 0) return length;
+    if (redundant == (1u << count) - 1u) return 0;
+    {
+        Pruning p;  // in place: never more words than were read
+        p.top = -1;
+        p.words = 0;
+        for (uint i = 0; i < length; ++i) {
+            const uint word = tape[i];
+            uint kept = NOTHING;
+            if (tape_operation(word) == kTapeLiteral) {
+                uint s = 0;
+                while (surfaces[s] != tape_surface(word)) ++s;
+                if ((redundant >> s) & 1) {
+                    push_value(&p, (int)tape_negated(word));  // may be taken as outside everywhere
+                } else {
+                    push_value(&p, kUnknown);
+                    kept = word;
+                }
+            } else {
+                kept = take_operation(&p, word);
+            }
+            if (kept != NOTHING) tape[p.words++] = kept;
+        }
+        return p.words;
+    }
+}
+
+// Place of a tape among those made for siblings, or NOTHING.
+uint find_tape(__global const uint* tapes, const uint* offsets, const uint* lengths, uint count,
+               const uint* tape, uint length) {
+    for (uint k = 0; k < count; ++k) {
+        uint i = 0;
+        if (lengths[k] != length) continue;
+        while (i < length && tapes[offsets[k] + i] == tape[i]) ++i;
+        if (i == length) return offsets[k];
+    }
+    return NOTHING;
 }
 
 MORTISE_KERNEL void descend(__global const TreeNode* parents, __global uint* tapes,
                             __global const SurfaceBounds* surfaces, __global const ExpressionOp* ops,
                             __global const uint* spatial, __global TreeNode* children, __global int* states,
                             __global uint* unknown_counts, __global uint* in_counts, __global uint* used,
-                            uint capacity, int level, uint items) {
-    const uint item = get_global_id(0);
-    if (item >= items) return;
+                            __global ushort* scratch, uint capacity, uint first_item, uint slot_words,
+                            int level, uint items) {
+    if (get_global_id(0) >= items) return;
     {
+        const uint item = first_item + (uint)get_global_id(0);
+        __global ushort* masks = scratch + get_global_id(0) * (ulong)slot_words * (1 + LANES);
+        __global ushort* rests = masks + slot_words;
         const TreeNode parent = parents[item];
         __global const uint* tape = tapes + parent.tape_offset;
         const float half_edge = 1.0f / (float)(2u << level);  // of a child, whose level is `level`
@@ -365,13 +434,19 @@ MORTISE_KERNEL void descend(__global const TreeNode* parents, __global uint* tap
         const float x = (float)(2 * gather_bits(parent.morton) + 1) * edge;
         const float y = (float)(2 * gather_bits(parent.morton >> 1) + 1) * edge;
         const float z = (float)(2 * gather_bits(parent.morton >> 2) + 1) * edge;
-        ushort choices[MAX_CHOICES];
-        int values[8];
+        uint kept[KEPT_WORDS * LANES];  // the first words of each child's tape
+        uint sibling_offsets[8];
+        uint sibling_lengths[8];
+        uint made = 0;
+        uint longest = 0;
         uint unknown = 0;
         uint in = 0;
         for (int round = 0; round < ROUNDS; ++round) {
             lanes_int stack[kTapeStack];
             int top = -1;
+            uint expanded = 0;
+            int values[LANES];
+            uint lengths[LANES];
             Cube cube;
             cube.x = x + half_edge * CHILD_X(round);
             cube.y = y + half_edge * CHILD_Y(round);
@@ -380,85 +455,134 @@ MORTISE_KERNEL void descend(__global const TreeNode* parents, __global uint* tap
             for (uint i = 0; i < parent.tape_length; ++i) {
                 const uint word = tape[i];
                 const uint operation = tape_operation(word);
+                const lanes_int unsure = (lanes_int)(kUnknown);
+                lanes_int value;
+                lanes_int keeps;
                 if (operation == kTapeLiteral) {
                     const lanes_int sign = classify_surface(surfaces + tape_surface(word), ops, cube);
                     const int inside = tape_negated(word) ? 0 : 1;
-                    const lanes_int state =
-                        select(select((lanes_int)(kUnknown), (lanes_int)(inside), sign < 0),
-                               (lanes_int)(1 - inside), sign > 0);
-                    stack[++top] = state;
-                    if (i < MAX_CHOICES) {
-#if LANES == 8
-                        const int8 bits = (state + 1) << (int8)(0, 2, 4, 6, 8, 10, 12, 14);
-                        const int4 half_bits = bits.lo | bits.hi;
-                        const int2 quarter_bits = half_bits.lo | half_bits.hi;
-                        choices[i] = (ushort)(quarter_bits.x | quarter_bits.y);
-#else
-                        choices[i] = (ushort)((round == 0 ? 0 : choices[i]) | ((state + 1) << (2 * round)));
-#endif
-                    }
+                    value = select(select(unsure, (lanes_int)(inside), sign < 0), (lanes_int)(1 - inside),
+                                   sign > 0);
+                    keeps = value == unsure;
+                    ++top;
                 } else if (operation == kTapeSpatial) {
-                    int entries[8 / ROUNDS];
-                    for (int lane = 0; lane < 8 / ROUNDS; ++lane) {
-                        entries[lane] =
+                    int states[LANES];
+                    for (int lane = 0; lane < LANES; ++lane)
+                        states[lane] =
                             spatial_state(spatial[tape_surface(word) + (uint)(round + lane)], word);
-                    }
-                    stack[++top] = LOAD_LANES(entries);
+                    value = LOAD_LANES(states);
+                    keeps = value == unsure;
+                    ++top;
                 } else if (operation == kTapeSelectConst) {
                     const lanes_int a = stack[top];
                     const int region = tape_region(word);
                     const int otherwise = tape_otherwise(word);
                     const lanes_int same = (lanes_int)(region == otherwise ? region : kUnknown);
-                    stack[top] =
-                        select(select(same, (lanes_int)(otherwise), a == 0), (lanes_int)(region), a == 1);
+                    value = select(select(same, (lanes_int)(otherwise), a == 0), (lanes_int)(region), a == 1);
+                    keeps = value == unsure;
                 } else {
                     const lanes_int b = stack[top--];
                     const lanes_int a = stack[top];
-                    const lanes_int unsure = (lanes_int)(kUnknown);
                     if (operation == kTapeAnd) {
-                        stack[top] = select(select(unsure, (lanes_int)(1), (a == 1) & (b == 1)),
-                                            (lanes_int)(0), (a == 0) | (b == 0));
+                        value = select(select(unsure, (lanes_int)(1), (a == 1) & (b == 1)), (lanes_int)(0),
+                                       (a == 0) | (b == 0));
+                        keeps = (a == unsure) & (b == unsure);
                     } else if (operation == kTapeOr) {
-                        stack[top] = select(select(unsure, (lanes_int)(0), (a == 0) & (b == 0)),
-                                            (lanes_int)(1), (a == 1) | (b == 1));
+                        value = select(select(unsure, (lanes_int)(0), (a == 0) & (b == 0)), (lanes_int)(1),
+                                       (a == 1) | (b == 1));
+                        keeps = (a == unsure) & (b == unsure);
                     } else {
                         const lanes_int region = (lanes_int)(tape_region(word));
-                        stack[top] =
+                        int rest[LANES];
+                        value =
                             select(select(select(unsure, region, a == region), a, b == 0), region, b == 1);
+                        keeps = (value == unsure) & (b == unsure);
+                        STORE_LANES(a, rest);
+                        for (int lane = 0; lane < LANES; ++lane)
+                            rests[i * LANES + (uint)lane] =
+                                (ushort)(rest[lane] == kUnknown ? kMaxRegions + 1 : rest[lane]);
                     }
                 }
+                stack[top] = value;
+                masks[i] = (ushort)lane_bits(value == unsure, keeps);
             }
-            STORE_LANES(stack[0], values + round);
-        }
-        for (int c = 0; c < 8; ++c) {
-            TreeNode child;
-            child.morton = (parent.morton << 3) | (ulong)c;
-            child.tape_offset = parent.tape_offset;
-            child.tape_length = parent.tape_length;
-            if (values[c] == kUnknown) {
-                uint peak = 0;
-                int expanded = 0;
-                const uint words = prune(tape, parent.tape_length, spatial, choices, c, 0, &peak, &expanded);
+            find_kept(tape, parent.tape_length, masks);
+            for (int lane = 0; lane < LANES; ++lane) lengths[lane] = 0;
+            for (uint i = 0; i < parent.tape_length; ++i) {
+                const uint word = tape[i];
+                uint lanes = masks[i];
+                while (lanes != 0) {
+                    const uint lane = 31u - clz(lanes);
+                    uint at = lengths[lane];
+                    lanes ^= 1u << lane;
+                    if (tape_operation(word) == kTapeSpatial) {
+                        const uint entry = spatial[tape_surface(word) + (uint)round + lane];
+                        const uint count = expanded_words(spatial, entry);
+                        for (uint k = 0; k < count; ++k, ++at) {
+                            if (at < KEPT_WORDS)
+                                kept[lane * KEPT_WORDS + at] = expanded_word(spatial, entry, word, k);
+                        }
+                        expanded |= 1u << lane;
+                    } else {
+                        if (at < KEPT_WORDS)
+                            kept[lane * KEPT_WORDS + at] = kept_word(word, rests + i * LANES, (int)lane);
+                        ++at;
+                    }
+                    lengths[lane] = at;
+                }
+            }
+            STORE_LANES(stack[0], values);
+            for (int lane = 0; lane < LANES; ++lane) {
+                const int c = round + lane;
+                uint words = lengths[lane];
+                int value = values[lane];
+                TreeNode child;
+                child.morton = (parent.morton << 3) | (ulong)c;
+                child.tape_offset = parent.tape_offset;
+                child.tape_length = parent.tape_length;
                 // An unchanged tape was reduced when it was made; the root's is written anew.
-                if (words != parent.tape_length || expanded || level == 1) {
-                    const uint offset = atomic_add(used, peak);
-                    if (offset + peak <= capacity && offset + peak >= offset) {
-                        int constant_value = kUnknown;
-                        prune(tape, parent.tape_length, spatial, choices, c, tapes + offset, &peak,
-                              &expanded);
+                if (value == kUnknown &&
+                    (words != parent.tape_length || ((expanded >> lane) & 1) || level == 1)) {
+                    uint* own = kept + lane * KEPT_WORDS;
+                    const int is_short = words <= KEPT_WORDS;
+                    uint offset = NOTHING;
+                    if (is_short) {
+                        int constant_value = 0;
+                        words = reduce(own, words, &constant_value);
+                        if (words == 0) value = constant_value;
+                        offset = find_tape(tapes, sibling_offsets, sibling_lengths, made, own, words);
+                    }
+                    if (words > 0 && offset == NOTHING) {
+                        const uint at = used[0] < MOST_TAPE_WORDS ? atomic_add(used, words) : capacity;
+                        if (at < capacity && words <= capacity - at) {
+                            offset = at;
+                            if (is_short) {
+                                for (uint i = 0; i < words; ++i) tapes[at + i] = own[i];
+                                sibling_offsets[made] = at;
+                                sibling_lengths[made++] = words;
+                            } else {
+                                copy_kept(tape, parent.tape_length, spatial, masks, rests, lane, c,
+                                          tapes + at);
+                            }
+                        }
+                    }
+                    if (offset != NOTHING) {
                         child.tape_offset = offset;
-                        child.tape_length = reduce(tapes + offset, words, &constant_value);
-                        if (child.tape_length == 0) values[c] = constant_value;
+                        child.tape_length = words;
                     }
                 }
+                if (value == kUnknown) {
+                    ++unknown;
+                    longest = max(longest, child.tape_length);
+                }
+                in += value > 0;
+                children[8 * item + c] = child;
+                states[8 * item + c] = value;
             }
-            unknown += values[c] == kUnknown;
-            in += values[c] > 0;
-            children[8 * item + c] = child;
-            states[8 * item + c] = values[c];
         }
         unknown_counts[item] = unknown;
         in_counts[item] = in;
+        if (longest > used[1]) atomic_max(used + 1, longest);
     }
 }
 
