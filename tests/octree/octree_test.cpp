@@ -2,7 +2,6 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
-#include <map>
 
 #include "host/octree/octree.hpp"
 #include "tests/mesher/random_models.hpp"
@@ -12,59 +11,6 @@
 
 using namespace mortise;
 using namespace mortise::test;
-
-namespace {
-
-/// One device per setting for all tests of this file: kernels are built once.
-device::Device& device_with(int lanes, int work_group_size) {
-    static std::map<std::pair<int, int>, device::Device> devices;
-    const auto key = std::make_pair(lanes, work_group_size);
-    const auto found = devices.find(key);
-    if (found != devices.end()) return found->second;
-    device::DeviceOptions options;
-    options.lanes = lanes;
-    options.work_group_size = work_group_size;
-    return devices.emplace(key, device::Device("cpu", options)).first->second;
-}
-
-/// Leaves that the device decided and those that it did not though the reference did.
-struct Comparison {
-    std::size_t nio = 0;
-    std::size_t extra = 0;
-};
-
-Comparison compare_with_reference(const octree::Octree& tree, const tape::BoundModel& model) {
-    const auto mine = leaf_regions(tree);
-    const auto expected = reference_regions(model, tree.level);
-    Comparison result;
-    for (std::size_t cell = 0; cell < mine.size(); ++cell) {
-        if (mine[cell] != kUnknown) {
-            const bool agrees = expected[cell] == mine[cell] || expected[cell] == kUnknown;
-            REQUIRE(agrees);
-            continue;
-        }
-        ++result.nio;
-        result.extra += expected[cell] != kUnknown ? 1 : 0;
-    }
-    return result;
-}
-
-/// `count` overlapping balls on a jittered grid.
-Model many_balls(int count, std::uint64_t seed) {
-    RandomSource random(seed);
-    Model model;
-    std::vector<NodeIndex> parts;
-    const int row = static_cast<int>(std::ceil(std::cbrt(count)));
-    for (int i = 0; i < count; ++i) {
-        const Vec3 at = {i % row + random.uniform(-0.2, 0.2), i / row % row + random.uniform(-0.2, 0.2),
-                         i / row / row + random.uniform(-0.2, 0.2)};
-        parts.push_back(add_ball(model, at, random.uniform(0.3, 0.6)));
-    }
-    add_region(model, unite(model, parts), "balls");
-    return model;
-}
-
-}  // namespace
 
 TEST_CASE("random models: leaves, bitmaps and tapes, by eight lanes and by one") {
     Comparison total;
@@ -167,31 +113,4 @@ TEST_CASE("every level from 1 on works") {
     CHECK_THROWS_AS(
         octree::build(device_with(8, 0), bind_model(ball(), 3), octree::kMaxUniformLevel + 1, nullptr),
         Error);
-}
-
-TEST_CASE("long tapes: beyond the reduction, beyond the recorded choices, beyond the first arena") {
-    struct Size {
-        int balls;
-        int level;
-    };
-    for (const Size& size : {Size{60, 4}, Size{1200, 3}, Size{6000, 4}}) {
-        const Model source = many_balls(size.balls, 5);
-        const tape::BoundModel model = bind_model(source, size.level);
-        CAPTURE(size.balls);
-        REQUIRE(model.tape.size() == static_cast<std::size_t>(2 * size.balls));
-        std::vector<std::vector<std::uint64_t>> first;
-        for (const int lanes : {8, 1}) {
-            RandomSource random(3);
-            const octree::Octree tree = octree::build(device_with(lanes, 0), model, size.level, nullptr);
-            if (size.balls == 6000) CHECK(tree.tapes.size() > model.tape.size() + (1u << 16));  // it grew
-            check_bitmaps(tree);
-            const Comparison one = compare_with_reference(tree, model);
-            CHECK(one.nio > 0);
-            if (size.balls <= 1200) {
-                check_decided(tree, source, model, random, 1);
-                check_tapes(tree, model, random, 1);
-                CHECK(one.extra <= one.nio / 20);
-            }
-        }
-    }
 }

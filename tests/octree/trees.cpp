@@ -4,6 +4,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <map>
 
 #include "host/tape/reference.hpp"
 #include "kernels/shared/lattice.h"
@@ -40,6 +41,33 @@ void descend(const tape::BoundModel& model, const std::vector<std::uint32_t>& wo
 }
 
 }  // namespace
+
+device::Device& device_with(int lanes, int work_group_size) {
+    static std::map<std::pair<int, int>, device::Device> devices;
+    const auto key = std::make_pair(lanes, work_group_size);
+    const auto found = devices.find(key);
+    if (found != devices.end()) return found->second;
+    device::DeviceOptions options;
+    options.lanes = lanes;
+    options.work_group_size = work_group_size;
+    return devices.emplace(key, device::Device("cpu", options)).first->second;
+}
+
+Comparison compare_with_reference(const octree::Octree& tree, const tape::BoundModel& model) {
+    const auto mine = leaf_regions(tree);
+    const auto expected = reference_regions(model, tree.level);
+    Comparison result;
+    for (std::size_t cell = 0; cell < mine.size(); ++cell) {
+        if (mine[cell] != kUnknown) {
+            const bool agrees = expected[cell] == mine[cell] || expected[cell] == kUnknown;
+            REQUIRE(agrees);
+            continue;
+        }
+        ++result.nio;
+        result.extra += expected[cell] != kUnknown ? 1 : 0;
+    }
+    return result;
+}
 
 std::vector<std::int32_t> leaf_regions(const octree::Octree& tree) {
     std::vector<std::int32_t> regions(std::size_t{1} << (3 * tree.level), 0);

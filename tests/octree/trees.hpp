@@ -6,10 +6,23 @@
 #include <vector>
 
 #include "host/octree/octree.hpp"
+#include "host/tape/compile.hpp"
 #include "mortise/model.hpp"
 #include "tests/mesher/random_source.hpp"
 
 namespace mortise::test {
+
+/// One device per setting for all tests: kernels are built once. 0: the default.
+device::Device& device_with(int lanes, int work_group_size);
+
+/// NIO leaves, and those that the device did not decide though the reference did.
+struct Comparison {
+    std::size_t nio = 0;
+    std::size_t extra = 0;
+};
+
+/// Requires that no decided leaf contradicts the reference.
+Comparison compare_with_reference(const octree::Octree& tree, const tape::BoundModel& model);
 
 /// Region of a finest cell: kUnknown for an NIO leaf.
 std::vector<std::int32_t> leaf_regions(const octree::Octree& tree);
