@@ -60,6 +60,7 @@ class Builder {
         find_leaves();
         make_bitmaps();
         mark_transitions();
+        drop_unused_tapes(tree_);
         upload();
         return std::move(tree_);
     }

@@ -6,10 +6,32 @@
 #include "host/octree/descent.hpp"
 
 namespace mortise::octree {
+
 std::uint64_t make_rank(Device& device, const Buffer& bits, std::size_t words, Buffer& rank) {
     rank = device.allocate((words + 1) * sizeof(std::uint32_t));
     device.launch(device.kernel("octree/leaves.cl", "count_word"), words, bits, rank);
     return device.exclusive_scan_u32(rank, rank, words);
+}
+
+bool drop_unused_tapes(Octree& tree) {
+    constexpr std::size_t kFewWords = 4;  // a leaf: not worth the pass
+    constexpr std::uint32_t kNowhere = 0xffffffffu;
+    if (tree.tapes.size() <= kFewWords * tree.nio.size()) return false;
+    std::vector<std::uint32_t> place(tree.tapes.size(), kNowhere);  // where the tape that begins here went
+    std::vector<std::uint32_t> words;
+    for (TreeNode& leaf : tree.nio) {
+        if (leaf.tape_length == 0) continue;
+        std::uint32_t& to = place[leaf.tape_offset];
+        if (to == kNowhere) {
+            to = static_cast<std::uint32_t>(words.size());
+            const auto begin = tree.tapes.begin() + leaf.tape_offset;
+            words.insert(words.end(), begin, begin + leaf.tape_length);
+        }
+        leaf.tape_offset = to;
+    }
+    words.shrink_to_fit();
+    tree.tapes = std::move(words);
+    return true;
 }
 
 Octree build(Device& device, const tape::BoundModel& model, int level, DeviceTree* on_device) {
@@ -50,6 +72,10 @@ Octree build(Device& device, const tape::BoundModel& model, int level, DeviceTre
 
     tree.nio = device.download<TreeNode>(view.nio, descent.node_count());
     tree.tapes = device.download<std::uint32_t>(view.tapes, descent.used_words());
+    if (drop_unused_tapes(tree)) {
+        view.nio = device.upload(tree.nio);
+        view.tapes = device.upload(tree.tapes);
+    }
     tree.in_nodes = device.download<InNode>(view.in_nodes, descent.in_count());
     tree.in_bits = device.download<std::uint32_t>(view.in_bits, words);
     tree.nio_bits = device.download<std::uint32_t>(view.nio_bits, words);

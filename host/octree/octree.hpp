@@ -148,6 +148,10 @@ void balance(SplitNodes& split, const SplitNodes& ringed, int threads);
 Octree build_graded(device::Device& device, const tape::BoundModel& model, const Grading& grading,
                     int threads, DeviceTree* on_device);
 
+/// Keeps only the words of the leaves' own tapes, in their order, if there are many others: those of nodes
+/// that were split. Returns whether it did.
+bool drop_unused_tapes(Octree& tree);
+
 /// Ranks of a bitmap of `words` words into a new buffer of words + 1; returns the number of set bits.
 std::uint64_t make_rank(device::Device& device, const device::Buffer& bits, std::size_t words,
                         device::Buffer& rank);
