@@ -20,8 +20,9 @@ constexpr std::size_t kWordsPerNode = 4;
 constexpr std::size_t kMostAhead = std::size_t{1} << 26;
 /// Words of all tapes (MOST_TAPE_WORDS in kernels/octree/descend.cl).
 constexpr std::size_t kMostTapeWords = 0xc0000000u;
-/// Scratch for the states of words; a level whose tapes need more is split in several launches.
+/// Scratch for what children keep of the nodes' tapes; a level that needs more is split in several launches.
 constexpr std::size_t kScratchBytes = 8u << 20;
+constexpr std::size_t kGpuScratchBytes = 128u << 20;
 
 /// Runs kernels/octree/descend.cl level by level.
 class Descent {
@@ -116,13 +117,12 @@ class Descent {
         nodes_ = std::move(next);
     }
 
-    /// Scratch for the states of the words of as many nodes' tapes as are split at once; returns their
-    /// number.
+    /// Scratch for the nodes that are split at once; returns their number.
     std::size_t reserve_scratch() {
+        const std::size_t bytes = device_.info().is_gpu ? kGpuScratchBytes : kScratchBytes;
         const std::size_t slot = std::max<std::size_t>(1, longest_) *
                                  static_cast<std::size_t>(1 + device_.lanes()) * sizeof(std::uint16_t);
-        const std::size_t batch =
-            std::clamp<std::size_t>(kScratchBytes / slot, 1, std::max<std::size_t>(1, count_));
+        const std::size_t batch = std::clamp<std::size_t>(bytes / slot, 1, std::max<std::size_t>(1, count_));
         if (batch * slot > scratch_.bytes()) scratch_ = device_.allocate(batch * slot);
         return batch;
     }

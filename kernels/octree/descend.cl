@@ -553,6 +553,7 @@ MORTISE_KERNEL void descend(__global const TreeNode* parents, __global uint* tap
                         offset = find_tape(tapes, sibling_offsets, sibling_lengths, made, own, words);
                     }
                     if (words > 0 && offset == NOTHING) {
+                        // Plain reads of used may be old: they only save atomic operations.
                         const uint at = used[0] < MOST_TAPE_WORDS ? atomic_add(used, words) : capacity;
                         if (at < capacity && words <= capacity - at) {
                             offset = at;
