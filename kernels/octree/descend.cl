@@ -269,16 +269,22 @@ uint take_operation(Pruning* p, uint word) {
 
 // From the last word to the first: in which lanes is a word needed by the operation that takes its value, and
 // kept? Each entry of `masks` held the lanes where the value is unknown, and from bit 8 on those where the
-// word is to stay if it is needed; then it holds those where it stays.
-void find_kept(__global const uint* tape, uint length, __global ushort* masks) {
+// word is to stay if it is needed; then it holds those where it stays. Returns the lanes that keep some
+// words, but not all.
+uint find_kept(__global const uint* tape, uint length, __global ushort* masks) {
     uint needed[kTapeStack];
     int top = 0;
+    uint some = 0;
+    uint all = 0xffu;
     needed[0] = 0xffu;
     for (uint i = length; i-- > 0;) {
         const uint operation = tape_operation(tape[i]);
         const uint mask = masks[i];
         const uint here = needed[top];
-        masks[i] = (ushort)(here & (mask >> 8));
+        const uint stays = here & (mask >> 8);
+        some |= stays;
+        all &= stays;
+        masks[i] = (ushort)stays;
         if (operation == kTapeLiteral || operation == kTapeSpatial) {
             --top;
         } else {
@@ -289,6 +295,7 @@ void find_kept(__global const uint* tape, uint length, __global ushort* masks) {
             }
         }
     }
+    return some & ~all;
 }
 
 // The word that is kept for a lane: a select whose rest is known takes that as a constant. `rests` holds what
@@ -444,6 +451,7 @@ MORTISE_KERNEL void descend(__global const TreeNode* parents, __global uint* tap
         for (int round = 0; round < ROUNDS; ++round) {
             lanes_int stack[kTapeStack];
             int top = -1;
+            int copies = level == 1;
             uint expanded = 0;
             int values[LANES];
             uint lengths[LANES];
@@ -472,6 +480,7 @@ MORTISE_KERNEL void descend(__global const TreeNode* parents, __global uint* tap
                             spatial_state(spatial[tape_surface(word) + (uint)(round + lane)], word);
                     value = LOAD_LANES(states);
                     keeps = value == unsure;
+                    copies = 1;
                     ++top;
                 } else if (operation == kTapeSelectConst) {
                     const lanes_int a = stack[top];
@@ -506,9 +515,10 @@ MORTISE_KERNEL void descend(__global const TreeNode* parents, __global uint* tap
                 stack[top] = value;
                 masks[i] = (ushort)lane_bits(value == unsure, keeps);
             }
-            find_kept(tape, parent.tape_length, masks);
-            for (int lane = 0; lane < LANES; ++lane) lengths[lane] = 0;
-            for (uint i = 0; i < parent.tape_length; ++i) {
+            // Often each child is decided or keeps the whole tape.
+            copies = find_kept(tape, parent.tape_length, masks) != 0 || copies;
+            for (int lane = 0; lane < LANES; ++lane) lengths[lane] = copies ? 0 : parent.tape_length;
+            for (uint i = 0; copies && i < parent.tape_length; ++i) {
                 const uint word = tape[i];
                 uint lanes = masks[i];
                 while (lanes != 0) {
