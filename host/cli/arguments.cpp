@@ -26,8 +26,7 @@ Exit codes:
   0 success                       4 quality floor not met (mesh is written)
   1 wrong usage                   5 no OpenCL device, kernel build, memory
   2 model not understood, empty   6 file not found, not readable or writable
-    or unbounded, damaged mesh    130, 143 interrupted (SIGINT, SIGTERM)
-  3 no valid mesh, `check` found defects, or --strict and a feature is missing
+  3 no valid mesh; --strict       130, 143 interrupted (SIGINT, SIGTERM)
 )";
 
 /// Help with one line per option: CLI11's own wraps at fixed columns and repeats types.
