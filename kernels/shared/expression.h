@@ -215,8 +215,8 @@ MORTISE_NOINLINE double expression_sample(MORTISE_GLOBAL ExpressionOp* ops, u32 
             for (int j = 0; j < 3; ++j) {
                 const double da = d[ops[i].a][j];
                 const double db = d[ops[i].b][j];
-                // What is not taken may have an infinite slope, and infinite slopes may be at what stays as it
-                // is: acos(min(f, 1)).
+                // What is not taken may have an infinite slope, and infinite slopes may be at what stays as
+                // it is: acos(min(f, 1)).
                 d[out][j] = (by_a != 0 && da != 0 ? by_a * da : 0) + (by_b != 0 && db != 0 ? by_b * db : 0);
             }
             r[out] = value;
