@@ -66,18 +66,7 @@ class Improver {
             if (scratch.empty()) scratch.assign(zone_.points.size(), kNone);
             Block& block = blocks[static_cast<std::size_t>(thread)];
             const auto load = [&] { block.load(zone_, group.tetrahedra, group.pyramids, free_, scratch); };
-            load();
-            BlockOptions merging = block_options;
-            merging.merge_distance = options_.merge_distance;
-            // Merging is for what nothing else helps, but where creases run side by side there is no doubt.
-            const bool merges_first = block.has_creases_side_by_side(merging.merge_distance);
-            std::optional<Block::Result> result =
-                run_carefully(block, load, merges_first ? merging : block_options);
-            if (!result || (result->slivers > 0 && !merges_first)) {
-                std::optional<Block::Result> other =
-                    run_carefully(block, load, merges_first ? block_options : merging);
-                if (other && (!result || other->slivers < result->slivers)) result = std::move(other);
-            }
+            std::optional<Block::Result> result = run_block(block, load, block_options);
             if (!result) {
                 for (const std::uint32_t i : group.tetrahedra) results[begin].push_back(zone_.tetrahedra[i]);
                 counted[begin].given_up = 1;
@@ -121,12 +110,28 @@ class Improver {
     }
 
   private:
+    /// Merging is for what nothing else helps, changes of several steps neither; but where creases run side
+    /// by side there is no doubt.
+    template <class Load>
+    std::optional<Block::Result> run_block(Block& block, const Load& load, const BlockOptions& plain) const {
+        load();
+        if (!(options_.merge_distance > 0)) return run_carefully(block, load, plain);
+        BlockOptions merging = plain;
+        merging.merge_distance = options_.merge_distance;
+        const bool merges_first = block.has_creases_side_by_side(options_.merge_distance);
+        std::optional<Block::Result> result = run_carefully(block, load, merges_first ? merging : plain);
+        if (result && (merges_first || result->slivers == 0 || !plain.look_ahead)) return result;
+        load();
+        std::optional<Block::Result> other = run_carefully(block, load, merges_first ? plain : merging);
+        return other && (!result || other->slivers < result->slivers) ? other : result;
+    }
+
     /// Whatever goes wrong in a block, the mesh stays valid: the block is done again more carefully, or
-    /// nothing is returned.
+    /// nothing is returned. The block has been loaded.
     template <class Load>
     static std::optional<Block::Result> run_carefully(Block& block, const Load& load, BlockOptions options) {
         for (int attempt = 0; attempt < 4; ++attempt) {
-            load();
+            if (attempt > 0) load();
             block.counters = {};
             block.counters.repeated = attempt > 0 ? 1 : 0;
             block.run(options);
@@ -316,7 +321,9 @@ Mesh improve(Mesh mesh, const tape::BoundModel& model, const Options& options, C
         for (int pass = 0; pass < passes && (pass == 0 || !improver.is_done()); ++pass) {
             improver.pass(pass / kShifts, pass % kShifts, run > 0, local);
         }
-        const bool done = improver.is_done() || improver.is_hopeless();
+        // After the first run features may be merged, which may leave room.
+        const bool may_help = run == 0 && options.merge_distance > 0;
+        const bool done = improver.is_done() || (improver.is_hopeless() && !may_help);
         mesh = close_zone(std::move(mesh), frame, zone, options.threads, trace);
         if (done) break;
         frame.on_lattice = false;

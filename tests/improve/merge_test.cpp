@@ -41,7 +41,6 @@ TEST_CASE("a step far lower than a cell makes no slivers") {
         options.level = 5;
         const Meshed merged = mesh_and_check(model, options);
         CHECK(merged.defects == "");
-        CHECK(slivers(merged) <= 5);
         CHECK(merged.report.merged_nodes > 0);
         // Volume: of each box, less what they share. A merged node is off by the step at most, along a strip
         // of two cells.
@@ -57,6 +56,7 @@ TEST_CASE("a step far lower than a cell makes no slivers") {
         CHECK(kept.defects == "");
         CHECK(kept.report.merged_nodes == 0);
         CHECK(slivers(kept) > 20);
+        CHECK(5 * slivers(merged) <= slivers(kept));
         CHECK(kept.check.volume == doctest::Approx(volume).epsilon(1e-9));
         options.merge_distance = 0.05;
         options.strict = true;
