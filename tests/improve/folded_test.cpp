@@ -1,12 +1,12 @@
 // Faces with equal nodes that are not the same face, and models of the corpora that have them.
 #include <doctest/doctest.h>
 
-#include <cstdlib>
 #include <filesystem>
 #include <iostream>
 
 #include "host/improve/improve.hpp"
 #include "mortise/check.hpp"
+#include "tests/corpora.hpp"
 #include "tests/mesher/meshed.hpp"
 #include "tests/tape/bound_models.hpp"
 
@@ -62,9 +62,7 @@ TEST_CASE("halves of two quadrilaterals that fold onto each other are no facets"
 
 /// Meshes of these were invalid after improvement.
 TEST_CASE("models of the corpora with folded facets stay valid") {
-    const char* const named = std::getenv("MORTISE_CORPORA");
-    const std::string corpora =
-        named != nullptr ? named : std::string(MORTISE_SOURCE_DIR "/../shared/corpora");
+    const std::string corpora = corpora_folder().string();
     int skipped = 0;
     for (const char* const file :
          {"prusa-i3/csg/MK3/cable-holder.csg", "prusa-i3/csg/MMU2/s-buffer-spacer.csg"}) {

@@ -2,10 +2,10 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 #include <iostream>
 
+#include "tests/corpora.hpp"
 #include "tests/mesher/meshed.hpp"
 
 namespace mortise::test {
@@ -95,9 +95,7 @@ TEST_CASE("bounds of functions are found; unbounded ones are refused with a way 
 }
 
 TEST_CASE("models of the corpora: functions of Fidget and libfive") {
-    const char* const named = std::getenv("MORTISE_CORPORA");
-    const std::string corpora =
-        named != nullptr ? named : std::string(MORTISE_SOURCE_DIR "/../shared/corpora");
+    const std::string corpora = corpora_folder().string();
     struct File {
         const char* name;
         double volume;  ///< 0: any

@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 #include <map>
 #include <set>
 
+#include "tests/corpora.hpp"
 #include "tests/mesher/meshed.hpp"
 
 namespace mortise::test {
@@ -204,11 +204,7 @@ TEST_CASE("what no grid can repeat is told") {
 }
 
 TEST_CASE("the corpora's periodic model") {
-    const char* folder = std::getenv("MORTISE_CORPORA");
-    const std::filesystem::path file =
-        (folder != nullptr ? std::filesystem::path(folder)
-                           : std::filesystem::path(MORTISE_SOURCE_DIR) / ".." / "shared" / "corpora") /
-        "netgen-tutorials" / "period.geo";
+    const std::filesystem::path file = corpora_folder() / "netgen-tutorials" / "period.geo";
     if (!std::filesystem::exists(file)) {
         MESSAGE("skipped: 1 model of the corpora is not there");
         return;

@@ -4,12 +4,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
 #include <sstream>
 
+#include "tests/corpora.hpp"
 #include "tests/model/membership.hpp"
 
 namespace fs = std::filesystem;
@@ -169,9 +169,7 @@ bool lacks_solid(const std::string& text, const std::string& message) {
 }  // namespace
 
 TEST_CASE("every file of the corpora is read, or refused for a known reason") {
-    const char* given = std::getenv("MORTISE_CORPORA");
-    const fs::path root =
-        given != nullptr ? fs::path(given) : fs::path(MORTISE_SOURCE_DIR) / "../shared/corpora";
+    const fs::path root = test::corpora_folder();
     const char* sets[] = {"netgen-tutorials", "ngsolve-pde",          "nmag", "finmag", "mpt-calculator",
                           "prusa-i3/csg",     "openscad-examples/csg"};
     for (const char* set : sets) {

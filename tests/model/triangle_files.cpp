@@ -3,7 +3,6 @@
 
 #include <chrono>
 #include <cmath>
-#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -12,6 +11,7 @@
 #include <sstream>
 
 #include "host/model/outlines/polygon_triangles.hpp"
+#include "tests/corpora.hpp"
 #include "tests/model/membership.hpp"
 
 namespace fs = std::filesystem;
@@ -372,9 +372,7 @@ TEST_CASE("a large file is read fast") {
 }
 
 TEST_CASE("every triangle file of the corpora is read") {
-    const char* given = std::getenv("MORTISE_CORPORA");
-    const fs::path root =
-        given != nullptr ? fs::path(given) : fs::path(MORTISE_SOURCE_DIR) / "../shared/corpora";
+    const fs::path root = test::corpora_folder();
     for (const char* set :
          {"quartet-obj", "cgal-off", "manifold-obj", "netgen-tutorials", "openscad-examples"}) {
         if (!fs::is_directory(root / set)) {
