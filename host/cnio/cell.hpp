@@ -134,8 +134,9 @@ class Cell {
     /// surface.
     int value_sign(std::size_t surface, const LatticePoint& p) const;
 
-    /// The cell's centre; where surfaces pass close to it, the point next to it on up to three of them: an
-    /// apex beside a surface would make simplices as flat as it is close (apex.cpp).
+    /// The cell's centre; where surfaces pass close to it, the point next to it on up to three of them: a
+    /// cone from a point of a crease needs no cuts inside, and an apex beside a surface would make simplices
+    /// as flat as it is close (apex.cpp).
     LatticePoint apex() const;
 
     /// Appends a node with pure signs for every surface, of the entity at hand.
@@ -165,8 +166,17 @@ class Cell {
     CellCounters counters;
 
   private:
-    // cell.cpp
+    // apex.cpp
     double distance_to(std::size_t surface, const double* x) const;
+    struct ApexSearch {
+        LatticePoint middle;
+        const std::vector<std::size_t>& surfaces;
+        int fixed_axis;  ///< of a face: both cells find the same apex in its plane; 3: none
+        Scale scale;     ///< the apex lies on its lattice
+    };
+    LatticePoint apex_near(const ApexSearch& search) const;
+    LatticePoint fan_centre(const std::vector<LocalNode>& loop, const Patch& patch) const;
+    // cell.cpp
     void load_surroundings();
     void load_tape();
     void load_active_sets();

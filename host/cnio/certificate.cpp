@@ -142,11 +142,29 @@ void Certificate::cone(const LatticePoint& at) {
                 add_simplex({v[0], v[1], v[2], apex});
                 continue;
             }
+            if (!is_mixed(facet, apex)) {
+                pyramids_.push_back({{v[0], v[1], v[2], v[3], apex}});
+                continue;
+            }
             const LocalNode cap = add_cap(facet, at);
             pyramids_.push_back({{v[0], v[1], v[2], v[3], cap}});
             for (int i = 0; i < 4; ++i) add_simplex({v[i], v[(i + 1) % 4], cap, apex});
         }
     }
+}
+
+/// Whether some surface passes between the corners of a quadrilateral and the apex, for all that signs tell.
+bool Certificate::is_mixed(const Facet& quad, LocalNode apex) const {
+    for (std::size_t s = 0; s < cell_.surface_count(); ++s) {
+        bool negative = cell_.sign(apex, s) < 0;
+        bool positive = cell_.sign(apex, s) > 0;
+        for (std::size_t i = 0; i < 4; ++i) {
+            negative = negative || cell_.sign(quad.node[i], s) < 0;
+            positive = positive || cell_.sign(quad.node[i], s) > 0;
+        }
+        if (negative && positive) return true;
+    }
+    return false;
 }
 
 LocalNode Certificate::add_cap(const Facet& quad, const LatticePoint& apex) {

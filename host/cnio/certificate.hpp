@@ -1,7 +1,8 @@
 // The certificate: a conforming mesh of any boundary cell, that always ends (algorithms.md §5).
 //
-// 1. Cone: every triangle of the face meshes becomes a tetrahedron to the cell's centre; every quadrilateral
-//    becomes a pyramid with an apex of its own, and four tetrahedra join that apex to the centre.
+// 1. Cone: every triangle of the face meshes becomes a tetrahedron to the cell's apex, every quadrilateral a
+//    pyramid; where a surface passes between, that has an apex of its own, the cap, and four tetrahedra join
+//    the cap to the cell's apex.
 // 2. Bisection: for each active surface in turn, every edge inside the cell whose ends lie on different sides
 // is
 //    split at the root; new nodes inherit their signs for the surfaces already done.
@@ -117,6 +118,7 @@ class Certificate {
     bool hides_surface() const;
     void cone(const LatticePoint& at);
     void add_simplex(const std::array<LocalNode, 4>& node);
+    bool is_mixed(const Facet& quad, LocalNode apex) const;
     LocalNode add_cap(const Facet& quad, const LatticePoint& apex);
     bool bisect(std::size_t p, int round);
     bool is_resolved(const Simplex& simplex);

@@ -288,7 +288,7 @@ void Cell::add_polygon(const std::vector<LocalNode>& polygon, const Patch& patch
 void Cell::fan_patch(const std::vector<LocalNode>& loop, const Patch& patch, std::vector<Facet>& facets) {
     const std::size_t n = surfaces_.size();
     fan_nodes_ = loop;
-    fan_nodes_.push_back(add_node(patch.middle, static_cast<std::uint8_t>(1u << patch.face)));
+    fan_nodes_.push_back(add_node(fan_centre(loop, patch), static_cast<std::uint8_t>(1u << patch.face)));
     fan_.clear();
     const auto centre = static_cast<std::uint16_t>(loop.size());
     for (std::size_t i = 0; i < loop.size(); ++i) {
@@ -362,8 +362,9 @@ void Cell::load_other_tape(const TreeNode& other) {
     }
 }
 
-/// Splits the face's mixed inner edges for surface p; tells whether there were any. Later rounds split only
-/// what matters: beside an edge of the cell where several surfaces are not active, they would not end.
+/// Splits the face's mixed inner edges for surface p; tells whether there were any. Only what matters is
+/// split: it makes fewer triangles, and beside an edge of the cell where several surfaces are not active, the
+/// splits would not end.
 bool Cell::split_patch(const Patch& patch, std::size_t p, int round) {
     bool any = false;
     const std::uint8_t own = static_cast<std::uint8_t>(1u << patch.face);
@@ -382,7 +383,7 @@ bool Cell::split_patch(const Patch& patch, std::size_t p, int round) {
             const bool interior = (na.faces & nb.faces) == own && (na.middles & nb.middles) == 0;
             if (interior && sign(fan_nodes_[a], p) * sign(fan_nodes_[b], p) < 0) mixed_.push_back({a, b});
         }
-        if (round > 0 && mixed_.size() > before && is_resolved(t, active)) mixed_.resize(before);
+        if (mixed_.size() > before && is_resolved(t, active)) mixed_.resize(before);
     }
     std::sort(mixed_.begin(), mixed_.end());
     mixed_.erase(std::unique(mixed_.begin(), mixed_.end()), mixed_.end());

@@ -139,8 +139,8 @@ class Block {
     };
 
     // crossing.cpp
-    Bounds bounds(const std::array<Local, 3>& node) const;
-    bool stabs(const std::array<Local, 3>& a, const std::array<Local, 3>& b) const;
+    std::array<Point, 3> triangle(const std::array<Local, 3>& node) const;
+    bool stab_each_other(const std::array<Local, 3>& a, const std::array<Local, 3>& b) const;
     bool cross_each_other(const std::array<Local, 3>& a, const std::array<Local, 3>& b) const;
     void list_facets(std::uint32_t tetrahedron);
     void list_all_facets();

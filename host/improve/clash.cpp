@@ -1,8 +1,10 @@
 #include "host/improve/clash.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "host/common/parallel.hpp"
+#include "host/improve/crossing.hpp"
 
 namespace mortise::improve {
 namespace {
@@ -16,7 +18,8 @@ struct MovedNode {
     bool operator<(const MovedNode& other) const { return at < other.at; }
 };
 
-void find_coincident(const PassResult& pass, double same, int threads, std::vector<std::uint32_t>& clashing) {
+void find_coincident(const PassResult& pass, int threads, std::vector<std::uint32_t>& clashing) {
+    const double same = kSameNode * pass.unit;
     std::vector<MovedNode> moved;
     for (std::size_t n = 0; n < pass.after.size(); ++n) {
         if (pass.after[n] != pass.before[n]) moved.push_back({pass.after[n], pass.owner[n]});
@@ -75,14 +78,96 @@ void find_crowded_faces(const PassResult& pass, std::vector<std::uint32_t>& clas
     }
 }
 
+struct OuterFacet {
+    std::array<ZoneNode, 3> node;
+    std::uint32_t block;
+};
+
+const Bounds kNothing = {{HUGE_VAL, HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}};
+
+void include(Bounds& all, const Bounds& one) {
+    for (std::size_t j = 0; j < 3; ++j) {
+        all.low[j] = std::min(all.low[j], one.low[j]);
+        all.high[j] = std::max(all.high[j], one.high[j]);
+    }
+}
+
+/// Outer facets within the bounds of another block's.
+std::vector<OuterFacet> facets_near_others(const PassResult& pass) {
+    const std::size_t blocks = pass.changed.size();
+    const auto for_facets = [&](const auto& visit) {
+        for (std::uint32_t block = 0; block < blocks; ++block) {
+            for (std::size_t i = pass.first[block]; i < pass.first[block + 1]; ++i) {
+                const Tetrahedron& t = pass.tetrahedra[i];
+                for (std::size_t f = 0; f < 4; ++f) {
+                    if (!is_outer(t.tag[f])) continue;
+                    const std::array<ZoneNode, 3> n = face_nodes(t, f);
+                    visit(block, n, bounds({pass.after[n[0]], pass.after[n[1]], pass.after[n[2]]}));
+                }
+            }
+        }
+    };
+    Bounds all = kNothing;
+    std::vector<Bounds> of_block(blocks, kNothing);
+    for_facets([&](std::uint32_t block, const auto&, const Bounds& at) { include(of_block[block], at); });
+    for (const Bounds& one : of_block) include(all, one);
+    FacetGrid grid;
+    grid.reset(all, blocks);
+    for (std::uint32_t block = 0; block < blocks; ++block) {
+        if (of_block[block].low[0] <= of_block[block].high[0]) grid.add(of_block[block], block, 0);
+    }
+    std::vector<OuterFacet> result;
+    for_facets([&](std::uint32_t block, const auto& node, const Bounds& at) {
+        if (grid.any(at, [&](std::uint32_t other, std::uint32_t) { return other != block; }))
+            result.push_back({node, block});
+    });
+    return result;
+}
+
+/// Those of one block have been looked at with the block.
+void find_crossing(const PassResult& pass, int threads, std::vector<std::uint32_t>& clashing) {
+    const std::vector<OuterFacet> facets = facets_near_others(pass);
+    const auto triangle = [&](const OuterFacet& f) -> Triangle {
+        return {pass.after[f.node[0]], pass.after[f.node[1]], pass.after[f.node[2]]};
+    };
+    Bounds all = kNothing;
+    for (const OuterFacet& facet : facets) include(all, bounds(triangle(facet)));
+    FacetGrid grid;
+    grid.reset(all, facets.size());
+    for (std::uint32_t f = 0; f < facets.size(); ++f) grid.add(bounds(triangle(facets[f])), f, 0);
+    const double depth = kCrossingDepth * pass.unit;
+    std::vector<std::vector<std::uint32_t>> found(chunk_count(facets.size(), kChunk));
+    parallel_chunks(facets.size(), kChunk, threads, [&](std::size_t begin, std::size_t end, int) {
+        for (std::size_t f = begin; f < end; ++f) {
+            const OuterFacet& facet = facets[f];
+            if (pass.changed[facet.block] == 0) continue;
+            const Triangle at = triangle(facet);
+            grid.any(bounds(at), [&](std::uint32_t g, std::uint32_t) {
+                const OuterFacet& other = facets[g];
+                if (other.block == facet.block || common_nodes(facet.node, other.node) > 1) return false;
+                const Triangle there = triangle(other);
+                if (stabs(at, there, depth) || stabs(there, at, depth)) {
+                    found[begin / kChunk].push_back(facet.block);
+                    found[begin / kChunk].push_back(other.block);
+                }
+                return false;
+            });
+        }
+    });
+    for (const auto& list : found) clashing.insert(clashing.end(), list.begin(), list.end());
+}
+
 }  // namespace
 
-std::vector<std::uint32_t> find_clashes(const PassResult& pass, double same, int threads) {
+std::vector<std::uint32_t> find_clashes(const PassResult& pass, int threads) {
     std::vector<std::uint32_t> clashing;
-    find_coincident(pass, same, threads, clashing);
+    find_coincident(pass, threads, clashing);
     find_crowded_faces(pass, clashing);
+    find_crossing(pass, threads, clashing);
     std::sort(clashing.begin(), clashing.end());
     clashing.erase(std::unique(clashing.begin(), clashing.end()), clashing.end());
+    const auto is_done = [&](std::uint32_t block) { return pass.changed[block] == 0; };
+    clashing.erase(std::remove_if(clashing.begin(), clashing.end(), is_done), clashing.end());
     return clashing;
 }
 

@@ -1,7 +1,7 @@
 // Blocks whose results do not go together.
 //
-// Blocks do not know each other. Where skins or slivers lie closer together than positions can tell, two of
-// them may move nodes onto one place, or make one face anew, each on its own without fault.
+// Blocks do not know each other. Where skins or slivers lie close together, two of them may move nodes onto
+// one place, make one face anew, or push a skin through one of the other's, each on its own without fault.
 #pragma once
 
 #include <cstdint>
@@ -22,10 +22,13 @@ struct PassResult {
     std::uint32_t shared;
     const std::vector<Tetrahedron>& tetrahedra;  ///< block by block
     const std::vector<std::size_t>& first;       ///< per block, and behind the last: its first tetrahedron
+    const std::vector<std::uint8_t>& changed;    ///< per block, not 0 if it may not be as it was
+    double unit;                                 ///< Zone::unit
 };
 
-/// Blocks with a node that has come to lie on another block's, or with a face between shared nodes that has
-/// more than two tetrahedra, or two on one side; ascending. The result does not depend on `threads`.
-std::vector<std::uint32_t> find_clashes(const PassResult& pass, double same, int threads);
+/// Changed blocks with a node that has come to lie on another block's, with a face between shared nodes that
+/// has more than two tetrahedra, or two on one side, or with a facet that crosses one of another block;
+/// ascending. The result does not depend on `threads`.
+std::vector<std::uint32_t> find_clashes(const PassResult& pass, int threads);
 
 }  // namespace mortise::improve

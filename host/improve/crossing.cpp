@@ -8,76 +8,35 @@
 #include <cmath>
 
 #include "host/improve/block.hpp"
+#include "host/improve/crossing.hpp"
 
 namespace mortise::improve {
 namespace {
 
-/// Facets that touch do not cross: edges of the finest leaves.
-constexpr double kCrossingDepth = 1e-5;
-
 /// The grid is made anew when it has grown by this factor.
 constexpr std::size_t kMostStale = 2;
-
-double volume(const Point& a, const Point& b, const Point& c, const Point& d) {
-    return dot(cross(b - a, c - a), d - a);
-}
-
-bool is_outer(FaceTag tag) { return tag != 0 && (tag & kTagInterface) == 0; }
-
-std::array<std::uint32_t, 3> face_nodes(const Tetrahedron& t, std::size_t face) {
-    return {t.node[kOpposite[face][0]], t.node[kOpposite[face][1]], t.node[kOpposite[face][2]]};
-}
 
 std::array<std::uint32_t, 3> sorted(std::array<std::uint32_t, 3> node) {
     std::sort(node.begin(), node.end());
     return node;
 }
 
-int common_nodes(const std::array<std::uint32_t, 3>& a, const std::array<std::uint32_t, 3>& b) {
-    int count = 0;
-    for (const std::uint32_t n : a) count += n == b[0] || n == b[1] || n == b[2] ? 1 : 0;
-    return count;
-}
-
 }  // namespace
 
-Bounds Block::bounds(const std::array<Local, 3>& node) const {
-    const Point& a = points_[node[0]];
-    const Point& b = points_[node[1]];
-    const Point& c = points_[node[2]];
-    Bounds result{};
-    for (std::size_t j = 0; j < 3; ++j) {
-        result.low[j] = std::min({a[j], b[j], c[j]});
-        result.high[j] = std::max({a[j], b[j], c[j]});
-    }
-    return result;
+Triangle Block::triangle(const std::array<Local, 3>& node) const {
+    return {points_[node[0]], points_[node[1]], points_[node[2]]};
 }
 
-/// Whether an edge of `a` passes through the inside of `b`, from one side of it to the other.
-bool Block::stabs(const std::array<Local, 3>& a, const std::array<Local, 3>& b) const {
-    const Point& x = points_[b[0]];
-    const Point& y = points_[b[1]];
-    const Point& z = points_[b[2]];
-    const Point normal = cross(y - x, z - x);
-    const double least = kCrossingDepth * unit_ * length(normal);
-    double side[3];
-    for (std::size_t k = 0; k < 3; ++k) side[k] = dot(normal, points_[a[k]] - x);
-    for (std::size_t k = 0; k < 3; ++k) {
-        const std::size_t next = (k + 1) % 3;
-        if (!(std::min(side[k], side[next]) < -least && std::max(side[k], side[next]) > least)) continue;
-        const Point& p = points_[a[k]];
-        const Point& q = points_[a[next]];
-        const double u = volume(p, q, x, y);
-        const double v = volume(p, q, y, z);
-        const double w = volume(p, q, z, x);
-        if ((u > 0 && v > 0 && w > 0) || (u < 0 && v < 0 && w < 0)) return true;
-    }
-    return false;
+bool Block::stab_each_other(const std::array<Local, 3>& a, const std::array<Local, 3>& b) const {
+    const Triangle at_a = triangle(a);
+    const Triangle at_b = triangle(b);
+    const double depth = kCrossingDepth * unit_;
+    return common_nodes(a, b) < 2 && (stabs(at_a, at_b, depth) || stabs(at_b, at_a, depth));
 }
 
 bool Block::cross_each_other(const std::array<Local, 3>& a, const std::array<Local, 3>& b) const {
     ++evaluated_;
-    return common_nodes(a, b) < 2 && (stabs(a, b) || stabs(b, a));
+    return stab_each_other(a, b);
 }
 
 /// Enters the element's facets where they are now.
@@ -87,7 +46,7 @@ void Block::list_facets(std::uint32_t tetrahedron) {
     if (grid_.size() > most_listed_ && !running_.on) list_all_facets();
     const Tetrahedron& t = tetrahedra_[tetrahedron];
     for (std::uint32_t f = 0; f < 4; ++f) {
-        if (is_outer(t.tag[f])) grid_.add(bounds(face_nodes(t, f)), tetrahedron, f);
+        if (is_outer(t.tag[f])) grid_.add(bounds(triangle(face_nodes(t, f))), tetrahedron, f);
     }
 }
 
@@ -95,7 +54,8 @@ void Block::list_all_facets() {
     const auto for_facets = [this](const auto& visit) {
         for (std::uint32_t i = 0; i < tetrahedra_.size(); ++i) {
             for (std::uint32_t f = 0; f < 4 && alive_[i] != 0; ++f) {
-                if (is_outer(tetrahedra_[i].tag[f])) visit(bounds(face_nodes(tetrahedra_[i], f)), i, f);
+                if (is_outer(tetrahedra_[i].tag[f]))
+                    visit(bounds(triangle(face_nodes(tetrahedra_[i], f))), i, f);
             }
         }
     };
@@ -121,11 +81,11 @@ bool Block::any_crosses(const std::vector<std::array<Local, 3>>& facets, const S
         for (std::size_t k = 0; k < i; ++k) {
             if (cross_each_other(facet, facets[k])) return true;
         }
-        const Bounds box = bounds(facet);
+        const Bounds box = bounds(triangle(facet));
         const bool crossed = grid_.any(box, [&](std::uint32_t t, std::uint32_t f) {
             if (t >= tetrahedra_.size() || alive_[t] == 0 || !is_outer(tetrahedra_[t].tag[f])) return false;
             const std::array<Local, 3> other = face_nodes(tetrahedra_[t], f);
-            return box.overlap(bounds(other)) && stays(t, other) && cross_each_other(facet, other);
+            return box.overlap(bounds(triangle(other))) && stays(t, other) && cross_each_other(facet, other);
         });
         if (crossed) return true;
     }
@@ -147,10 +107,10 @@ bool Block::has_crossed() {
         for (std::size_t f = 0; f < 4; ++f) {
             if (!is_outer(tetrahedra_[i].tag[f]) || !is_new(i, f)) continue;
             const std::array<Local, 3> facet = face_nodes(tetrahedra_[i], f);
-            const bool crossed = grid_.any(bounds(facet), [&](std::uint32_t t, std::uint32_t g) {
+            const bool crossed = grid_.any(bounds(triangle(facet)), [&](std::uint32_t t, std::uint32_t g) {
                 if (t <= i && is_new(t, g)) return false;  // has been seen, or is this one
                 const std::array<Local, 3> other = face_nodes(tetrahedra_[t], g);
-                return common_nodes(facet, other) < 2 && (stabs(facet, other) || stabs(other, facet));
+                return stab_each_other(facet, other);
             });
             if (crossed) return true;
         }

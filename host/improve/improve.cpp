@@ -136,12 +136,13 @@ class Improver {
             block.counters.repeated = attempt > 0 ? 1 : 0;
             block.run(options);
             const bool sound = block.verify();
-            if (sound && (options.watch_facets || !block.has_crossed())) return block.result();
+            if (sound && !block.has_crossed()) return block.result();
             if (!options.change_boundary) break;
-            if (sound) {
+            if (sound && !options.watch_facets) {
                 options.watch_facets = true;
                 continue;
             }
+            if (sound && options.merge_distance > 0) break;  // nodes that become one take their facets along
             options.change_boundary = options.look_ahead;
             options.move_boundary = options.look_ahead;
             options.look_ahead = false;
@@ -199,10 +200,12 @@ class Improver {
     /// Takes back what blocks have done that do not go together; false if there are none.
     bool revert_clashes(const std::vector<Point>& before, const std::vector<Tetrahedron>& all,
                         std::vector<std::vector<Tetrahedron>>& results, std::vector<BlockCounters>& counted) {
-        std::vector<std::uint32_t> clashing = find_clashes(
-            {before, zone_.points, owner_, kMixed, all, first_}, kSameNode * zone_.unit, options_.threads);
-        const auto is_done = [&](std::uint32_t g) { return !groups_[g].poor || counted[g].given_up != 0; };
-        clashing.erase(std::remove_if(clashing.begin(), clashing.end(), is_done), clashing.end());
+        std::vector<std::uint8_t> changed(groups_.size());
+        for (std::size_t g = 0; g < groups_.size(); ++g) {
+            changed[g] = groups_[g].poor && counted[g].given_up == 0 ? 1 : 0;
+        }
+        const std::vector<std::uint32_t> clashing = find_clashes(
+            {before, zone_.points, owner_, kMixed, all, first_, changed, zone_.unit}, options_.threads);
         for (const std::uint32_t g : clashing) {
             results[g].clear();
             for (const std::uint32_t i : groups_[g].tetrahedra) results[g].push_back(zone_.tetrahedra[i]);

@@ -25,7 +25,9 @@ bool project(const BoundModel& model, const std::uint32_t* surfaces, std::size_t
             const double slope = std::sqrt(dot(s.gradient, s.gradient));
             if (!(slope > 0 && slope < kMortiseInfinity && std::isfinite(s.value))) return false;
             double unit[3];
-            for (int j = 0; j < 3; ++j) unit[j] = basis[k][j] = 1 / slope * s.gradient[j];
+            for (int j = 0; j < 3; ++j) {
+                unit[j] = basis[k][j] = j == limits.fixed_axis ? 0 : 1 / slope * s.gradient[j];
+            }
             for (std::size_t i = 0; i < k; ++i) {
                 const double along = dot(unit, basis[i]);
                 for (int j = 0; j < 3; ++j) basis[k][j] -= along * basis[i][j];

@@ -10,9 +10,10 @@ namespace mortise::tape {
 
 /// Lengths are box-local.
 struct ProjectionLimits {
-    double reach;    ///< the point may move this far
-    double tangent;  ///< sine between gradients below which surfaces do not cross
-    double settled;  ///< length of the last step
+    double reach;        ///< the point may move this far
+    double tangent;      ///< sine between gradients below which surfaces do not cross
+    double settled;      ///< length of the last step
+    int fixed_axis = 3;  ///< the coordinate that stays as it is; 3: none
 };
 
 /// Moves x onto the surfaces by steps of least length. False, and x as it was, if a gradient vanishes,

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <vector>
 
+#include "host/improve/clash.hpp"
 #include "tests/mesher/meshed.hpp"
 #include "tests/mesher/random_models.hpp"
 
@@ -94,6 +95,28 @@ TEST_CASE("skins of nearly coincident solids do not cross") {
         CHECK(m.defects == "");
         CHECK(crossed_pairs(m.mesh, 1e-5 * m.report.cell_size) == 0);
     }
+}
+
+/// Blocks see only their own facets. In seed 186 above, two of one pass pushed their skins through each
+/// other.
+TEST_CASE("facets of two blocks that cross are a clash") {
+    const std::vector<improve::Point> points = {{0, 0, 0},     {1, 0, 0},     {0, 1, 0},     {0, 0, 1},
+                                                {.2, .2, -.5}, {.3, .2, -.5}, {.2, .3, -.5}, {.2, .2, .2}};
+    std::vector<improve::Tetrahedron> tetrahedra(2);
+    tetrahedra[0].node = {0, 1, 2, 3};
+    tetrahedra[1].node = {4, 5, 6, 7};
+    for (auto& t : tetrahedra) t.tag = {1, 1, 1, 1};
+    const std::vector<std::uint32_t> owner = {0, 0, 0, 0, 1, 1, 1, 1};
+    const std::vector<std::size_t> first = {0, 1, 2};
+    std::vector<improve::Point> after = points;
+    const auto clashes = [&](std::vector<std::uint8_t> changed) {
+        return improve::find_clashes({points, after, owner, 0xfffffffeu, tetrahedra, first, changed, 1}, 1);
+    };
+    CHECK(clashes({1, 1}) == std::vector<std::uint32_t>{0, 1});
+    CHECK(clashes({1, 0}) == std::vector<std::uint32_t>{0});
+    CHECK(clashes({0, 0}).empty());
+    after[7] = {.2, .2, -.1};
+    CHECK(clashes({1, 1}).empty());
 }
 
 /// The tube ends in the corner of a block, two cells wide: facets there, with all nodes on the torus, were up

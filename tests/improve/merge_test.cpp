@@ -79,10 +79,11 @@ TEST_CASE("a node that no element has does not clash") {
     const std::vector<improve::Point> before = {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}};
     const std::vector<improve::Point> after = {{0, 0, 0}, {2, 0, 0}, {2, 0, 0}};
     const std::vector<improve::Tetrahedron> none;
-    const std::vector<std::size_t> first = {0, 0};
+    const std::vector<std::size_t> first = {0, 0, 0};
+    const std::vector<std::uint8_t> changed = {1, 1};
     const auto clashes = [&](std::uint32_t third) {
         const std::vector<std::uint32_t> owner = {0, 0, third};
-        return improve::find_clashes({before, after, owner, 0xfffffffeu, none, first}, 1e-9, 1);
+        return improve::find_clashes({before, after, owner, 0xfffffffeu, none, first, changed, 1}, 1);
     };
     CHECK(clashes(1) == std::vector<std::uint32_t>{0});
     CHECK(clashes(improve::kNone).empty());

@@ -40,4 +40,30 @@ TEST_CASE("a lattice of 3,000 flush pieces of struts is valid and has every open
     CHECK(result.report.missed.empty());
 }
 
+/// From apexes in the middles of cells and faces they had 25 and 31.
+TEST_CASE("complex cells at creases have few elements before improvement") {
+    const auto per_cell = [](const Model& model) {
+        MeshOptions options;
+        options.level = 5;
+        options.improve = false;
+        const Meshed result = mesh_and_check(model, options);
+        CHECK(result.defects == "");
+        std::size_t count = 0;
+        for (const auto& block : result.mesh.elements) {
+            for (const std::uint8_t kind : block.kind)
+                count += kind == static_cast<std::uint8_t>(ElementKind::kCnio) ? 1 : 0;
+        }
+        return static_cast<double>(count) / static_cast<double>(result.report.cnio_cells);
+    };
+    constexpr double kPi = 3.14159265358979323846;
+    CHECK(per_cell(one_solid([&](Model& m) {
+              const NodeIndex strut = add_cylinder(m, 0.3, -1, 1);
+              return unite(m, {strut, m.add_transform(rotation({0, 1, 0}, kPi / 2), strut),
+                               m.add_transform(rotation({1, 0, 0}, kPi / 2), strut)});
+          })) < 12);
+    CHECK(per_cell(one_solid([&](Model& m) {
+              return m.add_transform(rotation({1, 2, 3}, 0.7), add_box(m, {-1, -1, -1}, {1, 1, 1}));
+          })) < 15);
+}
+
 }  // namespace mortise::test
