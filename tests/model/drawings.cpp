@@ -349,3 +349,23 @@ TEST_CASE("SVG: groups nested very deeply") {
     for (int i = 0; i < kDeep; ++i) body += "</g>";
     CHECK(draw_svg(body).area(24) == doctest::Approx(16).epsilon(0.02));
 }
+
+TEST_CASE("numbers of drawings that are far too large or too small") {
+    // An arc's radii are enlarged until it reaches its end: tiny ones make a half circle over the chord.
+    const Drawn tiny = draw_svg("<path d='M5 10 A1e-300 1e-300 0 0 1 15 10 Z'/>");
+    CHECK(tiny.error.empty());
+    CHECK(tiny.area(24) == doctest::Approx(kPi * 25 / 2).epsilon(0.01));
+    // Angles of many turns; what is left of 1e300 degrees is some angle, but one of less than a turn.
+    CHECK(draw(dxf("0 ARC 8 0 10 0 20 0 40 1 50 0 51 1e300" + line(0, 0, 1, 0)), false)
+              .error.find("m.dxf: there is no") == 0);
+    CHECK(draw(dxf("0 ARC 8 0 10 0 20 0 40 1 50 -720 51 900" + line(-1, 0, 1, 0)), false).area(4) ==
+          doctest::Approx(kPi / 2).epsilon(0.02));
+    const Drawn some = draw(dxf("0 ELLIPSE 8 0 10 0 20 0 11 1 21 0 40 1 41 -1e300 42 1e300"), false);
+    CHECK(some.error.find("m.dxf: there is no closed outline") == 0);
+    CHECK(draw(dxf("0 LWPOLYLINE 8 0 70 1e300"), false)
+              .error.find("group 70 of LWPOLYLINE is 1e+300; expected a whole") != std::string::npos);
+    // Bulges next to nothing have circles beyond all numbers.
+    CHECK(
+        draw(dxf("0 LWPOLYLINE 8 0 70 1 10 0 20 0 42 1e-320 10 2 20 0 42 0 10 2 20 2 42 0"), false).area(4) ==
+        doctest::Approx(2).epsilon(0.02));
+}

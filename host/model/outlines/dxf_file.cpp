@@ -18,6 +18,8 @@ namespace {
 constexpr double kTurn = 6.283185307179586;
 /// Ends of lines closer than this are one point, in units of the drawing as in OpenSCAD.
 constexpr double kJoin = 1e-3;
+/// Bulges below this are lines; the circle of a still smaller one would be beyond all numbers.
+constexpr double kStraight = 1e-12;
 
 struct Group {
     int code = 0;
@@ -177,6 +179,12 @@ class DxfReader {
                  "group " + std::to_string(group.code) + " of " + std::string(entity.type) + " is '" +
                      std::string(group.value.substr(0, 40)) + "'; expected a finite number");
         }
+        constexpr double kLargestFlags = 65535;
+        if (group.code >= 70 && group.code < 80 && !(std::fabs(value) <= kLargestFlags)) {
+            fail(source_, group.where,
+                 "group " + std::to_string(group.code) + " of " + std::string(entity.type) + " is " +
+                     number_text(value) + "; expected a whole number of 16 bits");
+        }
         entity.numbers[group.code] = value;
         if (entity.type != "LWPOLYLINE") return;
         if (group.code == 10) entity.vertices.push_back({{value, 0}, 0});
@@ -203,9 +211,9 @@ class DxfReader {
             double sweep = kTurn;
             if (!closed) {
                 from = entity.number(50) * kTurn / 360;
-                sweep = entity.number(51) * kTurn / 360 - from;
-                sweep -= kTurn * std::floor(sweep / kTurn);
-                if (sweep == 0) sweep = kTurn;
+                sweep = std::fmod(entity.number(51) * kTurn / 360 - from, kTurn);
+                if (sweep <= 0) sweep += kTurn;
+                from = std::fmod(from, kTurn);
             }
             add_arc(path, at, {radius, 0}, {0, radius}, from, sweep, !closed);
         } else if (type == "ELLIPSE") {
@@ -216,9 +224,9 @@ class DxfReader {
             }
             const double turn = entity.number(230, 1) < 0 ? -1 : 1;
             const Vec2 minor = {-major[1] * ratio * turn, major[0] * ratio * turn};
-            const double from = entity.number(41, 0);
-            double sweep = entity.number(42, kTurn) - from;
-            sweep -= kTurn * std::floor(sweep / kTurn - 1e-9);
+            const double from = std::fmod(entity.number(41, 0), kTurn);
+            double sweep = std::fmod(entity.number(42, kTurn) - entity.number(41, 0), kTurn);
+            if (sweep <= kTurn * 1e-9) sweep += kTurn;
             closed = sweep > kTurn * (1 - 1e-9);
             add_arc(path, at, major, minor, from, closed ? kTurn : sweep, !closed);
         } else if (type == "LWPOLYLINE" || type == "POLYLINE") {
@@ -249,7 +257,8 @@ class DxfReader {
 
     int pieces_of(double radius, double sweep) const {
         const int n = fragments_of(radius, options_.fn, options_.fa, options_.fs);
-        return std::max(2, static_cast<int>(std::ceil(n * std::fabs(sweep) / kTurn - 1e-9)));
+        const double wanted = std::ceil(n * std::fabs(sweep) / kTurn - 1e-9);
+        return wanted > 2 ? static_cast<int>(wanted) : 2;  // 2 also for what is no number
     }
 
     void add_arc(std::vector<Vec2>& path, const Vec2& center, const Vec2& x, const Vec2& y, double from,
@@ -269,7 +278,7 @@ class DxfReader {
         for (std::size_t i = 0; i < n; ++i) {
             const Vec2& p = vertices[i].point;
             path.push_back(p);
-            if (vertices[i].bulge == 0 || (i + 1 == n && !closed)) continue;
+            if (std::fabs(vertices[i].bulge) < kStraight || (i + 1 == n && !closed)) continue;
             const Vec2& q = vertices[(i + 1) % n].point;
             const double bulge = vertices[i].bulge;
             const Vec2 chord = {q[0] - p[0], q[1] - p[1]};

@@ -121,7 +121,8 @@ class PathBuilder {
     int pieces(double radius, double angle) const {
         const DrawingOptions& o = fineness_.options;
         const int n = fragments_of(radius * fineness_.unit, o.fn, o.fa, o.fs);
-        return std::max(2, static_cast<int>(std::ceil(n * std::fabs(angle) / kTurn - 1e-9)));
+        const double wanted = std::ceil(n * std::fabs(angle) / kTurn - 1e-9);
+        return wanted > 2 ? static_cast<int>(wanted) : 2;  // 2 also for what is no number
     }
     void finish(bool open) {
         if (path_.size() > 1 && path_.front() == path_.back()) {
@@ -155,14 +156,13 @@ void PathBuilder::arc_to(double rx, double ry, double degrees, bool large, bool 
     const Vec2 half = {(from[0] - to[0]) / 2, (from[1] - to[1]) / 2};
     const double x = c * half[0] + s * half[1];
     const double y = c * half[1] - s * half[0];
-    const double excess = x * x / (rx * rx) + y * y / (ry * ry);
-    if (excess > 1) {
+    const double reach = std::hypot(x / rx, y / ry);
+    if (reach > 1) {
         // Too small to reach: enlarged until it does.
-        rx *= std::sqrt(excess);
-        ry *= std::sqrt(excess);
+        rx *= reach;
+        ry *= reach;
     }
-    double root = std::sqrt(std::max(0.0, 1 / std::max(excess, 1e-300) - 1));
-    if (excess > 1) root = 0;
+    double root = reach > 1 ? 0 : std::sqrt(std::max(0.0, 1 / std::max(reach * reach, 1e-300) - 1));
     if (large == sweep) root = -root;
     const Vec2 center = {root * rx * y / ry, -root * ry * x / rx};
     const double first = std::atan2((y - center[1]) / ry, (x - center[0]) / rx);
