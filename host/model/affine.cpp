@@ -6,14 +6,6 @@
 
 namespace mortise::model_reader {
 
-double dot(const Vec3& a, const Vec3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-
-Vec3 cross(const Vec3& a, const Vec3& b) {
-    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-
-double length(const Vec3& v) { return std::hypot(v[0], v[1], v[2]); }
-
 Vec3 unit(const Vec3& v) {
     const double norm = length(v);
     return {v[0] / norm, v[1] / norm, v[2] / norm};

@@ -2,13 +2,17 @@
 // to parent coordinates.
 #pragma once
 
+#include <cmath>
+
 #include "mortise/model.hpp"
 
 namespace mortise::model_reader {
 
-double dot(const Vec3& a, const Vec3& b);
-Vec3 cross(const Vec3& a, const Vec3& b);
-double length(const Vec3& v);
+inline double dot(const Vec3& a, const Vec3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+inline Vec3 cross(const Vec3& a, const Vec3& b) {
+    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+inline double length(const Vec3& v) { return std::hypot(v[0], v[1], v[2]); }
 
 /// v divided by its length; exact for vectors along a coordinate axis. Precondition: v is finite, not zero.
 Vec3 unit(const Vec3& v);

@@ -1,10 +1,10 @@
 #include "host/model/file_content.hpp"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <sstream>
 
 #include "mortise/error.hpp"
 
@@ -17,13 +17,25 @@ std::string read_file(const std::string& path) {
     }
     errno = 0;
     std::ifstream file(path, std::ios::binary);
-    std::ostringstream text;
-    if (file && file.peek() != std::ifstream::traits_type::eof()) text << file.rdbuf();
-    if (!file.is_open() || file.bad() || text.bad()) {
+    std::string text;
+    if (file.is_open()) {
+        // Files of known size in one piece; pipes grow as they come.
+        const std::uintmax_t size = std::filesystem::file_size(path, ignored);
+        constexpr std::size_t kPart = 1 << 16;
+        std::size_t part = ignored ? kPart : static_cast<std::size_t>(size) + 1;
+        while (file) {
+            const std::size_t before = text.size();
+            text.resize(before + part);
+            file.read(&text[before], static_cast<std::streamsize>(part));
+            text.resize(before + static_cast<std::size_t>(file.gcount()));
+            part = std::max(kPart, before);
+        }
+    }
+    if (!file.is_open() || file.bad()) {
         const std::string cause = errno != 0 ? std::strerror(errno) : "input error";
         throw Error(ExitCode::kFiles, path + ": cannot be read: " + cause);
     }
-    return text.str();
+    return text;
 }
 
 std::string format_of(const std::string& path) {

@@ -43,9 +43,13 @@ Model read_scad(const std::string& text, const std::string& path, const ReadOpti
 Model read_model(const std::string& path, const ReadOptions& options) {
     const std::string format = model_reader::format_of(path);
     // A missing file is a missing file, whatever its name.
+    std::error_code ignored;
+    const bool is_known = format == "scad" || is_known_format(format);
+    if (!is_known && std::filesystem::exists(path, ignored) && !std::filesystem::is_directory(path, ignored)) {
+        unknown_format(path, format);
+    }
     const std::string text = model_reader::read_file(path);
     if (format == "scad") return read_scad(text, path, options);
-    if (!is_known_format(format)) unknown_format(path, format);
     return parse_model(text, format, path, options);
 }
 

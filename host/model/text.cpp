@@ -43,6 +43,12 @@ std::string_view TextCursor::take_name() {
     return {first, static_cast<std::size_t>(at_ - first)};
 }
 
+std::string_view TextCursor::take_word() {
+    const char* first = at_;
+    while (at_ != end_ && *at_ > ' ' && *at_ < 0x7f) ++at_;
+    return {first, static_cast<std::size_t>(at_ - first)};
+}
+
 double TextCursor::take_number() {
     if (!is_digit(peek()) && peek() != '.') fail_here("expected a number, found " + found());
     double value = 0;

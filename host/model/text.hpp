@@ -54,6 +54,8 @@ class TextCursor {
     std::string_view take_line();
     /// The longest run of name characters from here; may be empty.
     std::string_view take_name();
+    /// The longest run of visible ASCII characters from here; may be empty.
+    std::string_view take_word();
     /// Reads an unsigned decimal number; fails unless one starts here. A number too large for a double
     /// fails, one too small is 0.
     double take_number();

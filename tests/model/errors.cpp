@@ -122,6 +122,8 @@ TEST_CASE(".geo errors name the place, the thing and what was expected") {
         {"algebraic3d\nsolid a = sphere(0,0,0;1); tlo a; boundarycondition a b 3;", "2:55",
          "not a top-level object"},
         {"algebraic3d\nsolid a = sphere(0,0,0;1); tlo a; identify something a a;", "2:35", "something"},
+        {"algebraic3d\nsolid a = sphere(0,0,0;1); tlo a; identify closeedges a a a;", "2:35",
+         "closeedges' is unknown"},
     };
     for (const Case& c : cases) check(c, "geo");
     for (const char* name : {"tube", "gencyl"}) {

@@ -71,7 +71,7 @@ TEST_CASE(".vm: each mistake has its place") {
         {"# only this\n", "the file holds no operation"},
         {"x\n", "m.vm:1:2: expected an operation after 'x'"},
         {"x var-w\n", "m.vm:1:3: unknown operation 'var-w'"},
-        {"x var-x\ny add x\n", "m.vm:2:8: expected an argument of add"},
+        {"x var-x\ny add x\n", "m.vm:2:8: expected an argument of 'add'"},
         {"x var-x\ny add x q\n", "m.vm:2:9: 'q' is not defined"},
         {"x var-x x\n", "m.vm:1:9: expected the end of the line"},
         {"x const\n", "m.vm:1:8: expected a number"},

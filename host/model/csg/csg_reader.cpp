@@ -7,6 +7,7 @@
 // solids they count as empty.
 //
 // An explicit stack replaces recursion, so nesting depth is limited by memory only.
+#include <algorithm>
 #include <utility>
 
 #include "host/model/csg/csg_nodes.hpp"
@@ -35,6 +36,9 @@ class CsgReader {
 
     Model read(const std::string& region) {
         scene_.model.source = source_;
+        // Most nodes of the text become one or two of the model; growing would move them all again and again.
+        const auto nodes = static_cast<std::size_t>(std::count(text_.begin(), text_.end(), '('));
+        scene_.model.nodes.reserve(std::min(nodes + nodes / 2 + nodes / 8, text_.size() / 32) + 64);
         if (text_.find('!') != std::string::npos) {
             // First pass: grammar only, to find a root modifier.
             only_look_for_root_ = true;

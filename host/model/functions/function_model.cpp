@@ -1,5 +1,7 @@
 #include "host/model/functions/function_model.hpp"
 
+#include <array>
+#include <charconv>
 #include <cmath>
 
 #include "host/model/text.hpp"
@@ -12,8 +14,40 @@ std::string function_number(double value) {
     return std::signbit(value) ? "(" + number_text(value) + ")" : number_text(value);
 }
 
-void FunctionText::define(const std::string& expression) {
-    text_ += function_name(count_++) + " = " + expression + ";\n";
+void FunctionText::append_name(std::size_t index) {
+    std::array<char, 24> buffer{'_'};
+    const auto result = std::to_chars(buffer.data() + 1, buffer.data() + buffer.size(), index);
+    text_.append(buffer.data(), result.ptr);
+}
+
+void FunctionText::begin() {
+    append_name(count_++);
+    text_ += " = ";
+}
+
+void FunctionText::define(std::string_view expression) {
+    begin();
+    text_ += expression;
+    end();
+}
+
+void FunctionText::define(std::string_view before, std::size_t first, std::string_view after) {
+    begin();
+    text_ += before;
+    append_name(first);
+    text_ += after;
+    end();
+}
+
+void FunctionText::define(std::string_view before, std::size_t first, std::string_view between,
+                          std::size_t second, std::string_view after) {
+    begin();
+    text_ += before;
+    append_name(first);
+    text_ += between;
+    append_name(second);
+    text_ += after;
+    end();
 }
 
 std::string FunctionText::formula(std::size_t index) const { return text_ + function_name(index); }

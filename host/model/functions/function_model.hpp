@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 
 #include "mortise/model.hpp"
 
@@ -11,12 +12,20 @@ namespace mortise::model_reader {
 class FunctionText {
   public:
     /// Appends a definition; its name is function_name(index), counted from 0.
-    void define(const std::string& expression);
+    void define(std::string_view expression);
+    /// The same for BEFORE first BETWEEN second AFTER, the two being definitions.
+    void define(std::string_view before, std::size_t first, std::string_view after);
+    void define(std::string_view before, std::size_t first, std::string_view between, std::size_t second,
+                std::string_view after);
     std::size_t size() const { return count_; }
     /// The formula whose value is the definition `index`.
     std::string formula(std::size_t index) const;
 
   private:
+    void append_name(std::size_t index);
+    void begin();
+    void end() { text_ += ";\n"; }
+
     std::string text_;
     std::size_t count_ = 0;
 };

@@ -3,9 +3,9 @@
 // parser (fidget-core/src/context/mod.rs). Its rand and mix are hashes of bits: they describe no solid.
 #include <array>
 #include <string_view>
-#include <unordered_map>
 
 #include "host/model/functions/function_model.hpp"
+#include "host/model/name_table.hpp"
 #include "host/model/readers.hpp"
 #include "host/model/text.hpp"
 
@@ -15,17 +15,38 @@ namespace {
 struct Operation {
     std::string_view name;
     int arguments;
-    const char* text;  ///< an infix sign, or the name of the function
+    std::string_view before;  ///< what a formula has before, between and behind the arguments
+    std::string_view between;
+    std::string_view after;
 };
 
-constexpr std::array<Operation, 26> kOperations = {
-    {{"add", 2, "+"},           {"sub", 2, "-"},         {"mul", 2, "*"},       {"div", 2, "/"},
-     {"min", 2, "min"},         {"max", 2, "max"},       {"neg", 1, "neg"},     {"abs", 1, "abs"},
-     {"sqrt", 1, "sqrt"},       {"square", 1, "square"}, {"sin", 1, "sin"},     {"cos", 1, "cos"},
-     {"tan", 1, "tan"},         {"asin", 1, "asin"},     {"acos", 1, "acos"},   {"atan", 1, "atan"},
-     {"exp", 1, "exp"},         {"ln", 1, "log"},        {"floor", 1, "floor"}, {"ceil", 1, "ceil"},
-     {"round", 1, "round"},     {"not", 1, "not"},       {"atan2", 2, "atan2"}, {"mod", 2, "mod"},
-     {"compare", 2, "compare"}, {"and", 2, "and"}}};
+constexpr std::array<Operation, 27> kOperations = {{{"add", 2, "", " + ", ""},
+                                                    {"sub", 2, "", " - ", ""},
+                                                    {"mul", 2, "", " * ", ""},
+                                                    {"div", 2, "", " / ", ""},
+                                                    {"min", 2, "min(", ", ", ")"},
+                                                    {"max", 2, "max(", ", ", ")"},
+                                                    {"neg", 1, "neg(", "", ")"},
+                                                    {"abs", 1, "abs(", "", ")"},
+                                                    {"sqrt", 1, "sqrt(", "", ")"},
+                                                    {"square", 1, "square(", "", ")"},
+                                                    {"sin", 1, "sin(", "", ")"},
+                                                    {"cos", 1, "cos(", "", ")"},
+                                                    {"tan", 1, "tan(", "", ")"},
+                                                    {"asin", 1, "asin(", "", ")"},
+                                                    {"acos", 1, "acos(", "", ")"},
+                                                    {"atan", 1, "atan(", "", ")"},
+                                                    {"exp", 1, "exp(", "", ")"},
+                                                    {"ln", 1, "log(", "", ")"},
+                                                    {"floor", 1, "floor(", "", ")"},
+                                                    {"ceil", 1, "ceil(", "", ")"},
+                                                    {"round", 1, "round(", "", ")"},
+                                                    {"not", 1, "not(", "", ")"},
+                                                    {"atan2", 2, "atan2(", ", ", ")"},
+                                                    {"mod", 2, "mod(", ", ", ")"},
+                                                    {"compare", 2, "compare(", ", ", ")"},
+                                                    {"and", 2, "and(", ", ", ")"},
+                                                    {"or", 2, "or(", ", ", ")"}}};
 
 class VmReader {
   public:
@@ -42,9 +63,9 @@ class VmReader {
             const std::string_view name = take_word("a name");
             skip_spaces();
             const SourceLocation where = cursor_.where();
-            const std::string_view operation = take_word("an operation after '" + std::string(name) + "'");
+            const std::string_view operation = take_word("an operation after", name);
             read_operation(operation, where);
-            places_[name] = function.size() - 1;
+            places_.set(name, static_cast<std::uint32_t>(function.size() - 1));
         }
         if (function.size() == 0) cursor_.fail_here("the file holds no operation; expected: x var-x");
     }
@@ -60,18 +81,13 @@ class VmReader {
             cursor_.advance();
     }
 
-    std::string_view take_word(const std::string& what) {
+    /// Messages say that `what` 'of' is expected; `of` may be empty.
+    std::string_view take_word(const char* what, std::string_view of = {}) {
         skip_spaces();
-        if (at_line_end()) cursor_.fail_here("expected " + what + ", found the end of the line");
-        const TextCursor begin = cursor_;
-        while (!at_line_end() && static_cast<unsigned char>(cursor_.peek()) > ' ') {
-            if (static_cast<unsigned char>(cursor_.peek()) >= 0x7f)
-                cursor_.fail_here("expected " + what + ", found " + cursor_.found());
-            cursor_.advance();
-        }
-        if (begin.offset() == cursor_.offset())
-            cursor_.fail_here("expected " + what + ", found " + cursor_.found());
-        return begin.text_until(cursor_);
+        const std::string_view word = cursor_.take_word();
+        if (!word.empty() && (at_line_end() || (cursor_.peek() >= 0 && cursor_.peek() <= ' '))) return word;
+        cursor_.fail_here("expected " + std::string(what) + (of.empty() ? "" : " '" + std::string(of) + "'") +
+                          ", found " + (at_line_end() ? "the end of the line" : cursor_.found()));
     }
 
     void end_line() {
@@ -83,14 +99,14 @@ class VmReader {
         if (!cursor_.at_end()) cursor_.advance();
     }
 
-    std::string argument(std::string_view operation) {
+    std::size_t argument(std::string_view operation) {
         skip_spaces();
         const SourceLocation where = cursor_.where();
-        const std::string_view name = take_word("an argument of " + std::string(operation));
-        const auto found = places_.find(name);
-        if (found == places_.end())
+        const std::string_view name = take_word("an argument of", operation);
+        const NameTable::Entry* found = places_.find(name);
+        if (found == nullptr)
             fail(source_, where, "'" + std::string(name) + "' is not defined before this line");
-        return function_name(found->second);
+        return found->value;
     }
 
     void read_operation(std::string_view name, SourceLocation where) {
@@ -101,19 +117,11 @@ class VmReader {
             has_z = true;
             return function.define("z");
         }
-        if (name == "or") {
-            const std::string first = argument(name);
-            return function.define("or(" + first + ", " + argument(name) + ")");
-        }
         for (const Operation& known : kOperations) {
             if (known.name != name) continue;
-            const std::string first = argument(name);
-            const std::string text = known.text;
-            if (known.arguments == 1) return function.define(text + "(" + first + ")");
-            const std::string second = argument(name);
-            const bool infix = !is_name_start(known.text[0]);
-            return function.define(infix ? first + " " + text + " " + second
-                                         : text + "(" + first + ", " + second + ")");
+            const std::size_t first = argument(name);
+            if (known.arguments == 1) return function.define(known.before, first, known.after);
+            return function.define(known.before, first, known.between, argument(name), known.after);
         }
         const std::string quoted = "'" + std::string(name) + "'";
         if (name == "rand" || name == "mix") {
@@ -122,7 +130,7 @@ class VmReader {
                      " makes random numbers from the bits of its arguments, which no mesh can follow; "
                      "replace it by constants");
         }
-        std::string known = "const var-x var-y var-z or";
+        std::string known = "const var-x var-y var-z";
         for (const Operation& operation : kOperations) known += " " + std::string(operation.name);
         fail(source_, where, "unknown operation " + quoted + "; expected one of " + known);
     }
@@ -140,7 +148,7 @@ class VmReader {
 
     TextCursor cursor_;
     const std::string& source_;
-    std::unordered_map<std::string_view, std::size_t> places_;
+    NameTable places_;
 };
 
 }  // namespace

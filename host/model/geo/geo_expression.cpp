@@ -107,12 +107,12 @@ std::uint32_t GeoExpression::read_operand() {
         } else if (is_geo_reserved(token.text)) {
             lexer_.fail_expected("a primitive, the name of a solid, 'not' or '('");
         } else {
-            const std::string name(token.text);
-            const auto found = solids_.find(name);
-            if (found == solids_.end()) fail(lexer_.source(), token.where, undefined_solid(name));
+            const NameTable::Entry* found = solids_.find(token.text);
+            if (found == nullptr)
+                fail(lexer_.source(), token.where, undefined_solid(std::string(token.text)));
             lexer_.next();
             frames_.back().refers = true;
-            return found->second;
+            return found->value;
         }
     }
 }

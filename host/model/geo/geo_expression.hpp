@@ -2,18 +2,18 @@
 #pragma once
 
 #include <string>
-#include <unordered_map>
 #include <vector>
 
 #include "host/model/geo/geo_lexer.hpp"
 #include "host/model/geo/geo_primitives.hpp"
 #include "host/model/geo/geo_surfaces.hpp"
+#include "host/model/name_table.hpp"
 #include "mortise/model.hpp"
 
 namespace mortise::model_reader {
 
 /// Solids defined so far: name -> node.
-using GeoSolids = std::unordered_map<std::string, std::uint32_t>;
+using GeoSolids = NameTable;
 
 /// Whether a statement starts with this token.
 bool is_geo_statement(const GeoToken& token);

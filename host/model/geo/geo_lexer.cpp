@@ -81,8 +81,12 @@ double GeoLexer::take_number(std::string_view what) {
 Vec3 GeoLexer::take_vector(std::string_view what) {
     Vec3 result{};
     for (std::size_t k = 0; k < 3; ++k) {
-        if (k > 0) take_symbol(',', "between the coordinates of " + std::string(what));
-        result[k] = take_number("a coordinate of " + std::string(what));
+        // Messages are made where they are needed only: files hold millions of vectors.
+        if (k > 0 && !is_symbol(',')) fail_expected("',' between the coordinates of " + std::string(what));
+        if (k > 0) next();
+        const bool is_number = token_.kind == GeoToken::Kind::kNumber || is_symbol('-') || is_symbol('+');
+        if (!is_number) fail_expected("a coordinate of " + std::string(what));
+        result[k] = take_number("a number");
     }
     return result;
 }

@@ -19,10 +19,13 @@ namespace {
 class GeoReader {
   public:
     GeoReader(const std::string& text, const std::string& source)
-        : source_(source), lexer_(text, source), surfaces_(model_) {}
+        : text_(text), source_(source), lexer_(text, source), surfaces_(model_) {}
 
     Model read() {
         model_.source = source_;
+        // One or two nodes for each parenthesis; growing would move them all again and again.
+        const auto nodes = static_cast<std::size_t>(std::count(text_.begin(), text_.end(), '('));
+        model_.nodes.reserve(std::min(2 * nodes + nodes / 8, text_.size() / 16) + 64);
         if (lexer_.at_end()) fail_here("the file is empty; expected 'algebraic3d'");
         if (!lexer_.take_word("algebraic3d")) {
             fail_here("expected 'algebraic3d' as the first word of a Netgen geometry, found " +
@@ -103,9 +106,10 @@ class GeoReader {
 
     /// solid NAME = expression [flags] ;
     void read_solid(SourceLocation where) {
-        const std::string name = take_new_name();
+        const std::string_view name = take_new_name();
         const auto first = static_cast<std::uint32_t>(model_.nodes.size());
-        lexer_.take_symbol('=', "after 'solid " + name + "'");
+        if (!lexer_.is_symbol('=')) lexer_.fail_expected("'=' after 'solid " + std::string(name) + "'");
+        lexer_.next();
         std::uint32_t root = GeoExpression(model_, lexer_, surfaces_, solids_, shapes_, first).read();
 
         std::string condition;
@@ -125,17 +129,20 @@ class GeoReader {
                 warn_of_flag(flag);
             }
         }
-        lexer_.take_symbol(';', "or a flag after the solid '" + name + "'");
+        if (!lexer_.is_symbol(';')) {
+            lexer_.fail_expected("';' or a flag after the solid '" + std::string(name) + "'");
+        }
+        lexer_.next();
 
         if (!condition.empty() && !by_face) surfaces_.set_condition(root, condition);
-        surfaces_.set_solid(first, name);
+        surfaces_.set_solid(first, std::string(name));
         if (max_size > 0) {
             // A solid that is only another one's name gets a node of its own to carry the size.
             if (root < first) root = model_.add_operation(CsgNode::Op::kUnion, {root});
             model_.nodes[root].max_size = max_size;
         }
         if (root >= first && model_.nodes[root].where.line == 0) model_.nodes[root].where = where;
-        solids_.emplace(name, root);
+        solids_.set(name, root);
     }
 
     /// -bc=[numbers] and -bcname=[words] of a polyhedron, one for each face.
@@ -155,26 +162,27 @@ class GeoReader {
         surfaces_.set_face_conditions(root, found->second, flag.list, flag.name == "bc" ? "bc" : "");
     }
 
-    std::string take_new_name() {
+    std::string_view take_new_name() {
         const SourceLocation where = lexer_.token().where;
-        const std::string name(lexer_.take_name("the name of a solid"));
+        const std::string_view name = lexer_.take_name("the name of a solid");
         if (is_geo_reserved(name))
-            fail(source_, where, "'" + name + "' is a word of the language; choose another name");
-        const auto known = lines_.emplace(name, where.line);
-        if (!known.second) {
             fail(source_, where,
-                 "the solid '" + name + "' is defined twice, first in line " +
-                     std::to_string(known.first->second) + "; choose another name");
+                 "'" + std::string(name) + "' is a word of the language; choose another name");
+        if (const NameTable::Entry* known = solids_.find(name)) {
+            const auto line = 1 + std::count(text_.data(), known->name.data(), '\n');
+            fail(source_, where,
+                 "the solid '" + std::string(name) + "' is defined twice, first in line " +
+                     std::to_string(line) + "; choose another name");
         }
         return name;
     }
 
     std::uint32_t take_solid(std::string_view what) {
         const SourceLocation where = lexer_.token().where;
-        const std::string name(lexer_.take_name(what));
-        const auto found = solids_.find(name);
-        if (found == solids_.end()) fail(source_, where, undefined_solid(name));
-        return found->second;
+        const std::string_view name = lexer_.take_name(what);
+        const NameTable::Entry* found = solids_.find(name);
+        if (found == nullptr) fail(source_, where, undefined_solid(std::string(name)));
+        return found->value;
     }
 
     /// tlo NAME [flags] ;  or, for faces of a region,  tlo NAME SURFACE [flags] ;
@@ -272,24 +280,23 @@ class GeoReader {
         }
     }
 
-    /// identify periodic A B ;  identify closesurfaces A B [flags] ;  identify closeedges A B C ;
+    /// identify periodic A B ;  identify closesurfaces A B [flags] ;
     void read_identify(SourceLocation where) {
-        const std::string kind(lexer_.take_name("'periodic', 'closesurfaces' or 'closeedges'"));
-        if (kind != "periodic" && kind != "closesurfaces" && kind != "closeedges") {
-            fail(source_, where,
-                 "'identify " + kind + "' is unknown; expected periodic, closesurfaces or closeedges");
+        const std::string kind(lexer_.take_name("'periodic' or 'closesurfaces'"));
+        // Netgen has close edges inside, but no statement for them: it refuses them, too.
+        if (kind != "periodic" && kind != "closesurfaces") {
+            fail(source_, where, "'identify " + kind + "' is unknown; expected periodic or closesurfaces");
         }
         SizeHint hint;
         hint.kind = SizeHint::Kind::kGap;
         hint.where = where;
         std::string names;
-        for (int k = 0; k < (kind == "closeedges" ? 3 : 2); ++k) {
+        for (int k = 0; k < 2; ++k) {
             names += (k == 0 ? "" : " ") + std::string(lexer_.token().text);
             hint.groups.push_back(surfaces_.primitives(take_solid("the name of a solid")));
         }
         const std::vector<GeoFlag> flags = lexer_.take_flags();
         lexer_.take_symbol(';', "after 'identify'");
-        if (kind == "closeedges") return warn_unused("identify " + kind, where);
         for (const GeoFlag& flag : flags) warn_of_flag(flag);
         if (kind == "periodic") {
             model_.periodic.push_back({hint.groups[0], hint.groups[1], names, where});
@@ -347,6 +354,7 @@ class GeoReader {
 
     /// Keeps the hints whose solids bound a region; regions may be declared after them.
     void apply_hints() {
+        if (hints_.empty()) return;
         std::vector<std::uint32_t> used;
         for (const Region& region : model_.regions) {
             const std::vector<std::uint32_t> below = surfaces_.primitives(region.root);
@@ -416,13 +424,13 @@ class GeoReader {
         warn_once(name, flag.where, "the flag '" + name + "' is read but not used");
     }
 
+    const std::string& text_;
     const std::string& source_;
     Model model_;
     GeoLexer lexer_;
     GeoSurfaces surfaces_;
     GeoSolids solids_;
     GeoShapes shapes_;
-    std::unordered_map<std::string, std::uint32_t> lines_;      ///< where each solid was defined
     std::unordered_map<std::string, std::uint32_t> region_of_;  ///< top-level objects: name -> node
     std::unordered_set<std::string> region_names_;
     std::unordered_set<std::string> warned_;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 #include <optional>
+#include <unordered_set>
 #include <utility>
 
 #include "host/model/affine.hpp"
@@ -274,6 +275,33 @@ ConvexPiece reduced(ConvexPiece piece) {
 
 using ConvexSet = std::vector<ConvexPiece>;  ///< the hull of these
 
+/// Whether the triangles may lie in so few planes; if not, no hull of millions of points need be made.
+/// Normals are counted by cells of 1/50: those of one plane, with rounding errors, lie in at most eight.
+bool has_few_planes(const TriangleSurface& surface, std::size_t most) {
+    constexpr double kCells = 50;
+    std::unordered_set<std::int64_t> cells;
+    for (const auto& t : surface.triangles) {
+        std::array<Vec3, 2> edge{};
+        for (std::size_t k = 0; k < 3; ++k) {
+            edge[0][k] = surface.points[t[1]][k] - surface.points[t[0]][k];
+            edge[1][k] = surface.points[t[2]][k] - surface.points[t[0]][k];
+        }
+        const Vec3 normal = cross(edge[0], edge[1]);
+        const double size = length(normal);
+        // Normals of slivers are rounding errors.
+        if (!std::isfinite(size) || !(size > 1e-3 * dot(edge[0], edge[0])) ||
+            !(size > 1e-3 * dot(edge[1], edge[1])))
+            continue;
+        std::int64_t cell = 0;
+        for (const double component : normal) {
+            cell = 128 * cell + static_cast<std::int64_t>(std::floor(kCells * component / size)) + 64;
+        }
+        cells.insert(cell);
+        if (cells.size() > 8 * most) return false;
+    }
+    return true;
+}
+
 }  // namespace
 
 std::uint32_t add_hull(Model& model, const std::vector<std::uint32_t>& children, const std::string& name,
@@ -296,8 +324,9 @@ std::uint32_t add_hull(Model& model, const std::vector<std::uint32_t>& children,
 
 std::uint32_t add_polyhedron(Model& model, TriangleSurface surface, double sharp_angle,
                              const std::string& name) {
-    const std::optional<Polytope> hull = convex_hull(surface.points);
     constexpr std::size_t kMostPlanes = 200;
+    std::optional<Polytope> hull;
+    if (has_few_planes(surface, kMostPlanes)) hull = convex_hull(surface.points);
     if (hull && hull->faces.size() <= kMostPlanes && same(six_volumes(surface) / 6, volume_of(*hull)) &&
         smallest_turn(*hull) > sharp_angle) {
         return add_polytope(model, *hull, false, name);

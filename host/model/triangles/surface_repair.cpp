@@ -81,26 +81,29 @@ double diagonal_of(const std::vector<Vec3>& points) {
 /// Points closer than the tolerance become one: a sweep along a direction in which no model is flat.
 void join_close_points(TriangleSurface& surface, double tolerance) {
     constexpr Vec3 kDirection = {0.5381, 0.6197, 0.5712};
+    struct Place {
+        double along;
+        std::uint32_t point;
+    };
     const std::size_t n = surface.points.size();
-    std::vector<double> along(n);
-    for (std::size_t i = 0; i < n; ++i) along[i] = dot(surface.points[i], kDirection);
-    std::vector<std::uint32_t> order(n);
-    std::iota(order.begin(), order.end(), 0U);
-    std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
-        return along[a] != along[b] ? along[a] < along[b] : a < b;
+    std::vector<Place> order(n);
+    for (std::uint32_t i = 0; i < n; ++i) order[i] = {dot(surface.points[i], kDirection), i};
+    std::sort(order.begin(), order.end(), [](const Place& a, const Place& b) {
+        return a.along != b.along ? a.along < b.along : a.point < b.point;
     });
     std::vector<std::uint32_t> instead(n);
     std::iota(instead.begin(), instead.end(), 0U);
     bool any = false;
     for (std::size_t i = 0; i < n; ++i) {
-        const std::uint32_t first = order[i];
+        const std::uint32_t first = order[i].point;
         if (instead[first] != first) continue;
-        for (std::size_t j = i + 1; j < n && along[order[j]] - along[first] <= 1.01 * tolerance; ++j) {
+        for (std::size_t j = i + 1; j < n && order[j].along - order[i].along <= 1.01 * tolerance; ++j) {
+            const std::uint32_t other = order[j].point;
             const Vec3& p = surface.points[first];
-            const Vec3& q = surface.points[order[j]];
+            const Vec3& q = surface.points[other];
             if (length({q[0] - p[0], q[1] - p[1], q[2] - p[2]}) > tolerance) continue;
-            if (instead[order[j]] != order[j]) continue;
-            instead[order[j]] = first;
+            if (instead[other] != other) continue;
+            instead[other] = first;
             any = true;
         }
     }
@@ -129,26 +132,40 @@ std::size_t drop_flat_triangles(TriangleSurface& surface, bool flat) {
     return dropped;
 }
 
-/// One side of a triangle, sorted so that the triangles of an edge are neighbours.
+/// One side of a triangle.
 struct Side {
     std::uint64_t edge;      ///< lower point in the upper half
     std::uint32_t triangle;  ///< whose side it is
     bool forward;            ///< from the lower to the higher point
 };
 
+/// Ordered by edge, then by triangle: a bucket for each lower point, each of which is short.
 std::vector<Side> sides_of(const TriangleSurface& surface) {
-    std::vector<Side> sides;
-    sides.reserve(3 * surface.triangles.size());
-    for (std::uint32_t t = 0; t < surface.triangles.size(); ++t) {
-        for (std::size_t k = 0; k < 3; ++k) {
-            const std::uint64_t from = surface.triangles[t][k];
-            const std::uint64_t to = surface.triangles[t][(k + 1) % 3];
-            sides.push_back({std::min(from, to) << 32 | std::max(from, to), t, from < to});
+    std::vector<std::uint32_t> end(surface.points.size() + 1, 0);
+    const auto each_side = [&](auto&& visit) {
+        for (std::uint32_t t = 0; t < surface.triangles.size(); ++t) {
+            for (std::size_t k = 0; k < 3; ++k) {
+                const std::uint32_t from = surface.triangles[t][k];
+                const std::uint32_t to = surface.triangles[t][(k + 1) % 3];
+                visit(t, std::min(from, to), std::max(from, to), from < to);
+            }
         }
-    }
-    std::sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) {
-        return a.edge != b.edge ? a.edge < b.edge : a.triangle < b.triangle;
+    };
+    each_side([&](std::uint32_t, std::uint32_t low, std::uint32_t, bool) { ++end[low + 1]; });
+    std::partial_sum(end.begin(), end.end(), end.begin());
+    std::vector<Side> sides(3 * surface.triangles.size());
+    // Filling moves each bucket's start to its end.
+    each_side([&](std::uint32_t t, std::uint32_t low, std::uint32_t high, bool forward) {
+        sides[end[low]++] = {std::uint64_t{low} << 32 | high, t, forward};
     });
+    std::size_t first = 0;
+    for (std::size_t point = 0; point < surface.points.size(); ++point) {
+        std::sort(sides.begin() + static_cast<std::ptrdiff_t>(first),
+                  sides.begin() + static_cast<std::ptrdiff_t>(end[point]), [](const Side& a, const Side& b) {
+                      return a.edge != b.edge ? a.edge < b.edge : a.triangle < b.triangle;
+                  });
+        first = end[point];
+    }
     return sides;
 }
 
