@@ -11,6 +11,13 @@ namespace mortise {
 namespace {
 
 [[noreturn]] void unknown_format(const std::string& source, const std::string& format) {
+    if (format == "dxf" || format == "svg") {
+        throw Error(ExitCode::kInput,
+                    source +
+                        ": a plane drawing, not a solid; import it in a .csg or .scad file: "
+                        "linear_extrude(height = 1) import(\"" +
+                        std::filesystem::path(source).filename().string() + "\");");
+    }
     throw Error(ExitCode::kInput,
                 source + ": unknown model format '" + format +
                     "'; expected .csg (OpenSCAD), .geo (Netgen), .stl, .obj, .off, .formula, "
@@ -45,7 +52,8 @@ Model read_model(const std::string& path, const ReadOptions& options) {
     // A missing file is a missing file, whatever its name.
     std::error_code ignored;
     const bool is_known = format == "scad" || is_known_format(format);
-    if (!is_known && std::filesystem::exists(path, ignored) && !std::filesystem::is_directory(path, ignored)) {
+    if (!is_known && std::filesystem::exists(path, ignored) &&
+        !std::filesystem::is_directory(path, ignored)) {
         unknown_format(path, format);
     }
     const std::string text = model_reader::read_file(path);

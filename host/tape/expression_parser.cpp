@@ -1,8 +1,8 @@
 #include "host/tape/expression_parser.hpp"
 
 #include <cctype>
+#include <charconv>
 #include <cmath>
-#include <cstdlib>
 #include <map>
 
 namespace mortise::tape {
@@ -174,10 +174,17 @@ class Parser {
             return value;
         }
         if (position_ < text_.size() && (is_digit(text_[position_]) || text_[position_] == '.')) {
-            char* end = nullptr;
-            const double value = std::strtod(text_.c_str() + position_, &end);
-            if (end == text_.c_str() + position_ || !std::isfinite(value)) fail("a finite number");
-            position_ = static_cast<std::size_t>(end - text_.c_str());
+            // Of the wider type: one too small for a double is 0.
+            const char* begin = text_.data() + position_;
+            long double wide = 0;
+            const auto result = std::from_chars(begin, text_.data() + text_.size(), wide);
+            const bool is_number = result.ec == std::errc();
+            double value = 0;
+            if (is_number && std::from_chars(begin, result.ptr, value).ec != std::errc()) {
+                value = static_cast<double>(wide);
+            }
+            if (!is_number || !std::isfinite(value)) fail("a finite number");
+            position_ += static_cast<std::size_t>(result.ptr - begin);
             return formula_.add_constant(value);
         }
         const std::size_t start = position_;

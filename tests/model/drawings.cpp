@@ -263,6 +263,14 @@ TEST_CASE("SVG: units, pages, layers, what is left out") {
     CHECK(partly.warnings[1] == "m.svg: elements that are no outlines are left out: 1 <text>");
 }
 
+TEST_CASE("messages about drawings show what they found in one short line") {
+    const std::string zeros = "0\nSECTION\n2\nENTITIES\n0\nCIRCLE\n40\n1" + std::string(2, '\0') + "2\n";
+    CHECK(draw(zeros, false).error == "m.dxf:8:1: group 40 of CIRCLE is '1  2'; expected a finite number");
+    const std::string long_number(300, '9');
+    CHECK(draw_svg("<circle r='x" + long_number + "'/>").error ==
+          "m.svg:3:2: r is 'x" + long_number.substr(0, 39) + "...'; expected a length such as 12 or 3.5mm");
+}
+
 TEST_CASE("SVG: errors") {
     const auto error = [](const std::string& body) { return draw_svg(body).error; };
     CHECK(error("<rect").find("m.svg:") == 0);

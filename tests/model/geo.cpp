@@ -139,6 +139,29 @@ TEST_CASE("and binds stronger than or; not, parentheses and chains") {
     CHECK(read_solid(shifts + a + std::string(kDepth, ')')).nodes.size() > 2 * kDepth);
 }
 
+TEST_CASE("chains of copies of copies grow by a few nodes with each link") {
+    constexpr int kLinks = 10000;
+    std::string text =
+        "algebraic3d\nsolid s0 = sphere(0, 0, 0; 1) and orthobrick(-1, -1, -1; 1, 1, 0.5) -bc=1;\n";
+    text += "solid t0 = sphere(0, 5, 0; 1);\n";
+    for (int k = 1; k < kLinks; ++k) {
+        const std::string before = std::to_string(k - 1);
+        text += "solid s" + std::to_string(k) + " = translate(0.5, 0, 0; s" + before + ");\n";
+        text += "solid t" + std::to_string(k) + " = translate(0.5, 0, 0; t" + before +
+                ") -bc=" + std::to_string(k) + ";\n";
+    }
+    const std::string last = std::to_string(kLinks - 1);
+    const Model model = read(text + "tlo s" + last + "; tlo t" + last + ";\n");
+    CHECK(model.nodes.size() < 6 * kLinks);
+    const double x = 0.5 * (kLinks - 1);
+    CHECK(region_at(model, {x, 0, 0}) == 1);
+    CHECK(region_at(model, {x + 0.9, 0, 0}) == 1);
+    CHECK(region_at(model, {x + 1.1, 0, 0}) == 0);
+    CHECK(region_at(model, {x, 0, 0.6}) == 0);
+    CHECK(region_at(model, {x, 5.9, 0}) == 2);
+    CHECK(region_at(model, {0, 5, 0}) == 0);
+}
+
 TEST_CASE("translate, rotate and their repetitions") {
     CHECK(inside("translate (3, 0, 0; sphere (0, 0, 0; 1))", {3.9, 0, 0}));
     CHECK_FALSE(inside("translate (3, 0, 0; sphere (0, 0, 0; 1))", {0, 0, 0}));

@@ -301,8 +301,6 @@ TEST_CASE("triangle files: errors name the place and what was expected") {
         {std::string("\0\0", 2), "stl", "m.stl: byte 2: the file ends inside its header"},
         {truncated, "stl", "m.stl: byte 200: the file ends after 2 of 4 triangles"},
         {infinite, "stl", "m.stl: byte 96: a coordinate of triangle 1 is inf"},
-        {"", "obj", "m.obj: it has 0 triangles"},
-        {"v 1 2\n", "obj", "m.obj:1:6: expected a coordinate"},
         {points + "f 1 2\n", "obj", "m.obj:5:1: this face has 2 corners"},
         {points + "f 1 2 x\n", "obj", "m.obj:5:7: expected the number of a point, found 'x'"},
         {points + "f 1 2.5 3\n", "obj", "m.obj:5:5: expected the number of a point, found '2.5'"},
@@ -312,6 +310,13 @@ TEST_CASE("triangle files: errors name the place and what was expected") {
         {points + "f 1 2 99999999999999999999\n", "obj",
          "m.obj:5:7: the number '99999999999999999999' is too large"},
         {points + "f 1 2 3\nf 1 3 2\nf 1 2 3\nf 1 3 2\n", "obj", "m.obj: its triangles enclose no volume"},
+        {"", "obj", "m.obj: there are no faces (lines such as f 1 2 3); expected a Wavefront OBJ file"},
+        {"<!DOCTYPE html>\n", "obj", "m.obj: there are no faces"},
+        {std::string("\0\0v 1 2 3\n", 10), "obj",
+         "m.obj:1:1: expected a Wavefront OBJ file, found byte 0x00"},
+        {"v 1e300 0 0\n" + points + "f 1 2 3\nf 1 3 2\nf 1 2 3\nf 1 3 2\n", "obj",
+         "m.obj: a coordinate is 1e+300; expected at most 1e100, choose other units"},
+        {"v 1 2\n", "obj", "m.obj:1:6: expected a coordinate (a finite number), found the end of the line"},
         {"foo", "off", "m.off:1:1: expected OFF, COFF or NOFF, found 'foo'"},
         {"OFF BINARY\n", "off", "m.off:1:5: binary OFF files are not read"},
         {"OFF\n4 x 0\n", "off", "m.off:2:3: expected the number of faces, found 'x'"},
@@ -331,6 +336,21 @@ TEST_CASE("triangle files: errors name the place and what was expected") {
         CHECK(message.find(std::string("2 ") + c.message) == 0);
         CHECK(message.find('\n') == std::string::npos);
     }
+}
+
+TEST_CASE("what is not read of OBJ and OFF files is told once") {
+    const std::string points = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n";
+    const std::string faces = "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+    CHECK(parse_model("# a\no b\nvn 0 0 1\n" + points + "s off\nusemtl c\n" + faces, "obj", "m.obj")
+              .warnings.empty());
+    const Model odd = parse_model(points + faces + "surf 0 1\nrubbish\n", "obj", "m.obj");
+    REQUIRE(odd.warnings.size() == 1);
+    CHECK(odd.warnings[0] == "m.obj:9:1: 2 lines are not known and not read, first 'surf'");
+    const std::string off = "OFF\n4 4 6\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n";
+    CHECK(parse_model(off + "# end\n\n", "off", "m.off").warnings.empty());
+    const Model more = parse_model(off + "2 0 1\n", "off", "m.off");
+    REQUIRE(more.warnings.size() == 1);
+    CHECK(more.warnings[0] == "m.off:11:1: what follows the last face is not read");
 }
 
 TEST_CASE("a large file is read fast") {

@@ -109,9 +109,11 @@ TEST_CASE("what is not a formula is refused with its column") {
         {"sin = x; y", "column 1:"}, {"a = x y; a", "column 7:"},
         {"a = x", "column 6:"},      {"a + (a = 1; a)", "column 1:"},
         {"a < b", "column 1:"},      {"x < y", "column 3:"},
-        {"1e999", "column 1:"},      {"sin(x,y)", "column 6:"},
+        {"1e999", "column 1:"},      {"0x10", "column 2:"},
+        {"1e", "column 2:"},         {"sin(x,y)", "column 6:"},
         {"min()", "column 5:"},      {"x)", "column 2:"},
-        {"x*/y", "column 3:"},       {"\xc3\xa9", "column 1:"}};
+        {"x*/y", "column 3:"},       {"\xc3\xa9", "column 1:"},
+        {"0x10", "column 2:"},       {"1e", "column 2:"}};
     for (const auto& [text, column] : cases) {
         const std::string message = refusal_of(text);
         CAPTURE(text);

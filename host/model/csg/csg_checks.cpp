@@ -44,7 +44,8 @@ void refuse_unknown_arguments(const CsgNodeText& node, std::initializer_list<std
             std::string list;
             for (const std::string_view name : known) list += (list.empty() ? "" : ", ") + std::string(name);
             fail(node.source, argument.where,
-                 quoted(node.name) + " has no argument " + quoted(argument.name) + "; expected " + list);
+                 quoted(node.name) + " has no argument " + quoted(argument.name) + "; expected " + list +
+                     nearest_hint(argument.name, known));
         }
     }
 }

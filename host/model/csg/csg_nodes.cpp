@@ -112,10 +112,13 @@ const CsgNodeType& csg_node_type(std::string_view name, const std::string& sourc
         }
     }
     std::string supported;
+    std::vector<std::string_view> names;
     for (const CsgNodeType& type : kTypes) {
         supported += (supported.empty() ? "supported are " : ", ") + std::string(type.name);
+        names.push_back(type.name);
     }
-    fail(source, where, "unknown node " + quoted(name) + "; " + supported);
+    const std::string hint = nearest_hint(name, names);
+    fail(source, where, "unknown node " + quoted(name) + (hint.empty() ? "; " + supported : hint));
 }
 
 }  // namespace mortise::model_reader

@@ -46,6 +46,22 @@ Box3 read_bounds(TextCursor& cursor) {
     return box;
 }
 
+/// Refuses what cannot stand in a formula: the formula itself is parsed late, and the file may be none.
+void refuse_foreign_text(const std::string& text, const std::string& source) {
+    TextCursor cursor(text, source);
+    for (cursor.skip_blanks(); !cursor.at_end(); cursor.skip_blanks()) {
+        const char c = cursor.peek();
+        if (c == '#') {
+            cursor.take_line();
+        } else if (is_name_part(c) || std::string_view("+-*/^().,=;").find(c) != std::string_view::npos) {
+            cursor.advance();
+        } else {
+            cursor.fail_here("expected a formula (names, numbers and + - * / ^ ( ) , = ;), found " +
+                             cursor.found());
+        }
+    }
+}
+
 /// Whether the name z occurs outside of comments.
 bool names_z(const std::string& text) {
     for (std::size_t i = 0; i < text.size();) {
@@ -89,6 +105,7 @@ Model read_formula(const std::string& text, const std::string& source, const std
     }
     if (empty) cursor.fail_here("the file holds no formula; expected, say: x^2 + y^2 + z^2 - 1");
     formula.erase(0, mark);
+    refuse_foreign_text(text, source);
     // Bounds make a solid of a function of x and y, too.
     const bool has_z = names_z(formula) || (model.clip.has_value() && options.extrude == 0);
     add_function(model, formula, has_z, region, {1, 1}, options);

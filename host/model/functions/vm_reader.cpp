@@ -104,8 +104,7 @@ class VmReader {
         const SourceLocation where = cursor_.where();
         const std::string_view name = take_word("an argument of", operation);
         const NameTable::Entry* found = places_.find(name);
-        if (found == nullptr)
-            fail(source_, where, "'" + std::string(name) + "' is not defined before this line");
+        if (found == nullptr) fail(source_, where, "'" + excerpt(name) + "' is not defined before this line");
         return found->value;
     }
 
@@ -130,9 +129,12 @@ class VmReader {
                      " makes random numbers from the bits of its arguments, which no mesh can follow; "
                      "replace it by constants");
         }
-        std::string known = "const var-x var-y var-z";
-        for (const Operation& operation : kOperations) known += " " + std::string(operation.name);
-        fail(source_, where, "unknown operation " + quoted + "; expected one of " + known);
+        std::vector<std::string_view> known = {"const", "var-x", "var-y", "var-z"};
+        for (const Operation& operation : kOperations) known.push_back(operation.name);
+        std::string list;
+        for (const std::string_view operation : known) list += " " + std::string(operation);
+        fail(source_, where,
+             "unknown operation '" + excerpt(name) + "'; expected one of" + list + nearest_hint(name, known));
     }
 
     std::string number() {

@@ -41,6 +41,8 @@ bool is_geo_statement(const GeoToken& token) {
     return token.kind == GeoToken::Kind::kName && contains(kStatements, token.text);
 }
 
+std::vector<std::string_view> geo_statement_names() { return {kStatements.begin(), kStatements.end()}; }
+
 bool is_geo_reserved(std::string_view name) {
     return name == "or" || name == "and" || name == "not" || name == "algebraic3d" ||
            contains(kStatements, name) || contains(kCopies, name) || contains(kNotYet, name) ||
@@ -108,9 +110,17 @@ std::uint32_t GeoExpression::read_operand() {
             lexer_.fail_expected("a primitive, the name of a solid, 'not' or '('");
         } else {
             const NameTable::Entry* found = solids_.find(token.text);
-            if (found == nullptr)
-                fail(lexer_.source(), token.where, undefined_solid(std::string(token.text)));
             lexer_.next();
+            if (found == nullptr) {
+                const std::string name(token.text);
+                if (!lexer_.is_symbol('(')) fail(lexer_.source(), token.where, undefined_solid(name));
+                // A primitive that is misspelt, by the looks of it.
+                std::vector<std::string_view> known = geo_primitive_names();
+                known.insert(known.end(), kCopies.begin(), kCopies.end());
+                fail(lexer_.source(), token.where,
+                     "unknown primitive '" + name + "'; supported are " + geo_primitive_list() +
+                         nearest_hint(name, known));
+            }
             frames_.back().refers = true;
             return found->value;
         }
@@ -192,8 +202,16 @@ std::uint32_t GeoExpression::make_copies(const Frame& frame, std::uint32_t node)
     std::vector<std::uint32_t> copies;
     if (frame.keeps_original) copies.push_back(node);
     const bool must_copy = frame.refers && !frame.maps.empty();
+    // A copy of what was moved is moved at once, so that chains of copies do not grow with each link.
+    Affine moved = kIdentity;
+    while (must_copy && model_.nodes[node].op == CsgNode::Op::kTransform &&
+           model_.nodes[node].max_size == 0) {
+        moved = compose(moved, model_.nodes[node].map);
+        node = model_.nodes[node].children[0];
+    }
     const std::uint32_t original = must_copy ? surfaces_.copy(node, first_) : node;
-    for (const Affine& map : frame.maps) {
+    for (const Affine& step : frame.maps) {
+        const Affine map = compose(step, moved);
         if (map == kIdentity) {
             copies.push_back(original);
         } else {

@@ -17,6 +17,8 @@ using GeoSolids = NameTable;
 
 /// Whether a statement starts with this token.
 bool is_geo_statement(const GeoToken& token);
+/// The words that statements start with.
+std::vector<std::string_view> geo_statement_names();
 /// Whether `name` is a word of the language and cannot name a solid.
 bool is_geo_reserved(std::string_view name);
 /// Message for a name that is not in GeoSolids.

@@ -323,6 +323,12 @@ Affine clockwise(std::size_t from, std::size_t to, double angle) {
 
 bool is_geo_primitive(std::string_view name) { return reader_of(name) != nullptr; }
 
+std::vector<std::string_view> geo_primitive_names() {
+    std::vector<std::string_view> names;
+    for (const auto& [name, reader] : kReaders) names.emplace_back(name);
+    return names;
+}
+
 std::string geo_primitive_list() {
     std::string list;
     for (const auto& [name, reader] : kReaders) list += (list.empty() ? "" : ", ") + std::string(name);

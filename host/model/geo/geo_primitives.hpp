@@ -23,6 +23,7 @@ bool is_geo_primitive(std::string_view name);
 
 /// "plane, sphere, ..." for messages.
 std::string geo_primitive_list();
+std::vector<std::string_view> geo_primitive_names();
 
 /// Reads "name ( ... )" at the lexer's token and returns its top node.
 std::uint32_t add_geo_primitive(Model& model, GeoLexer& lexer, GeoShapes& shapes);

@@ -85,7 +85,8 @@ class GeoReader {
     /// Netgen prints and skips unknown words; one alone between statements does no harm.
     void read_stray_word(SourceLocation where) {
         const std::string word = lexer_.found();
-        const std::string expected = "expected a statement (solid, tlo, boundingbox, ...), found " + word;
+        const std::string expected = "expected a statement (solid, tlo, boundingbox, ...), found " + word +
+                                     nearest_hint(lexer_.token().text, geo_statement_names());
         if (lexer_.token().kind != GeoToken::Kind::kName) fail(source_, where, expected);
         lexer_.next();
         if (!lexer_.at_end() && !is_geo_statement(lexer_.token())) fail(source_, where, expected);

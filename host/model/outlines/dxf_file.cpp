@@ -176,13 +176,13 @@ class DxfReader {
         const auto result = std::from_chars(text.data(), text.data() + text.size(), value);
         if (result.ec != std::errc() || result.ptr != text.data() + text.size() || !std::isfinite(value)) {
             fail(source_, group.where,
-                 "group " + std::to_string(group.code) + " of " + std::string(entity.type) + " is '" +
-                     std::string(group.value.substr(0, 40)) + "'; expected a finite number");
+                 "group " + std::to_string(group.code) + " of " + excerpt(entity.type) + " is '" +
+                     excerpt(group.value) + "'; expected a finite number");
         }
         constexpr double kLargestFlags = 65535;
         if (group.code >= 70 && group.code < 80 && !(std::fabs(value) <= kLargestFlags)) {
             fail(source_, group.where,
-                 "group " + std::to_string(group.code) + " of " + std::string(entity.type) + " is " +
+                 "group " + std::to_string(group.code) + " of " + excerpt(entity.type) + " is " +
                      number_text(value) + "; expected a whole number of 16 bits");
         }
         entity.numbers[group.code] = value;
@@ -243,7 +243,7 @@ class DxfReader {
                                     ? "splines are not read; convert them to polylines in the drawing program"
                                     : "inserted blocks are not read; explode them in the drawing program");
         } else {
-            ++ignored_[std::string(type)];
+            ++ignored_[excerpt(type)];
             return;
         }
         for (Vec2& point : path) point[0] *= mirror;

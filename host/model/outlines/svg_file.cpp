@@ -111,7 +111,8 @@ class SvgReader {
             if (numbers.size() != 1) throw std::invalid_argument("one number");
             value = numbers[0];
         } catch (const std::invalid_argument&) {
-            fail_at(node, std::string(name) + " is '" + text + "'; expected a length such as 12 or 3.5mm");
+            fail_at(node,
+                    std::string(name) + " is '" + excerpt(text) + "'; expected a length such as 12 or 3.5mm");
         }
         if (unit == "%") return otherwise;
         const double pixel = kInch / options_.dpi;
@@ -122,7 +123,8 @@ class SvgReader {
         if (known != kUnits.end()) {
             millimetres = value * known->second;
         } else if (!unit.empty() && unit != "px") {
-            fail_at(node, std::string(name) + " is '" + text + "'; expected px, mm, cm, in, pt or pc");
+            fail_at(node,
+                    std::string(name) + " is '" + excerpt(text) + "'; expected px, mm, cm, in, pt or pc");
         }
         return in_user_units ? millimetres / pixel : millimetres;
     }

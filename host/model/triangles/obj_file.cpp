@@ -1,5 +1,9 @@
 // Wavefront OBJ: lines "v x y z ..." and "f i/.../... ...", indices from 1, negative ones back from the last
-// point so far; a line that ends with '\' goes on. All other lines concern looks and names.
+// point so far; a line that ends with '\' goes on. Lines that concern looks and names change nothing; one
+// warning tells of all others, such as free-form surfaces.
+#include <algorithm>
+#include <array>
+
 #include "host/model/triangles/triangle_files.hpp"
 #include "host/model/triangles/triangle_text.hpp"
 
@@ -25,6 +29,10 @@ void skip_line(TextCursor& cursor) {
     }
 }
 
+constexpr std::array<std::string_view, 20> kOfLooks = {
+    "vn",     "vt",  "vp",    "g",        "o",        "s",          "l",         "p",      "mtllib", "usemtl",
+    "maplib", "lod", "bevel", "c_interp", "d_interp", "shadow_obj", "trace_obj", "usemap", "mg",     "call"};
+
 void read_face(TextCursor& cursor, Polygons& polygons) {
     while (!at_line_end(cursor) && cursor.peek() != '#') {
         const SourceLocation where = cursor.where();
@@ -46,6 +54,10 @@ TriangleSurface read_obj(const std::string& content, const std::string& source,
                          std::vector<std::string>& warnings) {
     TextCursor cursor(content, source);
     Polygons polygons;
+    std::size_t faces = 0;
+    std::size_t unknown = 0;
+    SourceLocation first_unknown;
+    std::string first_statement;
     for (cursor.skip_blanks(); !cursor.at_end(); cursor.skip_blanks()) {
         const SourceLocation where = cursor.where();
         const char kind = cursor.peek();
@@ -63,9 +75,32 @@ TriangleSurface read_obj(const std::string& content, const std::string& source,
             } else {
                 read_face(cursor, polygons);
                 polygons.end_face(source, where);
+                ++faces;
+            }
+        } else if (kind != '#') {
+            TextCursor ahead = cursor;
+            const std::string_view statement = ahead.take_word();
+            // Neither text in ASCII nor in another encoding starts a line like that.
+            if (statement.empty() && kind >= 0)
+                cursor.fail_here("expected a Wavefront OBJ file, found " + cursor.found());
+            const bool is_of_looks = std::find(kOfLooks.begin(), kOfLooks.end(), statement) != kOfLooks.end();
+            if (!is_of_looks && unknown++ == 0) {
+                first_unknown = where;
+                first_statement = excerpt(statement);
             }
         }
         skip_line(cursor);
+    }
+    if (faces == 0) {
+        throw Error(ExitCode::kInput,
+                    source +
+                        ": there are no faces (lines such as f 1 2 3); expected a Wavefront OBJ "
+                        "file of a closed surface");
+    }
+    if (unknown != 0) {
+        warnings.push_back(place_text(source, first_unknown) + std::to_string(unknown) +
+                           (unknown == 1 ? " line is" : " lines are") + " not known and not read, first '" +
+                           first_statement + "'");
     }
     return finished_surface(polygons.triangulate(source, 1), source, warnings);
 }

@@ -77,6 +77,10 @@ TriangleSurface read_off(const std::string& content, const std::string& source,
         polygons.end_face(source, where);
         cursor.take_line();  // a colour
     }
+    skip_off_blanks(cursor);
+    if (!cursor.at_end()) {
+        warnings.push_back(place_text(source, cursor.where()) + "what follows the last face is not read");
+    }
     return finished_surface(polygons.triangulate(source, 0), source, warnings);
 }
 

@@ -2,6 +2,7 @@
 #include "host/model/triangles/triangle_files.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "host/model/affine.hpp"
@@ -13,6 +14,15 @@ namespace mortise::model_reader {
 
 TriangleSurface finished_surface(TriangleSurface surface, const std::string& source,
                                  std::vector<std::string>& warnings) {
+    // Products of three coordinates are still finite.
+    constexpr double kLargest = 1e100;
+    for (const Vec3& point : surface.points) {
+        for (const double coordinate : point) {
+            if (std::fabs(coordinate) <= kLargest) continue;
+            throw Error(ExitCode::kInput, source + ": a coordinate is " + number_text(coordinate) +
+                                              "; expected at most 1e100, choose other units");
+        }
+    }
     const SurfaceFindings findings = repair_surface(surface);
     if (surface.triangles.size() < 4) {
         throw Error(ExitCode::kInput, source + ": it has " + std::to_string(surface.triangles.size()) +
