@@ -147,3 +147,20 @@ TEST_CASE("text in a font whose name cannot be read is left out") {
     CHECK(region_at(model, {0.5, 0.5, 0.5}) == 1);
     CHECK(region_at(model, {3, 3, 0.5}) == 0);
 }
+
+TEST_CASE("each warning is told once a file, with its first place") {
+    const auto warnings = [](const std::string& text) {
+        std::string all;
+        for (int i = 0; i < 20; ++i) all += text;
+        return parse_model(all, "csg", "m.csg").warnings;
+    };
+    for (const char* text :
+         {"hull() { cube(size = 1); square(size = 1); }", "minkowski() { cube(size = 1); square(size = 1); }",
+          "cube(size = 1); polyhedron(points = [], faces = []);", "cube(size = 1); square(size = 1);",
+          "linear_extrude(height = 1) { square(size = 1); polygon(points = [[0, 0], [1, 1]]); }"}) {
+        CAPTURE(text);
+        const auto told = warnings(text);
+        REQUIRE(told.size() == 1);
+        CHECK(told[0].find("m.csg:1:") == 0);
+    }
+}

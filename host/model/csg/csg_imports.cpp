@@ -219,15 +219,7 @@ CsgOperand read_text(CsgScene& scene, const CsgNodeText& node) {
     std::vector<std::string> warnings;
     try {
         const std::vector<Contours> pieces = text_outlines(style, warnings);
-        // The same font is missing for all texts: once is enough.
-        for (const std::string& warning : warnings) {
-            const auto& known = scene.model.warnings;
-            const bool told = std::any_of(known.begin(), known.end(), [&](const std::string& other) {
-                return other.size() >= warning.size() &&
-                       other.compare(other.size() - warning.size(), warning.size(), warning) == 0;
-            });
-            if (!told) scene.warn(node.where, warning);
-        }
+        add_warnings(scene, node.where, warnings);
         return united_pieces(scene, pieces, node.where);
     } catch (const std::invalid_argument& error) {
         fail(node.source, node.where, quoted(node.name) + ": " + error.what());

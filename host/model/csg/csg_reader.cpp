@@ -170,8 +170,7 @@ class CsgReader {
     void note_root(std::size_t offset, SourceLocation where) {
         if (root_ == kNoRoot) {
             root_ = offset;
-        } else if (!warned_of_roots_) {
-            warned_of_roots_ = true;
+        } else {
             scene_.warn(where, "a second '!' modifier; only the first one counts");
         }
     }
@@ -202,7 +201,6 @@ class CsgReader {
     std::vector<Frame> frames_;
     std::vector<CsgOperand> operands_;
     bool only_look_for_root_ = false;
-    bool warned_of_roots_ = false;
     std::size_t root_ = kNoRoot;  ///< where the node with the root modifier starts
 };
 

@@ -31,10 +31,7 @@ CsgOperand CsgScene::combined(CsgNode::Op op, std::vector<CsgOperand> operands) 
     for (std::size_t i = 0; i < operands.size(); ++i) {
         CsgOperand& operand = operands[i];
         if (solid && operand.kind == Kind::kFlat) {
-            if (!warned_of_flat_) {
-                warn(operand.where, "a 2D shape among solids is left out; extrude it to make it a solid");
-            }
-            warned_of_flat_ = true;
+            warn(operand.where, "a 2D shape among solids is left out; extrude it to make it a solid");
             operand.kind = Kind::kNothing;
         }
         if (operand.kind != Kind::kNothing) {
@@ -62,10 +59,7 @@ CsgOperand CsgScene::united_flat(std::vector<CsgOperand> operands, std::string_v
             fail(source, where,
                  quoted(name) + " wants 2D shapes such as square or polygon; its children are solids");
         }
-        if (!warned_of_solids_) {
-            warn(found->where, "a solid among the 2D shapes of " + quoted(name) + " is left out");
-        }
-        warned_of_solids_ = true;
+        warn(found->where, "a solid among the 2D shapes of " + quoted(name) + " is left out");
         operands.erase(std::remove_if(operands.begin(), operands.end(), is_solid), operands.end());
     }
     return united(std::move(operands));
@@ -85,12 +79,7 @@ CsgOperand CsgScene::outlined(const Contours& loops, SourceLocation where) {
 }
 
 void CsgScene::warn(SourceLocation where, const std::string& message) {
-    model.warnings.push_back(place_text(source, where) + message);
-}
-
-void CsgScene::warn_of_empty_polygon(SourceLocation where) {
-    if (!warned_of_empty_polygon_) warn(where, "a polygon without area is left out");
-    warned_of_empty_polygon_ = true;
+    if (told_.insert(message).second) model.warnings.push_back(place_text(source, where) + message);
 }
 
 CsgOperand CsgScene::leave_out(SourceLocation where, const std::string& what) {

@@ -4,6 +4,7 @@
 #include <functional>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -32,12 +33,12 @@ struct CsgScene {
         return combined(CsgNode::Op::kUnion, std::move(operands));
     }
     /// The union of the plane operands; `name` is the node that wants them. Solids are left out, with one
-    /// warning a file, and refused if there is nothing else.
+    /// warning for each such name, and refused if there is nothing else.
     CsgOperand united_flat(std::vector<CsgOperand> operands, std::string_view name, SourceLocation where);
     /// A plane shape given by its outline: any loops, even-odd. Without area it is nothing.
     CsgOperand outlined(const Contours& loops, SourceLocation where);
+    /// Each message is told once a file, with its first place.
     void warn(SourceLocation where, const std::string& message);
-    void warn_of_empty_polygon(SourceLocation where);  ///< once a file
     /// Counts an object that is empty: its size is zero, negative or not finite, or a matrix flattens it.
     CsgOperand leave_out(SourceLocation where, const std::string& what);
     /// What was left out, for the end of the file, and where the first is; nothing if nothing was.
@@ -62,9 +63,7 @@ struct CsgScene {
     std::size_t left_out_ = 0;
     SourceLocation first_left_out_at_{};
     std::string first_left_out_;
-    bool warned_of_flat_ = false;
-    bool warned_of_solids_ = false;
-    bool warned_of_empty_polygon_ = false;
+    std::set<std::string> told_;
 };
 
 /// What a node with children does when its '}' is read.

@@ -120,7 +120,7 @@ CsgOperand read_polygon(CsgScene& scene, const CsgNodeText& node) {
         }
     }
     const CsgOperand result = scene.outlined(loops, node.where);
-    if (result.kind == Kind::kNothing) scene.warn_of_empty_polygon(node.where);
+    if (result.kind == Kind::kNothing) scene.warn(node.where, "a polygon without area is left out");
     return result;
 }
 
