@@ -20,9 +20,16 @@ struct Outcome {
 
 Outcome make(const std::vector<Vec3>& points, const std::vector<std::vector<double>>& faces) {
     Outcome outcome;
+    std::vector<double> numbers;
+    std::vector<std::size_t> ends;
+    for (const auto& face : faces) {
+        numbers.insert(numbers.end(), face.begin(), face.end());
+        ends.push_back(numbers.size());
+    }
     try {
         outcome.node = outcome.model.add_primitive(
-            polyhedron(model_reader::polyhedron_surface(points, faces, "m.csg", {3, 7}, outcome.warnings),
+            polyhedron(model_reader::polyhedron_surface(points, {numbers.data(), ends.data(), ends.size()},
+                                                        "m.csg", {3, 7}, outcome.warnings),
                        model_reader::kPolyhedronSharpAngle));
     } catch (const Error& error) {
         outcome.error = error.what();

@@ -177,16 +177,10 @@ CsgOperand read_polyhedron(CsgScene& scene, const CsgNodeText& node) {
     for (std::size_t i = 0; i < coordinates.size(); ++i) {
         coordinates[i] = {numbers[3 * i], numbers[3 * i + 1], numbers[3 * i + 2]};
     }
-    std::vector<std::vector<double>> indices(faces->rows);
-    const double* index = node.arguments.numbers(*faces);
-    std::size_t at = 0;
-    for (std::size_t row = 0; row < faces->rows; ++row) {
-        const std::size_t end = node.arguments.row_ends(*faces)[row];
-        indices[row].assign(index + at, index + end);
-        at = end;
-    }
+    const NumberLists corners = {node.arguments.numbers(*faces), node.arguments.row_ends(*faces),
+                                 faces->rows};
     TriangleSurface surface =
-        polyhedron_surface(std::move(coordinates), indices, node.source, node.where, scene.model.warnings);
+        polyhedron_surface(std::move(coordinates), corners, node.source, node.where, scene.model.warnings);
     const std::uint32_t solid =
         add_polyhedron(scene.model, std::move(surface), kPolyhedronSharpAngle, node.surface);
     scene.model.nodes[solid].where = node.where;

@@ -8,7 +8,7 @@
 
 namespace mortise::model_reader {
 
-TriangleSurface polyhedron_surface(std::vector<Vec3> points, const std::vector<std::vector<double>>& faces,
+TriangleSurface polyhedron_surface(std::vector<Vec3> points, const NumberLists& faces,
                                    const std::string& source, SourceLocation where,
                                    std::vector<std::string>& warnings) {
     constexpr const char* kName = "'polyhedron': ";
@@ -20,29 +20,32 @@ TriangleSurface polyhedron_surface(std::vector<Vec3> points, const std::vector<s
                      "; expected finite numbers");
         }
     }
-    if (faces.size() < 4) {
+    if (faces.count < 4) {
         fail(source, where,
-             kName + std::to_string(faces.size()) + " faces; a closed surface needs at least four");
+             kName + std::to_string(faces.count) + " faces; a closed surface needs at least four");
     }
     Polygons polygons;
     const std::size_t count = points.size();
     polygons.points = std::move(points);
-    for (std::size_t f = 0; f < faces.size(); ++f) {
-        const std::string face = kName + ("face " + std::to_string(f)) + " ";
-        if (faces[f].size() < 3) {
-            fail(source, where,
-                 face + "has " + std::to_string(faces[f].size()) + " corners; expected at least three");
+    const auto refuse = [&](std::size_t face, const std::string& message) {
+        fail(source, where, kName + ("face " + std::to_string(face)) + " " + message);
+    };
+    std::size_t first = 0;
+    for (std::size_t f = 0; f < faces.count; ++f) {
+        const std::size_t end = faces.ends[f];
+        if (end - first < 3) {
+            refuse(f, "has " + std::to_string(end - first) + " corners; expected at least three");
         }
-        for (std::size_t k = faces[f].size(); k-- > 0;) {
-            const double index = faces[f][k];
+        for (std::size_t k = end; k-- > first;) {
+            const double index = faces.numbers[k];
             if (!(index >= 0 && index < static_cast<double>(count)) || index != std::floor(index)) {
-                fail(source, where,
-                     face + "uses point " + number_text(index) + ", which does not exist; there are " +
-                         std::to_string(count) + ", counted from 0");
+                refuse(f, "uses point " + number_text(index) + ", which does not exist; there are " +
+                              std::to_string(count) + ", counted from 0");
             }
             polygons.add_corner(static_cast<std::int64_t>(index), where);
         }
         polygons.end_face(source, where);
+        first = end;
     }
     std::string place = place_text(source, where) + "'polyhedron'";
     return finished_surface(polygons.triangulate(source, 0), place, warnings);

@@ -9,9 +9,16 @@
 
 namespace mortise::model_reader {
 
+/// Lists of numbers, one behind the other.
+struct NumberLists {
+    const double* numbers;
+    const std::size_t* ends;  ///< of each list in `numbers`
+    std::size_t count;
+};
+
 /// `faces` holds numbers of points as read, from 0, clockwise seen from outside; faces need be neither plane
 /// nor convex. `where` is the place of the node, for errors. A surface that is inside out is turned.
-TriangleSurface polyhedron_surface(std::vector<Vec3> points, const std::vector<std::vector<double>>& faces,
+TriangleSurface polyhedron_surface(std::vector<Vec3> points, const NumberLists& faces,
                                    const std::string& source, SourceLocation where,
                                    std::vector<std::string>& warnings);
 
