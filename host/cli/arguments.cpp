@@ -119,6 +119,12 @@ void add_define(CLI::App& app, Arguments& arguments) {
         ->allow_extra_args(false);
 }
 
+void add_facets(CLI::App& app, Words& words) {
+    app.add_option("--facets", words.facets,
+                   "circles of .csg, .scad: smooth (default), or exact as OpenSCAD's")
+        ->option_text("smooth|exact");
+}
+
 /// How the file is understood.
 void add_shape_options(CLI::App& app, Arguments& arguments, Words& words) {
     add_define(app, arguments);
@@ -129,9 +135,7 @@ void add_shape_options(CLI::App& app, Arguments& arguments, Words& words) {
         ->multi_option_policy(CLI::MultiOptionPolicy::Throw);
     app.add_option("--extrude", words.extrude, "solid of height H above a function of x and y (.vm, .frep)")
         ->option_text("H");
-    app.add_option("--facets", words.facets,
-                   "circles of .csg, .scad: smooth (default), or exact as OpenSCAD's")
-        ->option_text("smooth|exact");
+    add_facets(app, words);
 }
 
 void add_model_options(CLI::App& app, Arguments& arguments, Words& words) {
@@ -302,9 +306,18 @@ void read_size_words(const Words& words, MeshOptions& options) {
     }
 }
 
+/// Of the mesher, `batch` and `info`.
+void read_model_words(const Words& words, Arguments& arguments) {
+    read_extrude(words.extrude, arguments);
+    if (!words.facets.empty() && words.facets != "smooth" && words.facets != "exact") {
+        refuse("--facets '" + words.facets + "': expected smooth or exact");
+    }
+    if (words.facets == "exact") arguments.read.facets = Facets::kExact;
+}
+
 void read_mesh_words(const Words& words, Arguments& arguments) {
     MeshOptions& options = arguments.options;
-    read_extrude(words.extrude, arguments);
+    read_model_words(words, arguments);
     if (!words.level.empty()) options.level = parse_integer("--level", words.level, 1, "; the default is 6");
     if (!words.size.empty()) options.size = parse_length("--size", words.size);
     read_size_words(words, options);
@@ -319,10 +332,6 @@ void read_mesh_words(const Words& words, Arguments& arguments) {
     if (!words.elements.empty() && words.elements != "hex" && words.elements != "tet") {
         refuse("--elements '" + words.elements + "': expected hex or tet");
     }
-    if (!words.facets.empty() && words.facets != "smooth" && words.facets != "exact") {
-        refuse("--facets '" + words.facets + "': expected smooth or exact");
-    }
-    if (words.facets == "exact") arguments.read.facets = Facets::kExact;
     options.tetrahedra = words.elements == "tet";
     options.templates = !words.no_templates;
     options.snap = !words.no_snap;
@@ -417,11 +426,13 @@ Arguments parse_arguments(int count, const char* const* values) {
     CLI::App* devices = add_command(app, "devices", "mortise devices [--json]", "list OpenCL devices");
     CLI::App* doctor =
         add_command(app, "doctor", "mortise doctor", "check the OpenCL installation, and how to repair it");
-    CLI::App* info = add_command(app, "info", "mortise info MODEL [-D NAME=VALUE] [--extrude H] [--json]",
-                                 "what a model holds, without meshing it");
+    CLI::App* info = add_command(
+        app, "info", "mortise info MODEL [-D NAME=VALUE] [--extrude H] [--facets smooth|exact] [--json]",
+        "what a model holds, without meshing it");
     info->add_option("MODEL", arguments.file);
     info->add_option("--extrude", words.extrude, "height of the solid above a function of x and y")
         ->option_text("H");
+    add_facets(*info, words);
     add_define(*info, arguments);
     for (CLI::App* command : {check, devices, info}) {
         refuse_empty_values(*command);
@@ -466,7 +477,7 @@ Arguments parse_arguments(int count, const char* const* values) {
     }
     if (batch->parsed()) read_batch_words(words, arguments);
     if (check->parsed() && arguments.file.empty()) refuse("no mesh given; use: mortise check FILE");
-    if (info->parsed()) read_extrude(words.extrude, arguments);
+    if (info->parsed()) read_model_words(words, arguments);
     if (info->parsed() && arguments.file.empty()) refuse("no model given; use: mortise info MODEL");
     return arguments;
 }

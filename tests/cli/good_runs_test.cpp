@@ -182,6 +182,12 @@ TEST_CASE("info, devices, doctor, help and version") {
     CHECK(document["surfaces"].size() > 10);
     CHECK(document["surfaces"][0]["max_size"].is_null());
     CHECK(run({"info", asset("bracket.csg")}).code == 0);
+    const auto cylinders = [](const std::string& facets) {
+        const Outcome outcome = run({"info", asset("bracket.csg"), "--facets", facets, "--json"});
+        return Json::parse(outcome.out)["primitives"]["cylinder"].get<int>();
+    };
+    CHECK(cylinders("smooth") > 0);
+    CHECK(cylinders("exact") == 0);
     {
         const ScratchFolder scratch;
         const std::string path = scratch.file("plane.geo");
