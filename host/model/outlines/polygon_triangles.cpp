@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <map>
+#include <numeric>
 
 #include "host/model/affine.hpp"
 #include "host/model/outlines/contours.hpp"
@@ -122,6 +122,8 @@ class EarClipping {
         const Vec2& c = plane_[next_[i]];
         if (a == b || b == c || c == a) return true;  // a spike, or a corner twice: goes without a trace
         if (reflex_[i] != 0) return false;
+        const Vec2 low = {std::min({a[0], b[0], c[0]}), std::min({a[1], b[1], c[1]})};
+        const Vec2 high = {std::max({a[0], b[0], c[0]}), std::max({a[1], b[1], c[1]})};
         std::size_t kept = 0;
         bool empty = true;
         for (const std::uint32_t other : reflex_list_) {
@@ -129,6 +131,7 @@ class EarClipping {
             reflex_list_[kept++] = other;
             if (!empty || other == previous_[i] || other == next_[i]) continue;
             const Vec2& p = plane_[other];
+            if (p[0] < low[0] || p[0] > high[0] || p[1] < low[1] || p[1] > high[1]) continue;
             // The other side of a bridge to a hole: is its outline beside the ear, or does it enter it?
             if (p == a || p == b || p == c) {
                 const Vec2& left = p == a ? c : p == b ? a : b;
@@ -152,23 +155,78 @@ class EarClipping {
     std::vector<std::uint32_t> reflex_list_;
 };
 
+/// Directed sides of triangles and whose they are, ordered by their ends; of equal ones the last triangle's.
+class Sides {
+  public:
+    struct Side {
+        std::uint32_t from;
+        std::uint32_t to;
+        std::uint32_t triangle;
+    };
+
+    void collect(const std::vector<Triangle>& triangles, std::size_t points) {
+        start_.assign(points + 1, 0);
+        for (const Triangle& triangle : triangles) {
+            for (const std::uint32_t corner : triangle) ++start_[corner + 1];
+        }
+        std::partial_sum(start_.begin(), start_.end(), start_.begin());
+        sides_.resize(3 * triangles.size());
+        end_.assign(start_.begin(), start_.end() - 1);
+        for (std::uint32_t t = 0; t < triangles.size(); ++t) {
+            for (std::size_t k = 0; k < 3; ++k) {
+                const std::uint32_t from = triangles[t][k];
+                sides_[end_[from]++] = {from, triangles[t][(k + 1) % 3], t};
+            }
+        }
+        for (std::size_t point = 0; point < points; ++point) {
+            const auto first = sides_.begin() + start_[point];
+            const auto last = sides_.begin() + end_[point];
+            std::sort(first, last, [](const Side& a, const Side& b) {
+                return a.to != b.to ? a.to < b.to : a.triangle > b.triangle;
+            });
+            const auto same = [](const Side& a, const Side& b) { return a.to == b.to; };
+            end_[point] = static_cast<std::uint32_t>(std::unique(first, last, same) - sides_.begin());
+        }
+    }
+
+    /// nullptr if there is none.
+    const Side* find(std::uint32_t from, std::uint32_t to) const {
+        const Side* last = sides_.data() + end_[from];
+        const Side* found = std::lower_bound(sides_.data() + start_[from], last, to,
+                                             [](const Side& a, std::uint32_t b) { return a.to < b; });
+        return found != last && found->to == to ? found : nullptr;
+    }
+
+    template <typename Visit>
+    void each(Visit&& visit) const {
+        for (std::size_t point = 0; point < end_.size(); ++point) {
+            for (std::uint32_t i = start_[point]; i < end_[point]; ++i) visit(sides_[i]);
+        }
+    }
+
+  private:
+    std::vector<Side> sides_;
+    std::vector<std::uint32_t> start_;  ///< of each point's sides
+    std::vector<std::uint32_t> end_;
+};
+
 /// Flips diagonals while that makes the worse of the two triangles better.
 void flip_diagonals(const std::vector<Vec2>& plane, std::vector<Triangle>& triangles) {
     constexpr int kMostRounds = 20;
+    Sides sides;
     for (int round = 0; round < kMostRounds; ++round) {
         bool any = false;
-        std::map<std::pair<std::uint32_t, std::uint32_t>, std::size_t> sides;
-        for (std::size_t t = 0; t < triangles.size(); ++t) {
-            for (std::size_t k = 0; k < 3; ++k) sides[{triangles[t][k], triangles[t][(k + 1) % 3]}] = t;
-        }
+        sides.collect(triangles, plane.size());
         std::vector<char> changed(triangles.size(), 0);
-        for (const auto& [side, first] : sides) {
-            const auto [a, b] = side;
-            if (a > b) continue;
-            const auto opposite = sides.find({b, a});
-            if (opposite == sides.end()) continue;
-            const std::size_t second = opposite->second;
-            if (first == second || changed[first] != 0 || changed[second] != 0) continue;
+        sides.each([&](const Sides::Side& side) {
+            const std::uint32_t a = side.from;
+            const std::uint32_t b = side.to;
+            if (a > b) return;
+            const Sides::Side* opposite = sides.find(b, a);
+            if (opposite == nullptr) return;
+            const std::uint32_t first = side.triangle;
+            const std::uint32_t second = opposite->triangle;
+            if (first == second || changed[first] != 0 || changed[second] != 0) return;
             const auto apex = [](const Triangle& t, std::uint32_t p, std::uint32_t q) {
                 for (const std::uint32_t corner : t) {
                     if (corner != p && corner != q) return corner;
@@ -177,19 +235,19 @@ void flip_diagonals(const std::vector<Vec2>& plane, std::vector<Triangle>& trian
             };
             const std::uint32_t c = apex(triangles[first], a, b);
             const std::uint32_t d = apex(triangles[second], a, b);
-            if (sides.count({c, d}) != 0 || sides.count({d, c}) != 0) continue;
+            if (sides.find(c, d) != nullptr || sides.find(d, c) != nullptr) return;
             const auto worse = [&](const Triangle& s, const Triangle& t) {
                 return std::min(shape(plane[s[0]], plane[s[1]], plane[s[2]]),
                                 shape(plane[t[0]], plane[t[1]], plane[t[2]]));
             };
             const Triangle left = {a, d, c};
             const Triangle right = {d, b, c};
-            if (worse(left, right) <= worse(triangles[first], triangles[second]) + 1e-9) continue;
+            if (worse(left, right) <= worse(triangles[first], triangles[second]) + 1e-9) return;
             triangles[first] = left;
             triangles[second] = right;
             changed[first] = changed[second] = 1;
             any = true;
-        }
+        });
         if (!any) return;
     }
 }
