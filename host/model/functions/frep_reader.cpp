@@ -9,6 +9,7 @@
 #include <array>
 #include <cstring>
 #include <optional>
+#include <string_view>
 
 #include "host/model/functions/function_model.hpp"
 #include "host/model/readers.hpp"
@@ -195,23 +196,31 @@ class FrepReader {
             z = has_z[left] || has_z[right];
             is_usual = is_usual || meaning == Meaning::kAdd || meaning == Meaning::kMultiply ||
                        meaning == Meaning::kMin;
-            function.define(operation_text(meaning, function_name(left), function_name(right)));
+            define_operation(meaning, left, right);
         }
         has_z.push_back(z);
         return true;
     }
 
-    static std::string operation_text(Meaning meaning, const std::string& a, const std::string& b) {
-        static const std::array<const char*, 30> kNames = {
-            "",    "",    "",     "",     "",     "+",     "square", "sqrt", "neg",   "sin",
-            "cos", "tan", "asin", "acos", "atan", "exp",   "abs",    "log",  "recip", "+",
-            "*",   "min", "max",  "-",    "/",    "atan2", "pow",    "",     "mod",   "compare"};
-        const std::string name = kNames[static_cast<std::size_t>(meaning)];
-        if (meaning == Meaning::kSame) return a;
-        if (meaning == Meaning::kRoot) return "sign(" + a + ")*abs(" + a + ")^(1/" + b + ")";
-        if (meaning < Meaning::kAdd) return name + "(" + a + ")";
-        if (!is_name_start(name[0])) return a + " " + name + " " + b;
-        return name + "(" + a + ", " + b + ")";
+    void define_operation(Meaning meaning, std::size_t a, std::size_t b) {
+        static const std::array<const char*, 30> kBefore = {
+            "",     "",     "",      "",      "",      "",       "square(", "sqrt(", "neg(",   "sin(",
+            "cos(", "tan(", "asin(", "acos(", "atan(", "exp(",   "abs(",    "log(",  "recip(", "",
+            "",     "min(", "max(",  "",      "",      "atan2(", "pow(",    "",      "mod(",   "compare("};
+        const std::string_view before = kBefore[static_cast<std::size_t>(meaning)];
+        switch (meaning) {
+            case Meaning::kSame: return function.define("", a, "");
+            case Meaning::kAdd: return function.define("", a, " + ", b, "");
+            case Meaning::kMultiply: return function.define("", a, " * ", b, "");
+            case Meaning::kSubtract: return function.define("", a, " - ", b, "");
+            case Meaning::kDivide: return function.define("", a, " / ", b, "");
+            case Meaning::kRoot:
+                return function.define("sign(" + function_name(a) + ")*abs(" + function_name(a) + ")^(1/" +
+                                       function_name(b) + ")");
+            default: break;
+        }
+        if (meaning < Meaning::kAdd) return function.define(before, a, ")");
+        function.define(before, a, ", ", b, ")");
     }
 
     const std::string& bytes_;
