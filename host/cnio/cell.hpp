@@ -77,6 +77,22 @@ struct Scale {
     double size = 0;
 };
 
+/// On which sides of a surface some nodes lie.
+struct Sides {
+    bool negative = false;
+    bool positive = false;
+
+    void add(int sign) {
+        negative = negative || sign < 0;
+        positive = positive || sign > 0;
+    }
+    bool are_mixed() const { return negative && positive; }
+    /// Of all nodes; 0 if they are mixed, or all on the surface.
+    std::int8_t sign() const {
+        return static_cast<std::int8_t>(static_cast<int>(positive) - static_cast<int>(negative));
+    }
+};
+
 /// A face of the cell, or a quarter of one that is split: what one leaf beyond shares.
 struct Patch {
     int face = 0;
@@ -123,6 +139,12 @@ class Cell {
     std::int64_t key(int axis, std::int32_t at) const {
         return (static_cast<std::int64_t>(xyz_[axis]) << kCellUnitBits) +
                (static_cast<std::int64_t>(at) << key_shift_);
+    }
+
+    Sides sides(const LocalNode* nodes, std::size_t count, std::size_t surface) const {
+        Sides result;
+        for (std::size_t i = 0; i < count; ++i) result.add(sign(nodes[i], surface));
+        return result;
     }
 
     /// Signs by evaluation at a point, tolerance and all: the pure function. `size`: edge of the smallest

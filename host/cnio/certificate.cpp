@@ -106,17 +106,11 @@ bool Certificate::is_uniform(std::int32_t* region) const {
     if (!cell_.has_whole_faces()) return false;
     std::vector<std::int8_t> signs(cell_.surface_count());
     for (std::size_t s = 0; s < cell_.surface_count(); ++s) {
-        bool negative = false;
-        bool positive = false;
-        for (std::size_t c = 0; c < 8; ++c) {
-            negative = negative || cell_.sign(c, s) < 0;
-            positive = positive || cell_.sign(c, s) > 0;
-        }
-        const int middle = cell_.pure_sign(s, cell_.centre(), cell_.size());
-        negative = negative || middle < 0;
-        positive = positive || middle > 0;
-        if (negative && positive) return false;
-        signs[s] = static_cast<std::int8_t>(positive ? 1 : negative ? -1 : 0);
+        Sides sides;
+        for (LocalNode c = 0; c < 8; ++c) sides.add(cell_.sign(c, s));
+        sides.add(cell_.pure_sign(s, cell_.centre(), cell_.size()));
+        if (sides.are_mixed()) return false;
+        signs[s] = sides.sign();
     }
     *region = cell_.local_tape().resolve(signs.data());
     return *region != kUnknown;
@@ -156,13 +150,9 @@ void Certificate::cone(const LatticePoint& at) {
 /// Whether some surface passes between the corners of a quadrilateral and the apex, for all that signs tell.
 bool Certificate::is_mixed(const Facet& quad, LocalNode apex) const {
     for (std::size_t s = 0; s < cell_.surface_count(); ++s) {
-        bool negative = cell_.sign(apex, s) < 0;
-        bool positive = cell_.sign(apex, s) > 0;
-        for (std::size_t i = 0; i < 4; ++i) {
-            negative = negative || cell_.sign(quad.node[i], s) < 0;
-            positive = positive || cell_.sign(quad.node[i], s) > 0;
-        }
-        if (negative && positive) return true;
+        Sides sides = cell_.sides(quad.node, 4, s);
+        sides.add(cell_.sign(apex, s));
+        if (sides.are_mixed()) return true;
     }
     return false;
 }
@@ -184,15 +174,8 @@ LocalNode Certificate::add_cap(const Facet& quad, const LatticePoint& apex) {
         const LocalNode cap = cell_.add_node(at, 0);
         bool agrees = true;
         for (std::size_t s = 0; s < n; ++s) {
-            bool negative = false;
-            bool positive = false;
-            for (int i = 0; i < 4; ++i) {
-                negative = negative || cell_.sign(quad.node[i], s) < 0;
-                positive = positive || cell_.sign(quad.node[i], s) > 0;
-            }
-            if (negative == positive) continue;
-            const int wanted = positive ? 1 : -1;
-            if (cell_.sign(cap, s) == wanted) continue;
+            const int wanted = cell_.sides(quad.node, 4, s).sign();
+            if (wanted == 0 || cell_.sign(cap, s) == wanted) continue;
             agrees = false;
             if (halving == kCapHalvings) cell_.set_sign(cap, s, wanted);
         }
@@ -220,15 +203,7 @@ bool Certificate::locked(LocalNode a, LocalNode b) const {
 bool Certificate::is_resolved(const Simplex& simplex) {
     const std::size_t n = cell_.surface_count();
     signs_.resize(n);
-    for (std::size_t s = 0; s < n; ++s) {
-        bool negative = false;
-        bool positive = false;
-        for (const LocalNode node : simplex.node) {
-            negative = negative || cell_.sign(node, s) < 0;
-            positive = positive || cell_.sign(node, s) > 0;
-        }
-        signs_[s] = static_cast<std::int8_t>(static_cast<int>(positive) - static_cast<int>(negative));
-    }
+    for (std::size_t s = 0; s < n; ++s) signs_[s] = cell_.sides(simplex.node.data(), 4, s).sign();
     return cell_.local_tape().resolve(signs_.data()) != kUnknown;
 }
 
@@ -238,13 +213,7 @@ bool Certificate::bisect(std::size_t p, int round) {
     mixed_.clear();
     for (Simplex& s : simplices_) {
         if (s.resolved) continue;
-        bool negative = false;
-        bool positive = false;
-        for (const LocalNode node : s.node) {
-            negative = negative || cell_.sign(node, p) < 0;
-            positive = positive || cell_.sign(node, p) > 0;
-        }
-        if (!negative || !positive) continue;
+        if (!cell_.sides(s.node.data(), 4, p).are_mixed()) continue;
         s.resolved = is_resolved(s);
         if (s.resolved) continue;
         for (std::size_t i = 0; i < 4; ++i) {
@@ -319,20 +288,10 @@ std::int32_t Certificate::label(const LocalNode* node, std::size_t count, std::i
         for (std::size_t i = 0; i < count; ++i) sum += cell_.nodes()[node[i]].point[j];
         centroid[j] = static_cast<std::int32_t>(sum / static_cast<std::int64_t>(count));
     }
-    bool mixed_any = false;
     for (std::size_t s = 0; s < n; ++s) {
-        bool negative = false;
-        bool positive = false;
-        for (std::size_t i = 0; i < count; ++i) {
-            negative = negative || cell_.sign(node[i], s) < 0;
-            positive = positive || cell_.sign(node[i], s) > 0;
-        }
-        const bool mixed = negative && positive;
-        mixed_any = mixed_any || mixed;
-        signs[s] = static_cast<std::int8_t>(mixed      ? 0
-                                            : negative ? -1
-                                            : positive ? 1
-                                                       : cell_.value_sign(s, centroid));
+        const Sides sides = cell_.sides(node, count, s);
+        const bool all_on = !sides.negative && !sides.positive;
+        signs[s] = all_on ? static_cast<std::int8_t>(cell_.value_sign(s, centroid)) : sides.sign();
     }
     std::int32_t region = cell_.local_tape().resolve(signs);
     if (region != kUnknown) return region;

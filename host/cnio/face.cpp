@@ -163,19 +163,14 @@ FaceMode Cell::patch_mode(const std::vector<LocalNode>& loop, const Patch& patch
     std::size_t crossing = n;
     for (std::size_t s = 0; s < n; ++s) {
         if (active[s] == 0) continue;
-        bool negative = false;
-        bool positive = false;
-        for (const LocalNode node : loop) {
-            negative = negative || sign(node, s) < 0;
-            positive = positive || sign(node, s) > 0;
-        }
-        if (negative && positive) {
+        const Sides around = sides(loop.data(), loop.size(), s);
+        if (around.are_mixed()) {
             if (crossing != n) return FaceMode::kFan;
             crossing = s;
             continue;
         }
         const int at_middle = pure_sign(s, patch.middle, patch.scale.size);
-        if ((negative && at_middle > 0) || (positive && at_middle < 0)) return FaceMode::kFan;
+        if (around.sign() * at_middle < 0) return FaceMode::kFan;
     }
     if (crossing == n) {
         if (loop.size() == 4) return FaceMode::kWhole;
@@ -328,14 +323,9 @@ bool Cell::is_resolved(const std::array<std::uint16_t, 3>& triangle, const std::
     triangle_signs_.assign(n, 0);
     for (std::size_t s = 0; s < n; ++s) {
         if (active[s] == 0) continue;
-        bool negative = false;
-        bool positive = false;
-        for (const std::uint16_t i : triangle) {
-            negative = negative || sign(fan_nodes_[i], s) < 0;
-            positive = positive || sign(fan_nodes_[i], s) > 0;
-        }
-        triangle_signs_[s] =
-            static_cast<std::int8_t>(static_cast<int>(positive) - static_cast<int>(negative));
+        Sides corners;
+        for (const std::uint16_t i : triangle) corners.add(sign(fan_nodes_[i], s));
+        triangle_signs_[s] = corners.sign();
     }
     if (local_tape_.resolve(triangle_signs_.data()) != kUnknown) return true;
     other_signs_.resize(other_surfaces_.size());

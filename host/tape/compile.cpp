@@ -8,6 +8,7 @@
 #include <numeric>
 #include <optional>
 
+#include "host/tape/affine_map.hpp"
 #include "host/tape/expression_parser.hpp"
 #include "host/tape/hints.hpp"
 #include "host/tape/polyhedron.hpp"
@@ -30,37 +31,6 @@ struct Term {
     std::vector<std::uint32_t> children;
     std::optional<Box3> hint{};  ///< known to hold the set, in model coordinates
 };
-
-/// Affine map as 3×3 matrix and offset, in double precision.
-struct Map {
-    glm::dmat3 matrix{1.0};  ///< column-major, as GLM has it
-    glm::dvec3 offset{0.0};
-};
-
-Map to_map(const Affine& a) {
-    Map map;
-    for (int row = 0; row < 3; ++row) {
-        for (int column = 0; column < 3; ++column) map.matrix[column][row] = a[4 * row + column];
-        map.offset[row] = a[4 * row + 3];
-    }
-    return map;
-}
-
-Affine to_affine(const Map& map) {
-    Affine a{};
-    for (int row = 0; row < 3; ++row) {
-        const auto first = static_cast<std::size_t>(4 * row);
-        for (int column = 0; column < 3; ++column) {
-            a[first + static_cast<std::size_t>(column)] = map.matrix[column][row];
-        }
-        a[first + 3] = map.offset[row];
-    }
-    return a;
-}
-
-Map compose(const Map& outer, const Map& inner) {
-    return {outer.matrix * inner.matrix, outer.matrix * inner.offset + outer.offset};
-}
 
 class Compiler {
   public:
