@@ -2,7 +2,6 @@
 // surface before centre).
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "host/cnio/cell.hpp"
 #include "host/tape/projection.hpp"
@@ -23,47 +22,81 @@ double dot(const double* a, const double* b) { return a[0] * b[0] + a[1] * b[1] 
 
 /// Distance from a surface, to first order, box-local; infinite where the gradient vanishes.
 double Cell::distance_to(std::size_t surface, const double* x) const {
+    bool negated = false;
+    const std::uint32_t at = surface_at(surface, x, &negated);
     const SurfaceSample s =
-        surface_sample(&model_.surfaces[surfaces_[surface]], model_.expression_ops.data(), x[0], x[1], x[2]);
+        surface_sample(&model_.surfaces[at], model_.expression_ops.data(), x[0], x[1], x[2]);
     const double distance = std::fabs(s.value) / std::sqrt(dot(s.gradient, s.gradient));
     return std::isfinite(distance) ? distance : kMortiseInfinity;
 }
 
-/// The middle, or the point next to it on up to three surfaces that pass close to it.
-LatticePoint Cell::apex_near(const ApexSearch& search) const {
+/// Surfaces of the cell as what they are in the model at a point.
+std::vector<std::uint32_t> Cell::model_surfaces(const std::vector<std::size_t>& surfaces,
+                                                const double* x) const {
+    std::vector<std::uint32_t> result;
+    bool negated = false;
+    for (const std::size_t s : surfaces) result.push_back(surface_at(s, x, &negated));
+    return result;
+}
+
+/// The point next to the middle on some surfaces; false if there is none, or not well inside.
+bool Cell::apex_on(const ApexSearch& search, const std::vector<std::size_t>& surfaces,
+                   LatticePoint& apex) const {
+    double start[3];
+    position(search.middle, start);
+    const double size = search.scale.size;
+    const tape::ProjectionLimits limits = {kReach * size, kTangent, kSettled * size, search.fixed_axis};
+    double x[3] = {start[0], start[1], start[2]};
+    const std::vector<std::uint32_t> on = model_surfaces(surfaces, x);
+    if (!tape::project(model_, on.data(), on.size(), limits, x)) return false;
+    if (const std::vector<std::uint32_t> there = model_surfaces(surfaces, x); there != on) {
+        std::copy(start, start + 3, x);
+        if (!tape::project(model_, there.data(), there.size(), limits, x)) return false;
+    }
+    const double unit = size_ / units_ * search.scale.step;
+    apex = search.middle;
+    for (std::size_t j = 0; j < 3; ++j) {
+        if (!(std::fabs(x[j] - start[j]) <= kMargin * size)) return false;
+        apex[j] += search.scale.step * static_cast<std::int32_t>(std::rint((x[j] - start[j]) / unit));
+    }
+    return true;
+}
+
+/// The middle, or the point next to it on up to three surfaces that pass close to it; of a joint where both
+/// its surfaces meet, if it can be had, so that their facets part there.
+LatticePoint Cell::apex_near(const ApexSearch& search, const std::vector<std::size_t>& surfaces) const {
     double start[3];
     position(search.middle, start);
     std::vector<std::pair<double, std::size_t>> near;
-    for (const std::size_t s : search.surfaces) {
+    for (const std::size_t s : surfaces) {
         const double distance = distance_to(s, start);
         if (distance < kNear * search.scale.size) near.push_back({distance, s});
     }
     std::sort(near.begin(), near.end());
-    const tape::ProjectionLimits limits = {kReach * search.scale.size, kTangent, kSettled * search.scale.size,
-                                           search.fixed_axis};
-    const double unit = size_ / units_ * search.scale.step;
+    LatticePoint apex;
     for (std::size_t count = std::min<std::size_t>(near.size(), 3); count > 0; --count) {
-        std::vector<std::uint32_t> on;
-        for (std::size_t k = 0; k < count; ++k) on.push_back(surfaces_[near[k].second]);
-        double x[3] = {start[0], start[1], start[2]};
-        if (!tape::project(model_, on.data(), count, limits, x)) continue;
-        const double most = kMargin * search.scale.size;
-        const bool is_inside = std::fabs(x[0] - start[0]) <= most && std::fabs(x[1] - start[1]) <= most &&
-                               std::fabs(x[2] - start[2]) <= most;
-        if (!is_inside) continue;
-        LatticePoint result = search.middle;
-        for (std::size_t j = 0; j < 3; ++j) {
-            result[j] += search.scale.step * static_cast<std::int32_t>(std::rint((x[j] - start[j]) / unit));
+        std::vector<std::size_t> on;
+        bool joined = false;
+        for (std::size_t k = 0; k < count; ++k) {
+            on.push_back(near[k].second);
+            joined = joined || is_joint(near[k].second);
         }
-        return result;
+        if (joined && count < 3) {
+            on.push_back(joined_[0]);
+            if (apex_on(search, on, apex)) return apex;
+            on.pop_back();
+        }
+        if (apex_on(search, on, apex)) return apex;
     }
     return search.middle;
 }
 
 LatticePoint Cell::apex() const {
-    std::vector<std::size_t> all(surfaces_.size());
-    std::iota(all.begin(), all.end(), std::size_t{0});
-    return apex_near({centre(), all, 3, {1, size_}});
+    std::vector<std::size_t> named;
+    for (std::size_t s = 0; s < surfaces_.size(); ++s) {
+        if (is_named(s)) named.push_back(s);
+    }
+    return apex_near({centre(), 3, {1, size_}}, named);
 }
 
 /// Of a face that becomes a fan: its middle, or a point on the face's surfaces. The middle where it alone
@@ -80,7 +113,7 @@ LatticePoint Cell::fan_centre(const std::vector<LocalNode>& loop, const Patch& p
                            });
         if (alone) return patch.middle;
     }
-    return apex_near({patch.middle, on_face, patch.face / 2, patch.scale});
+    return apex_near({patch.middle, patch.face / 2, patch.scale}, on_face);
 }
 
 }  // namespace mortise::cnio

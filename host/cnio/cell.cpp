@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace mortise::cnio {
 namespace {
@@ -38,17 +39,19 @@ void Cell::position(const LatticePoint& p, double* x) const {
 
 int Cell::pure_sign(std::size_t surface, const LatticePoint& p, double size) const {
     double x[3];
+    bool negated = false;
     position(p, x);
-    return surface_sign(&model_.surfaces[surfaces_[surface]], model_.expression_ops.data(), x[0], x[1], x[2],
-                        size);
+    const std::uint32_t at = surface_at(surface, x, &negated);
+    const int sign = surface_sign(&model_.surfaces[at], model_.expression_ops.data(), x[0], x[1], x[2], size);
+    return negated ? -sign : sign;
 }
 
 int Cell::value_sign(std::size_t surface, const LatticePoint& p) const {
     double x[3];
     position(p, x);
-    const double value =
-        surface_value(&model_.surfaces[surfaces_[surface]], model_.expression_ops.data(), x[0], x[1], x[2]);
-    return value < 0 ? -1 : 1;
+    bool negated = false;
+    const std::uint32_t at = surface_at(surface, x, &negated);
+    return (model_value(at, x) < 0) != negated ? -1 : 1;
 }
 
 LocalNode Cell::add_node(const LatticePoint& p, std::uint8_t faces, std::uint16_t code,
@@ -71,8 +74,7 @@ LatticePoint Cell::root(std::size_t surface, LocalNode a, LocalNode b) const {
     const LatticePoint& to = nodes_[b].point;
     position(from, low);
     position(to, high);
-    const double t =
-        segment_root(&model_.surfaces[surfaces_[surface]], model_.expression_ops.data(), low, high);
+    const double t = root_between(surface, low, high);
     LatticePoint result;
     for (std::size_t j = 0; j < 3; ++j) {
         // Both ends are on the lattice of the entity at hand.
@@ -82,11 +84,27 @@ LatticePoint Cell::root(std::size_t surface, LocalNode a, LocalNode b) const {
     return result;
 }
 
-LocalNode Cell::split_node(std::size_t p, LocalNode a, LocalNode b, const LatticePoint& at, int round,
-                           const std::uint8_t* active) {
+const std::vector<std::size_t>& Cell::cutting_order() {
+    const std::size_t n = surfaces_.size();
+    const std::vector<std::uint8_t> all(n, 1);
+    std::vector<std::size_t> settled(n);
+    for (std::size_t s = 0; s < n; ++s) settled[s] = local_tape_.settled_by(s, all.data());
+    order_.resize(n);
+    std::iota(order_.begin(), order_.end(), std::size_t{0});
+    order_.erase(std::remove_if(order_.begin(), order_.end(), [this](std::size_t s) { return !is_named(s); }),
+                 order_.end());
+    std::stable_sort(order_.begin(), order_.end(),
+                     [&settled](std::size_t a, std::size_t b) { return settled[a] > settled[b]; });
+    return order_;
+}
+
+LocalNode Cell::split_node(const std::vector<std::size_t>& order, std::size_t k, LocalNode a, LocalNode b,
+                           const LatticePoint& at, int round, const std::uint8_t* active) {
+    const std::size_t p = order[k];
     const LocalNode m = add_node(at, nodes_[a].faces & nodes_[b].faces);
-    const std::size_t done = round == 0 ? p : surfaces_.size();
-    for (std::size_t q = 0; q < done; ++q) {
+    const std::size_t done = round == 0 ? k : order.size();
+    for (std::size_t i = 0; i < done; ++i) {
+        const std::size_t q = order[i];
         if (active != nullptr && active[q] == 0) continue;
         const int sa = sign(a, q);
         const int sb = sign(b, q);
@@ -127,6 +145,7 @@ void Cell::load(const TreeNode& leaf) {
 
 void Cell::load_tape() {
     surfaces_.clear();
+    joint_ = nullptr;
     if (leaf_.tape_length == 0) {
         local_tape_.load_constant(octree::in_region(tree_, leaf_.morton));
         return;
@@ -137,7 +156,13 @@ void Cell::load_tape() {
     }
     std::sort(surfaces_.begin(), surfaces_.end());
     surfaces_.erase(std::unique(surfaces_.begin(), surfaces_.end()), surfaces_.end());
-    local_tape_.load(words, leaf_.tape_length, surfaces_);
+    load_joint();
+    if (joint_ == nullptr) {
+        local_tape_.load(words, leaf_.tape_length, surfaces_);
+        return;
+    }
+    plain_tape_.load(words, leaf_.tape_length, surfaces_);
+    local_tape_.load(joint_->tape.data(), joint_->tape.size(), surfaces_);
 }
 
 /// Which leaves touch the cell, and the active sets of those that share more than a vertex with it.
@@ -215,6 +240,9 @@ void Cell::load_row(std::size_t row, std::uint32_t nio) {
         if (found != surfaces_.end() && *found == tape_surface(word))
             active_[row * n + static_cast<std::size_t>(found - surfaces_.begin())] = 1;
     }
+    if (joint_ == nullptr) return;
+    const octree::LeafJoint* other = tree_.joint_in(node.morton);
+    active_[row * n + n - 1] = other != nullptr && other->joint == joint_->joint ? 1 : 0;
 }
 
 /// Whether finer leaves lie in one of the places around a vertex.
@@ -296,6 +324,7 @@ void Cell::load_edge(int e) {
                 row(half_.row[static_cast<std::size_t>(half_index(at[0], at[1], at[2]))]);
             for (std::size_t s = 0; s < n; ++s) segment_active_[s] &= other[s];
         }
+        settle_joint(segment_active_.data());
         LocalNode ends[2] = {kEdgeCorners[e][0], kEdgeCorners[e][1]};
         if (split) {
             int middle[3];
@@ -341,6 +370,7 @@ void Cell::load_cross(int f) {
                 row(half_.row[static_cast<std::size_t>(half_index(half[0], half[1], half[2]))]);
             for (std::size_t s = 0; s < n; ++s) segment_active_[s] &= other[s];
         }
+        settle_joint(segment_active_.data());
         auto& nodes = cross_nodes_[f][i];
         nodes.clear();
         load_segment(low ? middle : centre, low ? centre : middle, along, segment_active_.data(),
@@ -357,11 +387,12 @@ void Cell::load_segment(LocalNode low, LocalNode high, int axis, const std::uint
     double a[3];
     double b[3];
     scale_ = scale;
+    const std::size_t before = out.size();
     for (std::size_t s = 0; s < n; ++s) {
         if (active[s] == 0 || sign(low, s) * sign(high, s) >= 0) continue;
         position(nodes_[low].point, a);
         position(nodes_[high].point, b);
-        roots.push_back({edge_root(&model_.surfaces[surfaces_[s]], model_.expression_ops.data(), a, b), s});
+        roots.push_back({edge_units(root_between(s, a, b)), s});
     }
     std::sort(roots.begin(), roots.end());
     // Roots closer than the margin are one node on several surfaces.
@@ -389,6 +420,8 @@ void Cell::load_segment(LocalNode low, LocalNode high, int axis, const std::uint
             set_sign(m, s, group[i] == g ? 0 : g < group[i] ? sign(low, s) : sign(high, s));
         }
     }
+    if (joint_ == nullptr || active[n - 1] != 0) return;
+    for (std::size_t i = before; i < out.size(); ++i) sync_joint(out[i]);
 }
 
 }  // namespace mortise::cnio

@@ -113,7 +113,6 @@ class Cell {
     /// Loads an NIO leaf: surfaces, active sets, corners, edge roots, face meshes.
     void load(const TreeNode& leaf);
 
-    const std::vector<std::uint32_t>& surfaces() const { return surfaces_; }
     std::size_t surface_count() const { return surfaces_.size(); }
     const std::vector<Node>& nodes() const { return nodes_; }
     std::int8_t sign(std::size_t node, std::size_t surface) const {
@@ -152,6 +151,15 @@ class Cell {
     int pure_sign(std::size_t surface, const LatticePoint& p, double size) const;
     double size() const { return size_; }
     void position(const LatticePoint& p, double* x) const;
+    /// The model's number of a surface at a point: a joint of two surfaces is one of them.
+    std::uint32_t model_surface(std::size_t surface, const LatticePoint& p) const {
+        bool negated = false;
+        double x[3];
+        position(p, x);
+        return surface_at(surface, x, &negated);
+    }
+    /// Whether the cell's tape names a surface: not those that a joint stands for.
+    bool is_named(std::size_t surface) const { return local_tape_.names(surface); }
     /// Sign of the value alone, never zero: for the inside of a simplex all of whose nodes are on the
     /// surface.
     int value_sign(std::size_t surface, const LatticePoint& p) const;
@@ -173,11 +181,16 @@ class Cell {
     /// The root of a surface between two nodes, on the lattice.
     LatticePoint root(std::size_t surface, LocalNode a, LocalNode b) const;
 
-    /// Adds the node that splits edge ab at surface p. Its signs for the surfaces done before (those before p
-    /// in the first round, all in later ones) are inherited from the edge; `active`, if given, restricts
-    /// them.
-    LocalNode split_node(std::size_t p, LocalNode a, LocalNode b, const LatticePoint& at, int round,
-                         const std::uint8_t* active);
+    /// The order in which the cell's surfaces cut it: those first that tell most of the others apart from
+    /// what they change nothing of. Where two solids meet smoothly on a plane inside both, the plane comes
+    /// first, and each side is cut by its own surface alone.
+    const std::vector<std::size_t>& cutting_order();
+
+    /// Adds the node that splits edge ab at surface order[k]. Its signs for the surfaces done before (order[0
+    /// … k - 1] in the first round, all in later ones) are inherited from the edge; `active`, if given,
+    /// restricts them.
+    LocalNode split_node(const std::vector<std::size_t>& order, std::size_t k, LocalNode a, LocalNode b,
+                         const LatticePoint& at, int round, const std::uint8_t* active);
 
     /// In place of a split of edge ab at p: gives the end within `reach` of the root, if there is one, the
     /// sign 0. A node on an edge of the cell keeps its sign while faces are meshed, since other faces depend
@@ -192,11 +205,15 @@ class Cell {
     double distance_to(std::size_t surface, const double* x) const;
     struct ApexSearch {
         LatticePoint middle;
-        const std::vector<std::size_t>& surfaces;
         int fixed_axis;  ///< of a face: both cells find the same apex in its plane; 3: none
         Scale scale;     ///< the apex lies on its lattice
     };
-    LatticePoint apex_near(const ApexSearch& search) const;
+    LatticePoint apex_near(const ApexSearch& search, const std::vector<std::size_t>& surfaces) const;
+    std::vector<std::uint32_t> model_surfaces(const std::vector<std::size_t>& surfaces,
+                                              const double* x) const;
+    bool apex_on(const ApexSearch& search, const std::vector<std::size_t>& surfaces,
+                 LatticePoint& apex) const;
+    bool is_joint(std::size_t surface) const { return joint_ != nullptr && surface + 1 == surfaces_.size(); }
     LatticePoint fan_centre(const std::vector<LocalNode>& loop, const Patch& patch) const;
     // cell.cpp
     void load_surroundings();
@@ -210,6 +227,13 @@ class Cell {
     LocalNode grid_vertex(int x, int y, int z);
     void load_segment(LocalNode low, LocalNode high, int axis, const std::uint8_t* active, const Scale& scale,
                       std::uint16_t code, std::vector<LocalNode>& out);
+    // joint.cpp
+    void load_joint();
+    std::uint32_t surface_at(std::size_t surface, const double* x, bool* negated) const;
+    double model_value(std::uint32_t surface, const double* x) const;
+    double root_between(std::size_t surface, const double* low, const double* high) const;
+    void settle_joint(std::uint8_t* active) const;
+    void sync_joint(LocalNode node);
     const std::uint8_t* row(std::size_t index) const { return active_.data() + index * surfaces_.size(); }
     bool is_subdivided(int dx, int dy, int dz) const {
         return ((half_.subdivided >> ((dx + 1) + 3 * (dy + 1) + 9 * (dz + 1))) & 1) != 0;
@@ -228,9 +252,12 @@ class Cell {
     void divide_hanging(const std::vector<LocalNode>& loop, const Patch& patch, std::vector<Facet>& facets);
     void cut_patch(const std::vector<LocalNode>& loop, const Patch& patch, std::vector<Facet>& facets);
     void fan_patch(const std::vector<LocalNode>& loop, const Patch& patch, std::vector<Facet>& facets);
-    bool split_patch(const Patch& patch, std::size_t p, int round);
-    void load_other_tape(const TreeNode& other);
-    bool is_resolved(const std::array<std::uint16_t, 3>& triangle, const std::uint8_t* active);
+    void load_patch_tapes(const Patch& patch);
+    void order_patch(const std::uint8_t* active);
+    bool split_patch(const Patch& patch, std::size_t k, int round);
+    void load_triangle_signs(const std::array<std::uint16_t, 3>& triangle, const std::uint8_t* active);
+    bool matters(std::size_t surface) const;
+    bool is_resolved() const;
     void add_polygon(const std::vector<LocalNode>& polygon, const Patch& patch, std::vector<Facet>& facets);
     bool flat(LocalNode a, LocalNode b, LocalNode c) const;
 
@@ -246,7 +273,10 @@ class Cell {
     Scale scale_;                          ///< of the entity at hand
     std::vector<std::uint32_t> surfaces_;  ///< active set, ascending
     tape::LocalTape local_tape_;
-    std::vector<std::uint8_t> active_;  ///< rows × surfaces: active in a leaf around; row 0: in none
+    const octree::LeafJoint* joint_ = nullptr;  ///< then the last of surfaces_ is kJointSurface
+    std::array<std::size_t, 3> joined_{};       ///< places of its chooser, inside and outside
+    tape::LocalTape plain_tape_;                ///< without the joint
+    std::vector<std::uint8_t> active_;          ///< rows × surfaces: active in a leaf around; row 0: in none
     std::size_t rows_ = 0;
     std::vector<std::uint8_t> segment_active_;  ///< scratch: on one segment
     std::vector<Node> nodes_;
@@ -263,11 +293,15 @@ class Cell {
     std::vector<LocalNode> fan_nodes_;
     std::vector<std::array<std::uint16_t, 3>> fan_;
     std::vector<std::pair<std::uint16_t, std::uint16_t>> mixed_;
-    std::vector<std::int8_t> triangle_signs_;
-    tape::LocalTape other_tape_;                 ///< of the cell beyond
-    std::vector<std::uint32_t> other_surfaces_;  ///< its active set, ascending
-    std::vector<std::size_t> other_to_own_;      ///< places in surfaces_, or the number of them: not there
-    std::vector<std::int8_t> other_signs_;
+    std::vector<std::size_t> patch_order_;         ///< in which the active surfaces cut the face
+    std::vector<std::int8_t> triangle_signs_;      ///< certain signs of the triangle at hand
+    std::vector<std::uint8_t> patch_active_;       ///< per surface of the cell
+    const tape::LocalTape* patch_tape_ = nullptr;  ///< of the cell
+    tape::LocalTape other_tape_;                   ///< of the cell beyond
+    std::vector<std::uint32_t> other_surfaces_;    ///< its active set, ascending
+    std::vector<std::size_t> other_to_own_;        ///< places in surfaces_, or the number of them: not there
+    std::vector<std::int8_t> other_signs_;         ///< as triangle_signs_
+    std::vector<std::size_t> order_;
 };
 
 }  // namespace mortise::cnio

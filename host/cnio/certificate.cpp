@@ -42,11 +42,12 @@ CellRecord Certificate::run(const TreeNode& leaf, CellArena& arena, const Lattic
         LatticePoint at = apex != nullptr ? *apex : hides_surface() ? cell_.centre() : cell_.apex();
         for (std::int32_t& x : at) x *= apex != nullptr ? cell_.units() / kCellUnits : 1;
         cone(at);
+        const std::vector<std::size_t>& order = cell_.cutting_order();
         bool again = true;
         for (int round = 0; round < kBisectionRounds && again && !is_full(); ++round) {
             again = false;
-            for (std::size_t p = 0; p < cell_.surface_count() && !is_full(); ++p)
-                again = bisect(p, round) || again;
+            for (std::size_t k = 0; k < order.size() && !is_full(); ++k)
+                again = bisect(order, k, round) || again;
         }
         const std::size_t n = cell_.surface_count();
         simplex_signs_.resize(simplices_.size() * n);
@@ -89,6 +90,7 @@ void Certificate::fill_whole() {
 /// Whether only the centre tells that some surface passes through the cell: the apex stays there then.
 bool Certificate::hides_surface() const {
     for (std::size_t s = 0; s < cell_.surface_count(); ++s) {
+        if (!cell_.is_named(s)) continue;
         const int centre = cell_.pure_sign(s, cell_.centre(), cell_.size());
         bool alone = centre != 0;
         for (std::size_t c = 0; c < 8 && alone; ++c) alone = cell_.sign(c, s) == -centre;
@@ -107,6 +109,7 @@ bool Certificate::is_uniform(std::int32_t* region) const {
     std::vector<std::int8_t> signs(cell_.surface_count());
     for (std::size_t s = 0; s < cell_.surface_count(); ++s) {
         Sides sides;
+        if (!cell_.is_named(s)) continue;
         for (LocalNode c = 0; c < 8; ++c) sides.add(cell_.sign(c, s));
         sides.add(cell_.pure_sign(s, cell_.centre(), cell_.size()));
         if (sides.are_mixed()) return false;
@@ -150,6 +153,7 @@ void Certificate::cone(const LatticePoint& at) {
 /// Whether some surface passes between the corners of a quadrilateral and the apex, for all that signs tell.
 bool Certificate::is_mixed(const Facet& quad, LocalNode apex) const {
     for (std::size_t s = 0; s < cell_.surface_count(); ++s) {
+        if (!cell_.is_named(s)) continue;
         Sides sides = cell_.sides(quad.node, 4, s);
         sides.add(cell_.sign(apex, s));
         if (sides.are_mixed()) return true;
@@ -174,6 +178,7 @@ LocalNode Certificate::add_cap(const Facet& quad, const LatticePoint& apex) {
         const LocalNode cap = cell_.add_node(at, 0);
         bool agrees = true;
         for (std::size_t s = 0; s < n; ++s) {
+            if (!cell_.is_named(s)) continue;
             const int wanted = cell_.sides(quad.node, 4, s).sign();
             if (wanted == 0 || cell_.sign(cap, s) == wanted) continue;
             agrees = false;
@@ -207,19 +212,21 @@ bool Certificate::is_resolved(const Simplex& simplex) {
     return cell_.local_tape().resolve(signs_.data()) != kUnknown;
 }
 
-/// Splits the inner edges of unresolved simplices that are mixed for surface p; tells whether there were any.
-bool Certificate::bisect(std::size_t p, int round) {
+/// Splits the inner edges of simplices that are mixed for surface order[k], where it changes the region;
+/// tells whether there were any.
+bool Certificate::bisect(const std::vector<std::size_t>& order, std::size_t k, int round) {
+    const std::size_t p = order[k];
     bool any = false;
     mixed_.clear();
     for (Simplex& s : simplices_) {
         if (s.resolved) continue;
         if (!cell_.sides(s.node.data(), 4, p).are_mixed()) continue;
         s.resolved = is_resolved(s);
-        if (s.resolved) continue;
+        if (s.resolved || !cell_.local_tape().depends_on(p, signs_.data())) continue;
         for (std::size_t i = 0; i < 4; ++i) {
-            for (std::size_t k = i + 1; k < 4; ++k) {
-                const LocalNode a = std::min(s.node[i], s.node[k]);
-                const LocalNode b = std::max(s.node[i], s.node[k]);
+            for (std::size_t j = i + 1; j < 4; ++j) {
+                const LocalNode a = std::min(s.node[i], s.node[j]);
+                const LocalNode b = std::max(s.node[i], s.node[j]);
                 if (cell_.sign(a, p) * cell_.sign(b, p) >= 0) continue;
                 if ((cell_.nodes()[a].faces & cell_.nodes()[b].faces) != 0 || locked(a, b)) continue;
                 if (!refused_.empty() && refused_.count({static_cast<std::uint32_t>(p), a, b}) != 0) continue;
@@ -251,7 +258,7 @@ bool Certificate::bisect(std::size_t p, int round) {
             around_.push_back(i);
             for (const auto replaced : {ia, ib}) {
                 LatticePoint q[4];
-                for (std::size_t k = 0; k < 4; ++k) q[k] = cell_.nodes()[v[k]].point;
+                for (std::size_t j = 0; j < 4; ++j) q[j] = cell_.nodes()[v[j]].point;
                 q[replaced - v.begin()] = at;
                 refused = refused || !is_solid(q[0], q[1], q[2], q[3]);
             }
@@ -264,7 +271,7 @@ bool Certificate::bisect(std::size_t p, int round) {
             }
             continue;
         }
-        const LocalNode m = cell_.split_node(p, a, b, at, round, nullptr);
+        const LocalNode m = cell_.split_node(order, k, a, b, at, round, nullptr);
         any = true;
         incident_.resize(cell_.nodes().size());
         for (const std::uint32_t i : around_) {

@@ -120,7 +120,7 @@ class Certificate {
     void add_simplex(const std::array<LocalNode, 4>& node);
     bool is_mixed(const Facet& quad, LocalNode apex) const;
     LocalNode add_cap(const Facet& quad, const LatticePoint& apex);
-    bool bisect(std::size_t p, int round);
+    bool bisect(const std::vector<std::size_t>& order, std::size_t k, int round);
     bool is_resolved(const Simplex& simplex);
     bool locked(LocalNode a, LocalNode b) const;
     std::int32_t label(const LocalNode* node, std::size_t count, std::int8_t* signs);

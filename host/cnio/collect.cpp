@@ -18,17 +18,22 @@ struct Side {
 std::uint32_t Certificate::facet_surface(const LocalNode* node, std::size_t count, const std::int8_t* a,
                                          const std::int8_t* b) const {
     std::uint32_t found = kNoSurface;
+    LatticePoint middle{};
+    for (std::size_t i = 0; i < count; ++i) {
+        for (std::size_t j = 0; j < 3; ++j)
+            middle[j] += cell_.nodes()[node[i]].point[j] / static_cast<std::int32_t>(count);
+    }
     for (std::size_t s = 0; s < cell_.surface_count(); ++s) {
-        bool on = true;
+        bool on = cell_.is_named(s);
         for (std::size_t i = 0; i < count; ++i) on = on && cell_.sign(node[i], s) == 0;
         if (!on) continue;
         // The surface that parts the two sides, if one of several is known to.
-        if (a != nullptr && b != nullptr && a[s] * b[s] < 0) return cell_.surfaces()[s];
-        if (found == kNoSurface) found = cell_.surfaces()[s];
+        if (a != nullptr && b != nullptr && a[s] * b[s] < 0) return cell_.model_surface(s, middle);
+        if (found == kNoSurface) found = cell_.model_surface(s, middle);
     }
     if (found == kNoSurface && a != nullptr && b != nullptr) {
         for (std::size_t s = 0; s < cell_.surface_count(); ++s) {
-            if (a[s] != b[s]) return cell_.surfaces()[s];
+            if (cell_.is_named(s) && a[s] != b[s]) return cell_.model_surface(s, middle);
         }
     }
     return found;

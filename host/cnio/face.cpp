@@ -144,6 +144,8 @@ void Cell::partition_quarter(int f, int u, int v) {
 void Cell::partition_patch(const Patch& patch, const std::vector<LocalNode>& loop, int p) {
     auto& facets = patches_[p];
     patch_corners_[p] = patch.corner;
+    patch_active_.assign(row(patch.row), row(patch.row) + surfaces_.size());
+    settle_joint(patch_active_.data());
     scale_ = patch.scale;
     modes_[p] = patch_mode(loop, patch);
     if (modes_[p] == FaceMode::kWhole) {
@@ -159,7 +161,7 @@ void Cell::partition_patch(const Patch& patch, const std::vector<LocalNode>& loo
 
 FaceMode Cell::patch_mode(const std::vector<LocalNode>& loop, const Patch& patch) {
     const std::size_t n = surfaces_.size();
-    const std::uint8_t* active = row(patch.row);
+    const std::uint8_t* active = patch_active_.data();
     std::size_t crossing = n;
     for (std::size_t s = 0; s < n; ++s) {
         if (active[s] == 0) continue;
@@ -197,7 +199,12 @@ FaceMode Cell::patch_mode(const std::vector<LocalNode>& loop, const Patch& patch
         }
         if (!is_corner && is_grid_vertex(loop[i])) return FaceMode::kFan;
     }
-    return zeros == 2 && changes == 2 ? FaceMode::kCut : FaceMode::kFan;
+    if (zeros != 2 || changes != 2) return FaceMode::kFan;
+    // Where a joint parts the face, its point there becomes a node.
+    LatticePoint centre;
+    const bool parted = is_joint(crossing) &&
+                        apex_on({patch.middle, patch.face / 2, patch.scale}, {joined_[0], crossing}, centre);
+    return parted ? FaceMode::kFan : FaceMode::kCut;
 }
 
 /// A whole face some of whose edges are split: the face rule of host/common/cube_grid.hpp.
@@ -283,6 +290,7 @@ void Cell::add_polygon(const std::vector<LocalNode>& polygon, const Patch& patch
 void Cell::fan_patch(const std::vector<LocalNode>& loop, const Patch& patch, std::vector<Facet>& facets) {
     const std::size_t n = surfaces_.size();
     fan_nodes_ = loop;
+    const std::size_t first = nodes_.size();
     fan_nodes_.push_back(add_node(fan_centre(loop, patch), static_cast<std::uint8_t>(1u << patch.face)));
     fan_.clear();
     const auto centre = static_cast<std::uint16_t>(loop.size());
@@ -290,22 +298,21 @@ void Cell::fan_patch(const std::vector<LocalNode>& loop, const Patch& patch, std
         fan_.push_back(
             {static_cast<std::uint16_t>(i), static_cast<std::uint16_t>((i + 1) % loop.size()), centre});
     }
-    const std::uint8_t* active = row(patch.row);
+    const std::uint8_t* active = patch_active_.data();
     // A leaf beyond that shares an active surface is an NIO leaf.
-    if (std::any_of(active, active + n, [](std::uint8_t is) { return is != 0; })) {
-        load_other_tape(tree_.nio[patch.beyond]);
-    }
+    if (std::any_of(active, active + n, [](std::uint8_t is) { return is != 0; })) load_patch_tapes(patch);
+    order_patch(active);
     bool again = true;
     for (int round = 0; round < kBisectionRounds && again; ++round) {
         again = false;
-        for (std::size_t s = 0; s < n; ++s) {
-            if (row(patch.row)[s] != 0 && split_patch(patch, s, round)) again = true;
-        }
+        for (std::size_t k = 0; k < patch_order_.size(); ++k) again = split_patch(patch, k, round) || again;
     }
     for (const auto& t : fan_) {
         const LocalNode c = fan_nodes_[t[2]];
         facets.push_back({{fan_nodes_[t[0]], fan_nodes_[t[1]], c, c}, 3});
     }
+    if (joint_ == nullptr || active[n - 1] != 0) return;
+    for (std::size_t i = first; i < nodes_.size(); ++i) sync_joint(static_cast<LocalNode>(i));
 }
 
 bool Cell::flat(LocalNode a, LocalNode b, LocalNode c) const {
@@ -316,9 +323,30 @@ bool Cell::flat(LocalNode a, LocalNode b, LocalNode c) const {
     return twice_area(p, q, r) < longest * std::max(kMinHeight * scale_.step, kMinRelativeArea * longest);
 }
 
-/// Whether the certain signs of a triangle for the face's active surfaces tell its region, by the tape of
-/// either cell: both cells ask both tapes, so they agree.
-bool Cell::is_resolved(const std::array<std::uint16_t, 3>& triangle, const std::uint8_t* active) {
+/// The face's active surfaces in the order in which they cut it: as cutting_order(), by the tapes of both
+/// cells.
+void Cell::order_patch(const std::uint8_t* active) {
+    const std::size_t n = surfaces_.size();
+    std::vector<std::uint8_t> other_active(other_surfaces_.size(), 0);
+    std::vector<std::size_t> settled(n, 0);
+    patch_order_.clear();
+    for (std::size_t i = 0; i < other_surfaces_.size(); ++i) {
+        other_active[i] = other_to_own_[i] < n ? active[other_to_own_[i]] : std::uint8_t{0};
+    }
+    for (std::size_t s = 0; s < n; ++s) {
+        if (active[s] == 0) continue;
+        patch_order_.push_back(s);
+        settled[s] += patch_tape_->settled_by(s, active);
+    }
+    for (std::size_t i = 0; i < other_surfaces_.size() && patch_order_.size() > 1; ++i) {
+        if (other_active[i] != 0) settled[other_to_own_[i]] += other_tape_.settled_by(i, other_active.data());
+    }
+    std::stable_sort(patch_order_.begin(), patch_order_.end(),
+                     [&settled](std::size_t a, std::size_t b) { return settled[a] > settled[b]; });
+}
+
+/// The certain signs of a triangle for the face's active surfaces, in the order of both cells' tapes.
+void Cell::load_triangle_signs(const std::array<std::uint16_t, 3>& triangle, const std::uint8_t* active) {
     const std::size_t n = surfaces_.size();
     triangle_signs_.assign(n, 0);
     for (std::size_t s = 0; s < n; ++s) {
@@ -327,23 +355,44 @@ bool Cell::is_resolved(const std::array<std::uint16_t, 3>& triangle, const std::
         for (const std::uint16_t i : triangle) corners.add(sign(fan_nodes_[i], s));
         triangle_signs_[s] = corners.sign();
     }
-    if (local_tape_.resolve(triangle_signs_.data()) != kUnknown) return true;
     other_signs_.resize(other_surfaces_.size());
     for (std::size_t i = 0; i < other_surfaces_.size(); ++i) {
         other_signs_[i] = other_to_own_[i] < n ? triangle_signs_[other_to_own_[i]] : std::int8_t{0};
     }
-    return other_tape_.resolve(other_signs_.data()) != kUnknown;
 }
 
-void Cell::load_other_tape(const TreeNode& other) {
-    const std::uint32_t* words = tree_.tapes.data() + other.tape_offset;
+/// Whether these signs tell the triangle's region, by the tape of either cell: both cells ask both tapes, so
+/// they agree.
+bool Cell::is_resolved() const {
+    return patch_tape_->resolve(triangle_signs_.data()) != kUnknown ||
+           other_tape_.resolve(other_signs_.data()) != kUnknown;
+}
+
+/// Whether a surface changes the triangle's region for what these signs leave open, by the tape of either
+/// cell.
+bool Cell::matters(std::size_t surface) const {
+    if (patch_tape_->depends_on(surface, triangle_signs_.data())) return true;
+    const auto other = std::find(other_to_own_.begin(), other_to_own_.end(), surface);
+    return other != other_to_own_.end() &&
+           other_tape_.depends_on(static_cast<std::size_t>(other - other_to_own_.begin()),
+                                  other_signs_.data());
+}
+
+/// The tapes by which both cells mesh the face: those over the joint, if they have it in common.
+void Cell::load_patch_tapes(const Patch& patch) {
+    const TreeNode& other = tree_.nio[patch.beyond];
+    const bool joined = joint_ != nullptr && patch_active_.back() != 0;
+    patch_tape_ = joint_ == nullptr || joined ? &local_tape_ : &plain_tape_;
+    const octree::LeafJoint* beyond = joined ? tree_.joint_in(other.morton) : nullptr;
+    const std::uint32_t* words = joined ? beyond->tape.data() : tree_.tapes.data() + other.tape_offset;
+    const std::size_t length = joined ? beyond->tape.size() : other.tape_length;
     other_surfaces_.clear();
-    for (std::uint32_t i = 0; i < other.tape_length; ++i) {
+    for (std::size_t i = 0; i < length; ++i) {
         if (tape_operation(words[i]) == kTapeLiteral) other_surfaces_.push_back(tape_surface(words[i]));
     }
     std::sort(other_surfaces_.begin(), other_surfaces_.end());
     other_surfaces_.erase(std::unique(other_surfaces_.begin(), other_surfaces_.end()), other_surfaces_.end());
-    other_tape_.load(words, other.tape_length, other_surfaces_);
+    other_tape_.load(words, length, other_surfaces_);
     other_to_own_.clear();
     for (const std::uint32_t surface : other_surfaces_) {
         const auto found = std::lower_bound(surfaces_.begin(), surfaces_.end(), surface);
@@ -355,13 +404,13 @@ void Cell::load_other_tape(const TreeNode& other) {
 /// Splits the face's mixed inner edges for surface p; tells whether there were any. Only what matters is
 /// split: it makes fewer triangles, and beside an edge of the cell where several surfaces are not active, the
 /// splits would not end.
-bool Cell::split_patch(const Patch& patch, std::size_t p, int round) {
+bool Cell::split_patch(const Patch& patch, std::size_t k, int round) {
     bool any = false;
+    const std::size_t p = patch_order_[k];
     const std::uint8_t own = static_cast<std::uint8_t>(1u << patch.face);
-    const std::size_t n = surfaces_.size();
-    const std::uint8_t* active = row(patch.row);
+    const std::uint8_t* active = patch_active_.data();
     // Of the face, not of the cell: both sides must stop at the same triangle.
-    const auto on_face = static_cast<std::size_t>(std::count(active, active + n, std::uint8_t{1}));
+    const std::size_t on_face = patch_order_.size();
     mixed_.clear();
     for (const auto& t : fan_) {
         const std::size_t before = mixed_.size();
@@ -373,7 +422,9 @@ bool Cell::split_patch(const Patch& patch, std::size_t p, int round) {
             const bool interior = (na.faces & nb.faces) == own && (na.middles & nb.middles) == 0;
             if (interior && sign(fan_nodes_[a], p) * sign(fan_nodes_[b], p) < 0) mixed_.push_back({a, b});
         }
-        if (mixed_.size() > before && is_resolved(t, active)) mixed_.resize(before);
+        if (mixed_.size() == before) continue;
+        load_triangle_signs(t, active);
+        if (is_resolved() || !matters(p)) mixed_.resize(before);
     }
     std::sort(mixed_.begin(), mixed_.end());
     mixed_.erase(std::unique(mixed_.begin(), mixed_.end()), mixed_.end());
@@ -390,16 +441,16 @@ bool Cell::split_patch(const Patch& patch, std::size_t p, int round) {
             any = true;
             continue;
         }
-        const LocalNode m = split_node(p, na, nb, at, round, active);
+        const LocalNode m = split_node(patch_order_, k, na, nb, at, round, active);
         const auto local = static_cast<std::uint16_t>(fan_nodes_.size());
         fan_nodes_.push_back(m);
         bool refused = false;
         const std::size_t count = fan_.size();
         for (std::size_t i = 0; i < count && !refused; ++i) {
-            for (std::size_t k = 0; k < 3; ++k) {
-                const std::uint16_t u = fan_[i][k];
-                const std::uint16_t v = fan_[i][(k + 1) % 3];
-                const std::uint16_t w = fan_[i][(k + 2) % 3];
+            for (std::size_t j = 0; j < 3; ++j) {
+                const std::uint16_t u = fan_[i][j];
+                const std::uint16_t v = fan_[i][(j + 1) % 3];
+                const std::uint16_t w = fan_[i][(j + 2) % 3];
                 if ((u == a && v == b) || (u == b && v == a)) {
                     refused = refused || flat(fan_nodes_[u], m, fan_nodes_[w]) ||
                               flat(m, fan_nodes_[v], fan_nodes_[w]);
@@ -414,10 +465,10 @@ bool Cell::split_patch(const Patch& patch, std::size_t p, int round) {
         }
         any = true;
         for (std::size_t i = 0; i < count; ++i) {
-            for (std::size_t k = 0; k < 3; ++k) {
-                const std::uint16_t u = fan_[i][k];
-                const std::uint16_t v = fan_[i][(k + 1) % 3];
-                const std::uint16_t w = fan_[i][(k + 2) % 3];
+            for (std::size_t j = 0; j < 3; ++j) {
+                const std::uint16_t u = fan_[i][j];
+                const std::uint16_t v = fan_[i][(j + 1) % 3];
+                const std::uint16_t w = fan_[i][(j + 2) % 3];
                 if (!((u == a && v == b) || (u == b && v == a))) continue;
                 fan_[i] = {u, local, w};
                 fan_.push_back({local, v, w});

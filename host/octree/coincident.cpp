@@ -6,15 +6,15 @@
 #include <optional>
 
 #include "host/common/parallel.hpp"
+#include "host/octree/leaf_formula.hpp"
+#include "host/octree/tangent.hpp"
 #include "host/tape/projection.hpp"
-#include "host/tape/reference.hpp"
 
 namespace mortise::octree {
 namespace {
 
 constexpr std::size_t kChunk = 512;
-constexpr std::size_t kFewest = 3;
-constexpr std::size_t kMost = 6;      ///< surfaces of a leaf that is looked at
+constexpr std::size_t kFewest = 3;    ///< words of a tape with two surfaces
 constexpr double kOnSurface = 1e-6;   ///< edges: closer than signs can tell (kSignTolerance)
 constexpr double kIndependent = 0.1;  ///< sine between two gradients
 constexpr double kAlong = 1e-3;       ///< sine between the crease and the third surface
@@ -40,31 +40,26 @@ class LeafSimplifier {
     /// The leaf's new tape; nothing if it stays.
     std::optional<std::vector<std::uint32_t>> run(const TreeNode& leaf) {
         const std::uint32_t* words = tree_.tapes.data() + leaf.tape_offset;
-        tape_.assign(words, words + leaf.tape_length);
+        if (!formula_.load({words, words + leaf.tape_length})) return std::nullopt;
         edge_ = Octree::edge_of(tree_.level_of(leaf.morton));
         for (std::size_t j = 0; j < 3; ++j)
             centre_[j] = gather_bits(leaf.morton >> j) * tree_.finest_edge() + 0.5 * edge_;
         bool changed = false;
-        while (list_surfaces() && drop_one()) changed = true;
+        while (drop_one()) changed = true;
+        const LeafBox box = {{centre_[0], centre_[1], centre_[2]}, edge_};
+        changed = join_tangent(model_, box, formula_, joint_) || changed;
+        joint_.morton = leaf.morton;
         if (!changed) return std::nullopt;
-        return tape_;
+        return formula_.tape();
     }
+
+    /// Of the leaf that was rewritten last; its tape is empty if it has none.
+    const LeafJoint& joint() const { return joint_; }
 
   private:
-    bool list_surfaces() {
-        surfaces_.clear();
-        for (const std::uint32_t word : tape_) {
-            if (tape_operation(word) == kTapeSpatial) return false;
-            if (tape_operation(word) == kTapeLiteral) surfaces_.push_back(tape_surface(word));
-        }
-        std::sort(surfaces_.begin(), surfaces_.end());
-        surfaces_.erase(std::unique(surfaces_.begin(), surfaces_.end()), surfaces_.end());
-        return surfaces_.size() >= kFewest && surfaces_.size() <= kMost;
-    }
-
     bool drop_one() {
-        const std::size_t n = surfaces_.size();
-        for (std::size_t a = 0; a < n; ++a) {
+        const std::size_t n = formula_.count();
+        for (std::size_t a = 0; a < n && n > 2; ++a) {
             for (std::size_t b = a + 1; b < n; ++b) {
                 Frame frame;
                 if (!find_crease(a, b, centre_, frame)) continue;
@@ -79,7 +74,7 @@ class LeafSimplifier {
 
     /// Value over the length of the gradient, and the unit gradient.
     bool sample(std::size_t surface, const Vec3& x, double& distance, Vec3& normal) const {
-        const SurfaceSample s = surface_sample(&model_.surfaces[surfaces_[surface]],
+        const SurfaceSample s = surface_sample(&model_.surfaces[formula_.surfaces()[surface]],
                                                model_.expression_ops.data(), x[0], x[1], x[2]);
         normal = {s.gradient[0], s.gradient[1], s.gradient[2]};
         const double length = std::sqrt(dot(normal, normal));
@@ -92,7 +87,7 @@ class LeafSimplifier {
     /// The foot of a point on two surfaces, with their normals there; false if they do not cross near the
     /// leaf.
     bool find_crease(std::size_t a, std::size_t b, const Vec3& start, Frame& frame) const {
-        const std::uint32_t both[2] = {surfaces_[a], surfaces_[b]};
+        const std::uint32_t both[2] = {formula_.surfaces()[a], formula_.surfaces()[b]};
         const tape::ProjectionLimits limits = {2 * kReach * edge_, kIndependent, 1e-9 * edge_};
         frame.at = start;
         if (!tape::project(model_, both, 2, limits, frame.at.data()) || !is_near(frame.at)) return false;
@@ -149,43 +144,25 @@ class LeafSimplifier {
             if (std::min({std::fabs(at[0]), std::fabs(at[1]), std::fabs(at[2])}) < 0.01) continue;
             occurs[(at[0] < 0 ? 1 : 0) | (at[1] < 0 ? 2 : 0) | (at[2] < 0 ? 4 : 0)] = true;
         }
+        const auto can_occur = [&](std::uint32_t choice) {
+            const auto inside = [choice](std::size_t s) { return (choice >> s) & 1u; };
+            return occurs[inside(a) | (inside(b) << 1) | (inside(c) << 2)];
+        };
         for (const std::size_t by : {a, b}) {
-            for (const std::uint32_t negated : {0u, 1u}) {
-                if (!is_same(a, b, c, by, negated, occurs)) continue;
-                for (std::uint32_t& word : tape_) {
-                    if (tape_operation(word) == kTapeLiteral && tape_surface(word) == surfaces_[c])
-                        word = make_literal(surfaces_[by], tape_negated(word) ^ negated);
-                }
+            for (const bool negated : {false, true}) {
+                const LeafFormula::Substitution substitution = {c, by, negated};
+                if (!formula_.allows(substitution, can_occur)) continue;
+                formula_.substitute(substitution);
                 return true;
             }
         }
         return false;
     }
 
-    bool is_same(std::size_t a, std::size_t b, std::size_t c, std::size_t by, std::uint32_t negated,
-                 const bool* occurs) const {
-        const std::size_t n = surfaces_.size();
-        std::vector<std::int8_t> signs(n);
-        for (std::uint32_t choice = 0; choice < (1u << n); ++choice) {
-            const auto inside = [choice](std::size_t s) { return (choice >> s) & 1u; };
-            if (!occurs[inside(a) | (inside(b) << 1) | (inside(c) << 2)]) continue;
-            for (std::size_t s = 0; s < n; ++s) signs[s] = static_cast<std::int8_t>(inside(s) != 0 ? -1 : 1);
-            const std::int32_t before = value(signs);
-            signs[c] = static_cast<std::int8_t>((inside(by) ^ negated) != 0 ? -1 : 1);
-            if (value(signs) != before) return false;
-        }
-        return true;
-    }
-
-    std::int32_t value(const std::vector<std::int8_t>& signs) const {
-        return tape::evaluate_signs(tape_.data(), tape_.size(), surfaces_.data(), surfaces_.size(),
-                                    signs.data());
-    }
-
     const tape::BoundModel& model_;
     const Octree& tree_;
-    std::vector<std::uint32_t> tape_;
-    std::vector<std::uint32_t> surfaces_;
+    LeafFormula formula_;
+    LeafJoint joint_;
     Vec3 centre_{};
     double edge_ = 0;
 };
@@ -197,6 +174,7 @@ std::uint64_t drop_coincident(device::Device& device, const tape::BoundModel& mo
     struct Change {
         std::uint32_t leaf;
         std::vector<std::uint32_t> tape;
+        LeafJoint joint;
     };
     std::vector<std::vector<Change>> found(chunk_count(tree.nio.size(), kChunk));
     parallel_chunks(tree.nio.size(), kChunk, threads, [&](std::size_t begin, std::size_t end, int) {
@@ -204,7 +182,8 @@ std::uint64_t drop_coincident(device::Device& device, const tape::BoundModel& mo
         for (std::size_t i = begin; i < end; ++i) {
             if (tree.nio[i].tape_length < kFewest) continue;
             if (auto tape = simplifier.run(tree.nio[i]))
-                found[begin / kChunk].push_back({static_cast<std::uint32_t>(i), std::move(*tape)});
+                found[begin / kChunk].push_back(
+                    {static_cast<std::uint32_t>(i), std::move(*tape), simplifier.joint()});
         }
     });
     std::uint64_t changed = 0;
@@ -214,6 +193,7 @@ std::uint64_t drop_coincident(device::Device& device, const tape::BoundModel& mo
             leaf.tape_offset = static_cast<std::uint32_t>(tree.tapes.size());
             leaf.tape_length = static_cast<std::uint32_t>(change.tape.size());
             tree.tapes.insert(tree.tapes.end(), change.tape.begin(), change.tape.end());
+            if (!change.joint.tape.empty()) tree.joints.push_back(change.joint);
             ++changed;
         }
     }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "host/device/device.hpp"
+#include "host/octree/joint.hpp"
 #include "host/tape/compile.hpp"
 #include "kernels/shared/tree.h"
 
@@ -30,7 +31,8 @@ struct Octree {
     /// Graded trees: NIO leaves, by index, that touch a finer one, and IN leaves with a finer one at a face
     /// or edge, which join the NIO leaves without a tape. All go to the certificate.
     std::vector<std::uint32_t> transitions;
-    std::uint64_t in_count = 0;  ///< IN leaves
+    std::vector<LeafJoint> joints;  ///< of NIO leaves, ascending code
+    std::uint64_t in_count = 0;     ///< IN leaves
     std::uint64_t cells_evaluated = 0;
 
     std::size_t words() const { return in_bits.size(); }
@@ -60,6 +62,13 @@ struct Octree {
     int level_of(std::uint64_t code) const {
         const Tree tree = view();
         return leaf_level(&tree, code);
+    }
+    /// The joint in a leaf; null if it has none.
+    const LeafJoint* joint_in(std::uint64_t morton) const {
+        const auto found =
+            std::lower_bound(joints.begin(), joints.end(), morton,
+                             [](const LeafJoint& a, std::uint64_t code) { return a.morton < code; });
+        return found != joints.end() && found->morton == morton ? &*found : nullptr;
     }
     bool is_in(std::uint64_t code) const { return at(code).kind == kLeafIn; }
     bool is_nio(std::uint64_t code) const { return at(code).kind == kLeafNio; }

@@ -5,12 +5,21 @@
 #include "kernels/shared/tape.h"
 
 namespace mortise::tape {
+namespace {
+
+/// Bit i of entry k: whether the k-th open surface is inside in case i.
+constexpr std::uint64_t kCases[LocalTape::kMaxCases] = {0xaaaaaaaaaaaaaaaaULL, 0xccccccccccccccccULL,
+                                                        0xf0f0f0f0f0f0f0f0ULL, 0xff00ff00ff00ff00ULL,
+                                                        0xffff0000ffff0000ULL, 0xffffffff00000000ULL};
+
+}  // namespace
 
 void LocalTape::load(const std::uint32_t* words, std::size_t length,
                      const std::vector<std::uint32_t>& surfaces) {
     words_.clear();
     constant_ = kNotConstant;
     surface_count_ = surfaces.size();
+    occurs_.assign(surface_count_, 0);
     std::size_t selects = 0;
     for (std::size_t i = 0; i < length; ++i) {
         Word word{};
@@ -20,6 +29,7 @@ void LocalTape::load(const std::uint32_t* words, std::size_t length,
             word.surface = static_cast<std::uint32_t>(
                 std::lower_bound(surfaces.begin(), surfaces.end(), tape_surface(words[i])) -
                 surfaces.begin());
+            occurs_[word.surface] = 1;
         } else {
             word.region = static_cast<std::uint16_t>(tape_region(words[i]));
             word.otherwise = static_cast<std::uint16_t>(tape_otherwise(words[i]));
@@ -56,12 +66,8 @@ std::int32_t LocalTape::evaluate(const std::int8_t* signs) const {
     return stack[top];
 }
 
-/// All 2^count cases at once, one bit each.
-std::int32_t LocalTape::resolve_in_parallel(const std::int8_t* signs, const std::size_t* open,
-                                            std::size_t count) const {
-    static constexpr std::uint64_t kCases[kMaxCases] = {0xaaaaaaaaaaaaaaaaULL, 0xccccccccccccccccULL,
-                                                        0xf0f0f0f0f0f0f0f0ULL, 0xff00ff00ff00ff00ULL,
-                                                        0xffff0000ffff0000ULL, 0xffffffff00000000ULL};
+/// The truth value that the only select of the tape takes, in all 2^count cases at once, one bit each.
+std::uint64_t LocalTape::cases(const std::int8_t* signs, const std::size_t* open, std::size_t count) const {
     std::uint64_t stack[kTapeStack];
     int top = -1;
     for (const Word& word : words_) {
@@ -71,15 +77,12 @@ std::int32_t LocalTape::resolve_in_parallel(const std::int8_t* signs, const std:
                 if (open[k] == word.surface) inside = kCases[k];
             }
             stack[++top] = word.negated ? ~inside : inside;
-        } else if (word.operation == kTapeSelectConst) {
-            if (stack[top] == ~std::uint64_t{0}) return word.region;
-            return stack[top] == 0 ? word.otherwise : kUnknown;
-        } else {
+        } else if (word.operation != kTapeSelectConst) {
             const std::uint64_t b = stack[top--];
             stack[top] = word.operation == kTapeAnd ? stack[top] & b : stack[top] | b;
         }
     }
-    return kUnknown;
+    return stack[top];
 }
 
 std::int32_t LocalTape::resolve(const std::int8_t* signs) const {
@@ -89,11 +92,15 @@ std::int32_t LocalTape::resolve(const std::int8_t* signs) const {
     std::size_t open[kMaxCases];
     std::size_t count = 0;
     for (std::size_t s = 0; s < surface_count_; ++s) {
-        if (signs[s] != 0) continue;
+        if (signs[s] != 0 || occurs_[s] == 0) continue;
         if (count == kMaxCases) return kUnknown;
         open[count++] = s;
     }
-    if (one_region_) return resolve_in_parallel(signs, open, count);
+    if (one_region_) {
+        const std::uint64_t inside = cases(signs, open, count);
+        if (inside == ~std::uint64_t{0}) return words_.back().region;
+        return inside == 0 ? words_.back().otherwise : kUnknown;
+    }
     std::vector<std::int8_t> trial(signs, signs + surface_count_);
     std::int32_t common = kUnknown;
     for (std::size_t choice = 0; choice < (std::size_t{1} << count); ++choice) {
@@ -105,6 +112,45 @@ std::int32_t LocalTape::resolve(const std::int8_t* signs) const {
             return kUnknown;
     }
     return common;
+}
+
+bool LocalTape::depends_on(std::size_t surface, const std::int8_t* signs) const {
+    if (constant_ != kNotConstant || occurs_[surface] == 0) return false;
+    std::size_t open[kMaxCases];
+    std::size_t count = 0;
+    open[count++] = surface;
+    for (std::size_t s = 0; s < surface_count_; ++s) {
+        if (signs[s] != 0 || occurs_[s] == 0 || s == surface) continue;
+        if (count == kMaxCases) return true;
+        open[count++] = s;
+    }
+    if (one_region_) {
+        if (words_.back().region == words_.back().otherwise) return false;
+        const std::uint64_t inside = cases(signs, open, count);
+        return ((inside ^ (inside >> 1)) & ~kCases[0]) != 0;
+    }
+    std::vector<std::int8_t> trial(signs, signs + surface_count_);
+    for (std::size_t choice = 0; choice < (std::size_t{1} << count); choice += 2) {
+        for (std::size_t k = 1; k < count; ++k) trial[open[k]] = ((choice >> k) & 1) != 0 ? 1 : -1;
+        trial[surface] = -1;
+        const std::int32_t inside = evaluate(trial.data());
+        trial[surface] = 1;
+        if (evaluate(trial.data()) != inside) return true;
+    }
+    return false;
+}
+
+std::size_t LocalTape::settled_by(std::size_t surface, const std::uint8_t* asked) const {
+    std::vector<std::int8_t> signs(surface_count_, 0);
+    std::size_t settled = 0;
+    for (const std::int8_t sign : {std::int8_t{-1}, std::int8_t{1}}) {
+        signs[surface] = sign;
+        for (std::size_t s = 0; s < surface_count_; ++s) {
+            if (s == surface || asked[s] == 0 || occurs_[s] == 0) continue;
+            settled += depends_on(s, signs.data()) ? 0 : 1;
+        }
+    }
+    return settled;
 }
 
 }  // namespace mortise::tape

@@ -211,13 +211,17 @@ MORTISE_FUNCTION double segment_root(MORTISE_GLOBAL Surface* s, MORTISE_GLOBAL E
     return 0.5 * (low + high);
 }
 
-// Root on a grid edge in lattice units from its low end, kept off both ends.
-MORTISE_FUNCTION i32 edge_root(MORTISE_GLOBAL Surface* s, MORTISE_GLOBAL ExpressionOp* ops, const double* low,
-                               const double* high) {
-    const double t = mortise_rint(segment_root(s, ops, low, high) * (double)kCellUnits);
+// A root's place on a grid edge, 0 to 1, in lattice units from the low end, kept off both ends.
+MORTISE_FUNCTION i32 edge_units(double place) {
+    const double t = mortise_rint(place * (double)kCellUnits);
     if (t < (double)kRootMargin) return kRootMargin;
     if (t > (double)(kCellUnits - kRootMargin)) return kCellUnits - kRootMargin;
     return (i32)t;
+}
+
+MORTISE_FUNCTION i32 edge_root(MORTISE_GLOBAL Surface* s, MORTISE_GLOBAL ExpressionOp* ops, const double* low,
+                               const double* high) {
+    return edge_units(segment_root(s, ops, low, high));
 }
 
 #endif

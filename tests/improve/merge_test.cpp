@@ -34,6 +34,8 @@ constexpr double kFar[4][3] = {{0, 0, 0}, {0, 0, 10}, {0, 20, 0}, {0, 20, 10}};
 }  // namespace
 
 TEST_CASE("a step far lower than a cell makes no slivers") {
+    std::size_t left = 0;
+    std::size_t before = 0;
     for (const double step : {0.004, 0.01, 0.02, 0.03}) {
         CAPTURE(step);
         const Model model = stepped(step);
@@ -56,12 +58,15 @@ TEST_CASE("a step far lower than a cell makes no slivers") {
         CHECK(kept.defects == "");
         CHECK(kept.report.merged_nodes == 0);
         CHECK(slivers(kept) > 20);
-        CHECK(5 * slivers(merged) <= slivers(kept));
+        CHECK(3 * slivers(merged) <= slivers(kept));
+        left += slivers(merged);
+        before += slivers(kept);
         CHECK(kept.check.volume == doctest::Approx(volume).epsilon(1e-9));
         options.merge_distance = 0.05;
         options.strict = true;
         if (step < 0.01) CHECK(mesh_and_check(model, options).report.merged_nodes == 0);
     }
+    CHECK(10 * left <= before);
 }
 
 TEST_CASE("features farther apart are not merged") {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "tests/mesher/random_source.hpp"
+#include "tests/mesher/rounded_solids.hpp"
 #include "tests/mesher/solids.hpp"
 
 namespace mortise::test {
@@ -16,11 +17,13 @@ constexpr double kExtent = 30;  ///< cells of a level-5 mesh inside its margin
 
 class Recipe {
   public:
-    explicit Recipe(std::uint64_t seed) : random_(seed) {}
+    /// Every fifth seed is for a recipe that the others do not draw from.
+    explicit Recipe(std::uint64_t seed) : random_(seed), is_rounded_(seed % 5 == 4) {}
 
     RandomModel make() {
         std::string style;
-        switch (random_.integer(0, 9)) {
+        switch (is_rounded_ ? 10 : random_.integer(0, 9)) {
+            case 10: rounded(), style = "rounded"; break;
             case 0: general(12), style = "general"; break;
             case 1: general(5), style = "general, few"; break;
             case 2: lattice(), style = "lattice"; break;
@@ -241,6 +244,32 @@ class Recipe {
         }
     }
 
+    /// Parts that meet tangentially.
+    void rounded() {
+        const int count = random_.integer(1, 4);
+        for (int i = 0; i < count; ++i) {
+            const bool even = random_.chance(0.5);
+            const double r = even ? whole(2, 5) : uniform(1.5, 5);
+            const double a = r + (even ? whole(1, 7) : uniform(0.5, 7));
+            const double b = r + (even ? whole(1, 7) : uniform(0.5, 7));
+            NodeIndex part = 0;
+            switch (random_.integer(0, 6)) {
+                case 0: part = add_stadium(model_, r, a, -b, b); break;
+                case 1: part = add_capsule(model_, r, a); break;
+                case 2: part = add_rounded_plate(model_, {a, b, uniform(2, 8)}, r); break;
+                case 3: part = add_rounded_box(model_, {a, b, r + uniform(0.5, 4)}, r); break;
+                case 4: part = add_rounded_disc(model_, a, r); break;
+                case 5: part = add_teardrop(model_, r, -a, a); break;
+                default: part = add_filleted_box(model_, {a, b, uniform(2, 9)}, r); break;
+            }
+            const Vec3 at = {even ? whole(-8, 8) : uniform(-8, 8), even ? whole(-8, 8) : uniform(-8, 8),
+                             even ? whole(-8, 8) : uniform(-8, 8)};
+            const Affine map = random_.chance(0.5) ? axis_order() : random_map();
+            parts_.push_back(moved(part, compose(translation(at), map)));
+        }
+        if (random_.chance(0.3)) parts_.push_back(any_solid());
+    }
+
     /// Planes through one point, closed by a box or a ball.
     NodeIndex pencil_part(int planes, const Vec3& tip, bool with_ball) {
         const double size = uniform(4, 11);
@@ -364,6 +393,7 @@ class Recipe {
     }
 
     RandomSource random_;
+    bool is_rounded_;
     Model model_;
     std::vector<NodeIndex> parts_;
 };

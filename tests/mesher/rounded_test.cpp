@@ -1,0 +1,80 @@
+// Parts that meet tangentially: one smooth surface without false creases, and no film between the parts.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "tests/mesher/meshed.hpp"
+#include "tests/mesher/rounded_solids.hpp"
+
+namespace mortise::test {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+
+struct Shape {
+    const char* name;
+    NodeIndex (*add)(Model&);
+    double volume;
+    double crease_length;
+    std::size_t corners;
+    bool pairwise = true;  ///< nowhere do more than two surfaces go on from each other within a cell
+};
+
+/// Sizes are not in any simple ratio to a cell.
+const Shape kShapes[] = {
+    {"stadium", [](Model& m) { return add_stadium(m, 4.35, 16.023, -3.1, 3.2); },
+     6.3 * (kPi * 4.35 * 4.35 + 2 * 4.35 * 16.023), 4 * (kPi * 4.35 + 16.023), 0},
+    {"capsule", [](Model& m) { return add_capsule(m, 4.2, 13.7); },
+     kPi * 4.2 * 4.2 * 13.7 + 4 / 3.0 * kPi * 4.2 * 4.2 * 4.2, 0, 0},
+    {"rounded plate",
+     [](Model& m) {
+         return add_rounded_plate(m, {15.3, 10.9, 2.65}, 4.4);
+     },
+     5.3 * (4 * 15.3 * 10.9 - (4 - kPi) * 4.4 * 4.4), 2 * (4 * (10.9 + 6.5) + 2 * kPi * 4.4), 0},
+    {"rounded box",
+     [](Model& m) {
+         return add_rounded_box(m, {12.3, 9.1, 7.7}, 3.4);
+     },
+     8 * 8.9 * 5.7 * 4.3 + 8 * 3.4 * (8.9 * 5.7 + 5.7 * 4.3 + 4.3 * 8.9) +
+         2 * kPi * 3.4 * 3.4 * (8.9 + 5.7 + 4.3) + 4 / 3.0 * kPi * 3.4 * 3.4 * 3.4,
+     0, 0, false},
+    {"rounded disc", [](Model& m) { return add_rounded_disc(m, 10.1, 3.3); },
+     2 * 3.3 * kPi * 10.1 * 10.1 + kPi* kPi * 3.3 * 3.3 * 10.1 + 4 / 3.0 * kPi * 3.3 * 3.3 * 3.3, 0, 0},
+    {"teardrop", [](Model& m) { return add_teardrop(m, 5.2, -7.1, 6.4); },
+     13.5 * (0.75 * kPi + 1) * 5.2 * 5.2, 2 * (1.5 * kPi + 2) * 5.2 + 13.5, 2},
+    {"filleted box",
+     [](Model& m) {
+         return add_filleted_box(m, {20.3, 15.7, 9.1}, 4.2);
+     },
+     9.1 * (20.3 * 15.7 - (1 - kPi / 4) * 4.2 * 4.2),
+     2 * (2 * (20.3 + 15.7) - 2 * 4.2 + kPi / 2 * 4.2) + 3 * 9.1, 6},
+};
+
+}  // namespace
+
+TEST_CASE("parts that meet tangentially are one smooth surface") {
+    for (const Shape& shape : kShapes) {
+        for (const Affine& pose : {kIdentity, rotation({0, 0, 1}, kPi / 6), rotation({1, 2, 3}, 0.7)}) {
+            CAPTURE(std::string(shape.name));
+            CAPTURE(pose[1]);
+            const Meshed result =
+                mesh_and_check(one_solid([&](Model& m) { return m.add_transform(pose, shape.add(m)); }), 6);
+            CHECK(result.defects == "");
+            CHECK(result.check.volume == doctest::Approx(shape.volume).epsilon(0.0025));
+            if (!shape.pairwise) continue;
+            double length = 0;
+            for (const FeatureCurve& curve : result.report.features.curves) length += curve.length;
+            CHECK(length == doctest::Approx(shape.crease_length).epsilon(0.002));
+            CHECK(result.report.features.corners.size() == shape.corners);
+            // No film between the parts: nothing was kept flat or given up, and next to nothing merged.
+            CHECK(result.report.refused_splits == 0);
+            CHECK(result.report.unresolved == 0);
+            CHECK(result.report.merged_nodes <= 1);
+            const auto& jacobians = result.report.scaled_jacobians;
+            CHECK(*std::min_element(jacobians.begin(), jacobians.end()) > 0.19f);
+        }
+    }
+}
+
+}  // namespace mortise::test
