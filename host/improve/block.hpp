@@ -212,7 +212,11 @@ class Block {
     void merge_close_nodes();
     bool merge(const std::array<Local, 4>& node);
     bool may_merge(Local gone, Local kept);
-    Point facet_normal(Local node, std::uint32_t surface) const;
+    struct Facing {
+        Point normal;
+        Point away;
+    };
+    Facing facing(Local node, std::uint32_t surface) const;
     bool makes_blade(Local gone, Local kept) const;
     void renew_strata(const Change& merge);
 

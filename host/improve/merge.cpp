@@ -42,23 +42,28 @@ bool Block::has_creases_side_by_side(double merge_distance) const {
     return false;
 }
 
-/// Outward normal of a node's facets on a surface, as long as their area.
-Point Block::facet_normal(Local node, std::uint32_t surface) const {
-    Point sum = {0, 0, 0};
+/// A node's facets on a surface: their outward normal, twice as long as their area, and which way they lie
+/// from the node.
+Block::Facing Block::facing(Local node, std::uint32_t surface) const {
+    Facing sum{};
     for (const std::uint32_t i : star_[node]) {
         const Tetrahedron& t = tetrahedra_[i];
         for (std::size_t f = 0; f < 4; ++f) {
             if (t.node[f] == node || (t.tag[f] & kTagInside) == 0 || tag_surface(t.tag[f]) != surface)
                 continue;
             const Point& a = points_[t.node[kOpposite[f][0]]];
-            sum = sum + cross(points_[t.node[kOpposite[f][1]]] - a, points_[t.node[kOpposite[f][2]]] - a);
+            const Point& b = points_[t.node[kOpposite[f][1]]];
+            const Point& c = points_[t.node[kOpposite[f][2]]];
+            const Point normal = cross(b - a, c - a);
+            sum.normal = sum.normal + normal;
+            sum.away = sum.away + length(normal) * ((1.0 / 3) * (a + b + c) - points_[node]);
         }
     }
     return sum;
 }
 
-/// Whether surfaces that face away from each other would meet: the rim of a thin plate, or of a slit, would
-/// be eaten up from there.
+/// Whether surfaces that face away from each other and lie on the same side would meet: the rim of a thin
+/// plate, or of a slit, would be eaten up from there.
 bool Block::makes_blade(Local gone, Local kept) const {
     const std::vector<std::uint32_t>& on_gone = strata_[gone];
     const std::vector<std::uint32_t>& on_kept = strata_[kept];
@@ -66,13 +71,14 @@ bool Block::makes_blade(Local gone, Local kept) const {
         return std::binary_search(list.begin(), list.end(), surface);
     };
     for (const std::uint32_t a : on_gone) {
-        const Point u = facet_normal(gone, a);
+        const Facing u = facing(gone, a);
         for (const std::uint32_t b : on_kept) {
             if (is_in(on_kept, a) && is_in(on_gone, b)) continue;
-            const Point v = facet_normal(kept, b);
-            const double cosine = dot(u, v);
-            if (cosine < 0 &&
-                cosine * cosine > kFacingAway * kFacingAway * squared_length(u) * squared_length(v))
+            const Facing v = facing(kept, b);
+            const double cosine = dot(u.normal, v.normal);
+            const double square = squared_length(u.normal) * squared_length(v.normal);
+            if (cosine < 0 && cosine * cosine > kFacingAway * kFacingAway * square &&
+                dot(u.away, v.away) >= 0)
                 return true;
         }
     }

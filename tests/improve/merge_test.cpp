@@ -69,6 +69,24 @@ TEST_CASE("a step far lower than a cell makes no slivers") {
     CHECK(10 * left <= before);
 }
 
+// A tool that ends a little above the plate, as people write it, beside a rib that is higher: the plate's top
+// and the rib's underside face away from each other, but on opposite sides of the step.
+TEST_CASE("a step between surfaces that face away from each other, without material between") {
+    const Model model = parse_model(
+        "difference() { union() { cube(size = [32, 21, 7]);"
+        " multmatrix([[1, 0, 0, 12], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]) { cube(size = [2.31, 21, "
+        "10]); } }"
+        " multmatrix([[1, 0, 0, 18], [0, 1, 0, 10.31], [0, 0, 1, 5], [0, 0, 0, 1]])"
+        " { cylinder(h = 2.01, r1 = 2.8, r2 = 4.81); } }",
+        "csg", "countersink.csg");
+    MeshOptions options;
+    options.level = 5;
+    const Meshed merged = mesh_and_check(model, options);
+    CHECK(merged.defects == "");
+    CHECK(merged.report.merged_nodes > 0);
+    CHECK(slivers(merged) == 0);
+}
+
 TEST_CASE("features farther apart are not merged") {
     MeshOptions options;
     options.level = 5;
