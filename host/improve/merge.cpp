@@ -62,14 +62,17 @@ Block::Facing Block::facing(Local node, std::uint32_t surface) const {
     return sum;
 }
 
-/// Whether surfaces that face away from each other and lie on the same side would meet: the rim of a thin
-/// plate, or of a slit, would be eaten up from there.
+/// Whether surfaces that face away from each other would meet: the rim of a thin plate, or of a slit, would
+/// be eaten up from there. Not at the two ends of a crease between corners, if the surfaces lie on opposite
+/// sides of it; at corners of a plate they lie on the same side.
 bool Block::makes_blade(Local gone, Local kept) const {
     const std::vector<std::uint32_t>& on_gone = strata_[gone];
     const std::vector<std::uint32_t>& on_kept = strata_[kept];
     const auto is_in = [](const std::vector<std::uint32_t>& list, std::uint32_t surface) {
         return std::binary_search(list.begin(), list.end(), surface);
     };
+    const auto shared = std::count_if(on_gone.begin(), on_gone.end(),
+                                      [&](std::uint32_t surface) { return is_in(on_kept, surface); });
     for (const std::uint32_t a : on_gone) {
         const Facing u = facing(gone, a);
         for (const std::uint32_t b : on_kept) {
@@ -78,7 +81,7 @@ bool Block::makes_blade(Local gone, Local kept) const {
             const double cosine = dot(u.normal, v.normal);
             const double square = squared_length(u.normal) * squared_length(v.normal);
             if (cosine < 0 && cosine * cosine > kFacingAway * kFacingAway * square &&
-                dot(u.away, v.away) >= 0)
+                (shared < 2 || dot(u.away, v.away) >= 0))
                 return true;
         }
     }
