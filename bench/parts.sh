@@ -1,0 +1,11 @@
+#!/bin/bash
+# Made-up parts in the idioms of OpenSCAD's users, and how they are meshed:  bash bench/parts.sh [--help] [options]
+#
+# Needs Mortise ($MORTISE, or build/release/mortise, built if it is not there), OpenSCAD (Debian: openscad) and
+# Python 3. The exit code is 3 if a part could not be meshed.
+set -uo pipefail
+# shellcheck source=bench/tools.sh
+. "$(dirname "${BASH_SOURCE[0]}")/tools.sh"
+need_python
+need_command openscad openscad || exit 5
+run_python parts "$@"
