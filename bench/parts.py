@@ -7,6 +7,7 @@ same part everywhere.
 """
 
 import argparse
+import functools
 import json
 import os
 import random
@@ -39,10 +40,13 @@ class Result(NamedTuple):
     cause: str
 
 
-def make_body(source: random.Random) -> Body:
-    def size(low: float, high: float) -> float:
-        return round(source.uniform(low, high), source.choice([0, 1, 2]))
+def rounded(source: random.Random, low: float, high: float) -> float:
+    """A size with none, one or two decimals, as people write them."""
+    return round(source.uniform(low, high), source.choice([0, 1, 2]))
 
+
+def make_body(source: random.Random) -> Body:
+    size = functools.partial(rounded, source)
     length, width, height, wall = size(28, 44), size(16, 30), size(4, 9), size(2, 4)
     radius = size(2, 5)
     ends = f"for (x = [{radius}, {length} - {radius}], y = [{radius}, {width} - {radius}]) translate([x, y, 0])"
@@ -67,9 +71,7 @@ def make_body(source: random.Random) -> Body:
 
 def make_feature(source: random.Random, body: Body) -> Dict[str, str]:
     """What is added and what is cut."""
-    def size(low: float, high: float) -> float:
-        return round(source.uniform(low, high), source.choice([0, 1, 2]))
-
+    size = functools.partial(rounded, source)
     x, y, radius, run = size(6, body.length - 6), size(6, body.width - 6), size(1.5, 3), size(4, 9)
     at = f"translate([{x}, {y}, -1])"
     top, through, across = body.height, body.height + 20, body.width + 2
