@@ -5,20 +5,14 @@
 
 #include <string>
 #include <string_view>
-#include <vector>
 
+#include "host/common/words.hpp"
 #include "mortise/error.hpp"
 
 namespace mortise::model_reader {
 
 /// The shortest text that reads back as the same number.
 std::string number_text(double value);
-
-/// The start of a text from a file, for messages: without control characters, "..." where it was cut.
-std::string excerpt(std::string_view text);
-
-/// "; did you mean 'sphere'?" for the known word that is nearest to this one; empty if none is near.
-std::string nearest_hint(std::string_view word, const std::vector<std::string_view>& known);
 
 /// "source:line:column: "
 std::string place_text(const std::string& source, SourceLocation where);

@@ -4,6 +4,10 @@
 #include <charconv>
 #include <cmath>
 #include <map>
+#include <string_view>
+#include <vector>
+
+#include "host/common/words.hpp"
 
 namespace mortise::tape {
 namespace {
@@ -64,9 +68,11 @@ class Parser {
     }
 
   private:
-    [[noreturn]] void fail(const std::string& expected) const {
-        std::string found = "the end";
-        if (position_ < text_.size()) {
+    /// `found` and `hint` (`; did you mean ...`): default to the character here and nothing.
+    [[noreturn]] void fail(const std::string& expected, std::string found = {},
+                           const std::string& hint = {}) const {
+        if (found.empty() && position_ == text_.size()) found = "the end";
+        if (found.empty()) {
             const auto c = static_cast<unsigned char>(text_[position_]);
             found =
                 c >= ' ' && c < 127 ? std::string("'") + text_[position_] + "'" : "byte " + std::to_string(c);
@@ -82,7 +88,7 @@ class Parser {
             }
             place = source_ + ":" + std::to_string(at.line) + ":" + std::to_string(at.column) + ": formula: ";
         }
-        throw Error(ExitCode::kInput, place + "expected " + expected + ", found " + found);
+        throw Error(ExitCode::kInput, place + "expected " + expected + ", found " + found + hint);
     }
 
     void skip_space() {
@@ -198,9 +204,15 @@ class Parser {
         const auto function = functions().find(name);
         if (function == functions().end()) {
             position_ = start;
-            std::string known;
-            for (const auto& [known_name, unused] : functions()) known += " " + known_name;
-            fail("a number, x, y, z, pi, '(', a name defined before or one of the functions" + known);
+            std::string list;
+            std::vector<std::string_view> known = {"pi"};
+            for (const auto& [known_name, unused] : functions()) {
+                list += " " + known_name;
+                known.push_back(known_name);
+            }
+            for (const auto& [known_name, unused] : names_) known.push_back(known_name);
+            fail("a number, x, y, z, pi, '(', a name defined before or one of the functions" + list,
+                 name.empty() ? name : "'" + excerpt(name) + "'", nearest_hint(name, known));
         }
         return call(name, function->second, depth);
     }

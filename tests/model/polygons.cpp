@@ -260,6 +260,17 @@ TEST_CASE("offsets, hulls, sums and filled outlines have the areas of the formul
     CHECK(area(minkowski_sum(frame, {rectangle(-3, -3, 3, 3)})) == doctest::Approx(100));
 }
 
+TEST_CASE("offsets of offsets do not double their points each time") {
+    for (const OffsetCorner corner : {OffsetCorner::kRound, OffsetCorner::kChamfer}) {
+        Contours shape = {rectangle(0, 0, 10, 5)};
+        for (int level = 0; level < 24; ++level) shape = offset(shape, 0.1, corner, 32);
+        REQUIRE(shape.size() == 1);
+        CHECK(shape[0].size() < 1000);
+        const double rounded = 50 + 30 * 2.4 + 3.14159265 * 2.4 * 2.4;
+        CHECK(signed_area(shape[0]) == doctest::Approx(rounded).epsilon(3e-3));
+    }
+}
+
 TEST_CASE("the offset of a long row of shapes takes no time of its square") {
     // A row of 4000 regular 60-gons, as a line of text: Clipper's sweep must not cross all of them at each
     // step.

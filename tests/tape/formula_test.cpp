@@ -121,6 +121,8 @@ TEST_CASE("what is not a formula is refused with its column") {
         CHECK(message.find(column) != std::string::npos);
         CHECK(message.find("expected") != std::string::npos);
     }
+    CHECK(refusal_of("sqroot(x) - 1").find("found 'sqroot'; did you mean 'sqrt'?") != std::string::npos);
+    CHECK(refusal_of("radius = 2; x - radus").find("did you mean 'radius'?") != std::string::npos);
     CHECK(refusal_of(std::string(5000, '(')).find("nested") != std::string::npos);
     CHECK(refusal_of(std::string(100000, '-') + "x").empty());
 }

@@ -353,56 +353,6 @@ Contours wound(const Contours& loops) {
     return lattice.contours(lattice.wound_paths(loops));
 }
 
-namespace {
-
-/// A quarter turn; exact.
-Contours turned(Contours contours, bool clockwise) {
-    for (auto& loop : contours) {
-        for (Vec2& p : loop) p = clockwise ? Vec2{p[1], -p[0]} : Vec2{-p[1], p[0]};
-    }
-    return contours;
-}
-
-bool is_wide(const Contours& contours) {
-    constexpr double kWide = 8;
-    Vec2 low = {0, 0};
-    Vec2 high = {0, 0};
-    bool first = true;
-    for (const auto& loop : contours) {
-        for (const Vec2& p : loop) {
-            for (std::size_t k = 0; k < 2; ++k) {
-                low[k] = first ? p[k] : std::min(low[k], p[k]);
-                high[k] = first ? p[k] : std::max(high[k], p[k]);
-            }
-            first = false;
-        }
-    }
-    return high[0] - low[0] > kWide * (high[1] - low[1]);
-}
-
-}  // namespace
-
-Contours offset(const Contours& contours, double distance, OffsetCorner corner, int fragments) {
-    if (distance == 0) return contours;
-    // Clipper sweeps along y: each of its steps would cross all letters of a line of text.
-    if (is_wide(contours)) {
-        return turned(offset(turned(contours, true), distance, corner, fragments), false);
-    }
-    constexpr double kMiterLimit = 1e6;
-    const PolygonLattice lattice(reach_of(contours) + 2 * std::fabs(distance));
-    const double delta = distance / lattice.step();
-    const double tolerance = std::fabs(delta) * (1 - cosine_of_degrees(180.0 / fragments));
-    ClipperLib::ClipperOffset clipper(kMiterLimit, tolerance);
-    clipper.AddPaths(lattice.paths(contours),
-                     corner == OffsetCorner::kRound     ? ClipperLib::jtRound
-                     : corner == OffsetCorner::kChamfer ? ClipperLib::jtSquare
-                                                        : ClipperLib::jtMiter,
-                     ClipperLib::etClosedPolygon);
-    LatticePaths result;
-    clipper.Execute(result, delta);
-    return lattice.contours(lattice.combined(FlatNode::Op::kUnion, {std::move(result)}));
-}
-
 Contours convex_hull(const Contours& contours) {
     std::vector<Vec2> points;
     for (const auto& loop : contours) points.insert(points.end(), loop.begin(), loop.end());

@@ -1,0 +1,55 @@
+// Words of model files in error messages.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <numeric>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace mortise {
+
+/// The start of a text from a file, for messages: without control characters, "..." where it was cut.
+inline std::string excerpt(std::string_view text) {
+    constexpr std::size_t kLongest = 40;
+    std::string result(text.substr(0, kLongest));
+    for (char& c : result) {
+        if ((c >= 0 && c < ' ') || c == 0x7f) c = ' ';
+    }
+    return text.size() > kLongest ? result + "..." : result;
+}
+
+/// "; did you mean 'sphere'?" for the known word that is nearest to this one; empty if none is near.
+inline std::string nearest_hint(std::string_view word, const std::vector<std::string_view>& known) {
+    constexpr std::size_t kLongest = 40;
+    if (word.empty() || word.size() > kLongest) return {};
+    const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; };
+    std::string_view best;
+    std::size_t fewest = std::max<std::size_t>(1, std::min<std::size_t>(3, word.size() / 3)) + 1;
+    for (const std::string_view other : known) {
+        // Changes between their starts, row by row: insertions, deletions, replacements, swaps of neighbours.
+        std::vector<std::size_t> row(other.size() + 1);
+        std::iota(row.begin(), row.end(), std::size_t{0});
+        std::vector<std::size_t> above, second;
+        for (std::size_t i = 1; i <= word.size(); ++i) {
+            second = std::move(above);
+            above = row;
+            row[0] = i;
+            for (std::size_t j = 1; j <= other.size(); ++j) {
+                const bool equal = lower(word[i - 1]) == lower(other[j - 1]);
+                row[j] = std::min({above[j] + 1, row[j - 1] + 1, above[j - 1] + (equal ? 0 : 1)});
+                const bool swapped =
+                    i > 1 && j > 1 && word[i - 1] == other[j - 2] && word[i - 2] == other[j - 1];
+                if (swapped) row[j] = std::min(row[j], second[j - 2] + 1);
+            }
+        }
+        if (row.back() >= fewest) continue;
+        fewest = row.back();
+        best = other;
+    }
+    return best.empty() ? std::string() : "; did you mean '" + std::string(best) + "'?";
+}
+
+}  // namespace mortise
