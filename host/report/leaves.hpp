@@ -96,6 +96,15 @@ inline void list_surfaces(Leaf& leaf) {
     leaf.surfaces.erase(std::unique(leaf.surfaces.begin(), leaf.surfaces.end()), leaf.surfaces.end());
 }
 
+/// Child in Morton order.
+inline tape::Cell child_of(const tape::Cell& cell, unsigned child) {
+    tape::Cell part{{0, 0, 0}, 0.5 * cell.half};
+    for (unsigned j = 0; j < 3; ++j) {
+        part.centre[j] = cell.centre[j] + ((child >> j & 1u) != 0 ? part.half : -part.half);
+    }
+    return part;
+}
+
 /// Visits the boundary leaves below a cell of a level, in Morton order.
 template <class Visit>
 void descend(const tape::BoundModel& model, const std::vector<std::uint32_t>& tape, const tape::Cell& cell,
@@ -109,11 +118,7 @@ void descend(const tape::BoundModel& model, const std::vector<std::uint32_t>& ta
         return;
     }
     for (unsigned child = 0; child < 8; ++child) {
-        tape::Cell part{{0, 0, 0}, 0.5 * cell.half};
-        for (unsigned j = 0; j < 3; ++j) {
-            part.centre[j] = cell.centre[j] + ((child >> j & 1u) != 0 ? part.half : -part.half);
-        }
-        descend(model, pruned, part, number << 3 | child, level + 1, depth, visit);
+        descend(model, pruned, child_of(cell, child), number << 3 | child, level + 1, depth, visit);
     }
 }
 
@@ -123,18 +128,18 @@ std::vector<Result> visit_leaves(const tape::BoundModel& model, const Depth& dep
                                  const Visit& visit) {
     const int top = std::min(depth.deepest, 3);
     const std::size_t side = std::size_t{1} << top;
-    const double half = 0.5 / static_cast<double>(side);
     std::vector<Result> results(side * side * side);
     parallel_chunks(results.size(), 1, threads, [&](std::size_t begin, std::size_t, int) {
-        tape::Cell cell{{half, half, half}, half};
-        for (int bit = 0; bit < top; ++bit) {
-            for (unsigned j = 0; j < 3; ++j) {
-                if ((begin >> (3 * static_cast<unsigned>(bit) + j) & 1u) == 0) continue;
-                cell.centre[j] += 2 * half * static_cast<double>(1u << static_cast<unsigned>(bit));
-            }
+        // From the root: what a tape says of polyhedra holds in the children of its cell only.
+        std::vector<std::uint32_t> tape = model.tape;
+        tape::Cell cell{{0.5, 0.5, 0.5}, 0.5};
+        for (int level = 0; level < top; ++level) {
+            std::vector<std::uint32_t> pruned;
+            if (tape::classify_cell(model, tape, cell, &pruned) != kUnknown) return;
+            tape = std::move(pruned);
+            cell = child_of(cell, static_cast<unsigned>(begin >> (3 * (top - 1 - level)) & 7u));
         }
-        descend(model, model.tape, cell, begin, top, depth,
-                [&](const Leaf& leaf) { visit(leaf, results[begin]); });
+        descend(model, tape, cell, begin, top, depth, [&](const Leaf& leaf) { visit(leaf, results[begin]); });
     });
     return results;
 }

@@ -15,6 +15,7 @@ constexpr std::size_t kMostCandidates = 12;  ///< planes that are tried for one 
 // Samples lie this far beside a polygon, in cells: close enough to see nothing else.
 constexpr double kStep = 1e-3;
 constexpr std::size_t kMostPieces = 6;  ///< of one surface that are sampled
+constexpr std::size_t kMostAlike = 3;   ///< samples that must agree
 constexpr int kGrid = 3;                ///< samples along an edge of the cell
 constexpr double kGridWeight = 1e-3;    ///< area that a grid sample counts for, in cell faces
 
@@ -45,7 +46,7 @@ std::vector<CellFormula::Sample> CellFormula::take_samples(const std::vector<Pol
             sample.behind.push_back(
                 surface_value(&model_.surfaces[surface], model_.expression_ops.data(), x.x, x.y, x.z) < 0);
         }
-        sample.solid = winding_.is_inside(x);
+        sample.at = x;
         sample.weight = weight;
         samples.push_back(std::move(sample));
     };
@@ -69,13 +70,28 @@ std::vector<CellFormula::Sample> CellFormula::take_samples(const std::vector<Pol
         }
     }
     // Where one surface passes, its own two sides tell all.
-    if (surfaces_.size() == 1) return samples;
-    for (int i = 0; i < kGrid * kGrid * kGrid; ++i) {
-        const glm::dvec3 at(i % kGrid, i / kGrid % kGrid, i / (kGrid * kGrid));
-        add(centre + (at - 0.5 * (kGrid - 1)) / static_cast<double>(kGrid) * cell_size_,
+    const int grid = surfaces_.size() == 1 ? 0 : kGrid;
+    for (int i = 0; i < grid * grid * grid; ++i) {
+        const glm::dvec3 at(i % grid, i / grid % grid, i / (grid * grid));
+        add(centre + (at - 0.5 * (grid - 1)) / static_cast<double>(grid) * cell_size_,
             kGridWeight * cell_size_ * cell_size_);
     }
+    find_solid(samples);
     return samples;
+}
+
+/// Winding numbers cost most: of samples on the same sides of all surfaces, which no formula tells apart, the
+/// heaviest few stand for all if they agree.
+void CellFormula::find_solid(std::vector<Sample>& samples) const {
+    std::stable_sort(samples.begin(), samples.end(), [](const Sample& a, const Sample& b) {
+        return a.behind != b.behind ? a.behind < b.behind : a.weight > b.weight;
+    });
+    for (std::size_t i = 0, first = 0; i < samples.size(); ++i) {
+        if (samples[i].behind != samples[first].behind) first = i;
+        bool agree = i >= first + kMostAlike;
+        for (std::size_t k = first; agree && k < i; ++k) agree = samples[k].solid == samples[first].solid;
+        samples[i].solid = agree ? samples[first].solid : winding_.is_inside(samples[i].at);
+    }
 }
 
 /// The surface that tells solid samples best from others comes first; what has no samples does not matter.

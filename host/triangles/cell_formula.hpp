@@ -41,6 +41,7 @@ class CellFormula {
 
     /// A point, and what is known of it.
     struct Sample {
+        glm::dvec3 at{};
         std::vector<bool> behind;  ///< per surface of surfaces_: f < 0
         bool solid = false;
         double weight = 0;  ///< of its polygon: its area
@@ -48,6 +49,7 @@ class CellFormula {
 
     std::uint32_t divide(std::vector<Polygon> polygons);
     std::vector<Sample> take_samples(const std::vector<Polygon>& polygons, const glm::dvec3& centre) const;
+    void find_solid(std::vector<Sample>& samples) const;
     std::uint32_t decide(const std::vector<Sample>& samples);
     std::uint32_t combine(std::uint32_t surface, std::uint32_t inner, std::uint32_t outer);
     std::uint32_t choose_plane(const std::vector<Polygon>& polygons) const;

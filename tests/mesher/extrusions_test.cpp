@@ -1,6 +1,8 @@
 // Extrusions of plane shapes, whose volumes are known on paper.
 #include <doctest/doctest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <string>
 
@@ -89,6 +91,80 @@ TEST_CASE("curved extrusions have their volume within the mesh's accuracy") {
          8 * 2 * (1 + 0.25 - 1 / 6.0), 0.01, 2},
     };
     for (const Solid& solid : solids) check(solid);
+}
+
+namespace {
+
+/// A wavy closed curve of `count` points around `centre`.
+std::string wavy(double centre, int count) {
+    std::string text = "polygon(points = [";
+    for (int i = 0; i < count; ++i) {
+        const double angle = 2 * kPi * i / count;
+        const double radius = 4 + std::cos(3 * angle);
+        text += (i == 0 ? "[" : ",[") + std::to_string(centre + radius * std::cos(angle)) + "," +
+                std::to_string(radius * std::sin(angle)) + "]";
+    }
+    return text + "]);";
+}
+
+/// ∫ x^power over that polygon, power 0 or 1.
+double wavy_moment(double centre, int count, int power) {
+    const auto point = [&](int i) {
+        const double angle = 2 * kPi * i / count;
+        const double radius = 4 + std::cos(3 * angle);
+        return std::array<double, 2>{centre + radius * std::cos(angle), radius * std::sin(angle)};
+    };
+    double sum = 0;
+    for (int i = 0; i < count; ++i) {
+        const auto p = point(i);
+        const auto q = point(i + 1);
+        sum += (p[0] * q[1] - q[0] * p[1]) * (power == 0 ? 0.5 : (p[0] + q[0]) / 6);
+    }
+    return sum;
+}
+
+}  // namespace
+
+TEST_CASE("outlines with curves, turned and twisted, are smooth solids of good elements") {
+    const std::string curve = wavy(9, 90);
+    const std::string centred = wavy(0, 90);
+    const double area = wavy_moment(0, 90, 0);
+    const double turn = 2 * kPi * wavy_moment(9, 90, 1);
+    struct Turned {
+        std::string text;
+        double volume;
+        std::size_t creases;
+        int euler;
+    };
+    const Turned solids[] = {
+        {"rotate_extrude() { " + curve + " }", turn, 0, 0},
+        {"rotate_extrude(angle = 135, start = 7.7) { " + curve + " }", turn * 135 / 360, 2, 2},
+        {"linear_extrude(height = 12, twist = 100) { " + centred + " }", 12 * area, 2, 2},
+        {"linear_extrude(height = 12, twist = -60, scale = 0.5) { " + centred + " }", 12 * area * 7 / 12, 2,
+         2},
+        {"linear_extrude(height = 12, scale = [0.5, 1.5]) { " + centred + " }",
+         12 * area * (1 - 0.25 + 0.25 - 0.25 / 3), 2, 2},
+    };
+    for (const Turned& solid : solids) {
+        CAPTURE(solid.text.substr(0, 50));
+        float worst = 1;
+        MeshOptions options;
+        options.level = 6;
+        options.quality = true;
+        const Meshed result = mesh_and_check(parse_model(solid.text, "csg", "part.csg"), options);
+        CHECK(result.defects == "");
+        CHECK(result.check.euler_characteristic == solid.euler);
+        CHECK(result.check.components == 1);
+        CHECK(result.check.volume == doctest::Approx(solid.volume).epsilon(3e-3));
+        REQUIRE(result.report.quality.has_value());
+        CHECK(result.report.features.curves.size() == solid.creases);
+        CHECK(result.report.features.corners.empty());
+        CHECK(result.report.warnings.empty());
+        for (const float quality : result.report.scaled_jacobians) worst = std::min(worst, quality);
+        CHECK(worst > 0.18f);
+        CHECK(result.report.quality->model_to_mesh.samples > 1000);
+        CHECK(result.report.quality->model_to_mesh.maximum < 0.3 * result.report.quality->cell_size);
+    }
 }
 
 }  // namespace mortise::test

@@ -190,10 +190,79 @@ TEST_CASE("which outlines become prisms") {
     CHECK(kind(round, Facets::kExact) == -1);
     CHECK(kind("offset(r = 1, $fn = 40) { " + small + "}", Facets::kExact) == 0);
     CHECK(kind("offset(r = 1, $fn = 40) { " + small + "}") == model_reader::kSmoothTurn);
-    // Twisted and unevenly scaled sides are not plane.
+    // Twisted and unevenly scaled sides are not plane: formulas, but for curves.
     CHECK(kind(polygon(comb(3)), Facets::kSmooth, "height = 2, twist = 10") == -1);
     CHECK(kind(polygon(comb(3)), Facets::kSmooth, "height = 2, scale = [1, 2]") == -1);
     CHECK(kind(polygon(comb(3)), Facets::kSmooth, "height = 2, scale = 0") == 0);
+    CHECK(kind(round, Facets::kSmooth, "height = 2, twist = 10") == model_reader::kSmoothTurn);
+    CHECK(kind(round, Facets::kSmooth, "height = 2, scale = [1, 2]") == model_reader::kSmoothTurn);
+    CHECK(kind(round, Facets::kSmooth, "height = 2, twist = 10, scale = 0") == -1);
+    CHECK(kind(round, Facets::kExact, "height = 2, twist = 10") == -1);
+    CHECK(kind("circle(r = 2);", Facets::kSmooth, "height = 2, twist = 10") == -1);
+}
+
+TEST_CASE("swept outlines are closed and have the volume of what sweeps them") {
+    Random random(4);
+    for (int round = 0; round < 20; ++round) {
+        // A ring about the axis, and a solid with its edge on it.
+        Contours given = {blob(random, {12, 0}, 10, 60), blob(random, {12, 0}, 3, 30)};
+        std::vector<Vec2> onto_axis = {{0, 20}, {0, 40}};
+        for (int i = 0; i <= 20; ++i) {
+            onto_axis.push_back(
+                {10 * std::sin(kPi * (20 - i) / 20), 30 + 10 * std::cos(kPi * (20 - i) / 20)});
+        }
+        onto_axis[2][0] = onto_axis.back()[0] = 0;
+        std::reverse(onto_axis.begin(), onto_axis.end());
+        given.push_back(onto_axis);
+        const Contours loops = model_reader::normalised(given);
+        double moment = 0;  // ∫ x over the outline
+        for (const auto& loop : loops) {
+            for (std::size_t i = 0; i < loop.size(); ++i) {
+                const Vec2& p = loop[i];
+                const Vec2& q = loop[(i + 1) % loop.size()];
+                moment += (p[0] * q[1] - q[0] * p[1]) * (p[0] + q[0]) / 6;
+            }
+        }
+        model_reader::OutlineRows ring;
+        ring.is_ring = true;
+        ring.count = 36;
+        ring.place = [](const Vec2& p, std::size_t row, std::size_t count) {
+            const double angle = -2 * kPi * static_cast<double>(row) / static_cast<double>(count);
+            return Vec3{p[0] * std::cos(angle), p[0] * std::sin(angle), p[1]};
+        };
+        const auto revolved = model_reader::swept_outline(loops, ring, 20, true, next_name);
+        REQUIRE(revolved);
+        CAPTURE(round);
+        CHECK(is_closed(*revolved->triangles));
+        // Between two rows points move along chords.
+        CHECK(volume(*revolved->triangles) ==
+              doctest::Approx(36 * std::sin(2 * kPi / 36) * moment).epsilon(1e-9));
+
+        model_reader::OutlineRows twisted;
+        twisted.count = 91;
+        twisted.place = [](const Vec2& p, std::size_t row, std::size_t count) {
+            const double along = static_cast<double>(row) / static_cast<double>(count - 1);
+            const double angle = along * kPi / 2;
+            return Vec3{p[0] * std::cos(angle) - p[1] * std::sin(angle),
+                        p[0] * std::sin(angle) + p[1] * std::cos(angle), 30 * along};
+        };
+        const auto turned = model_reader::swept_outline(loops, twisted, 20, true, next_name);
+        REQUIRE(turned);
+        CHECK(is_closed(*turned->triangles));
+        CHECK(volume(*turned->triangles) == doctest::Approx(30 * area_of(loops)).epsilon(2e-3));
+    }
+    // No more triangles than it can do with.
+    model_reader::OutlineRows many;
+    many.count = 1000;
+    many.place = [](const Vec2& p, std::size_t row, std::size_t) {
+        return Vec3{p[0], p[1], static_cast<double>(row)};
+    };
+    const Contours fine = {blob(random, {0, 0}, 1, 300)};
+    const auto fewer = model_reader::swept_outline(fine, many, 2, true, next_name);
+    REQUIRE(fewer);
+    CHECK(fewer->triangles->triangles.size() <= 400000 + 600);
+    many.count = 4000000;
+    CHECK_FALSE(model_reader::swept_outline(fine, many, 2, true, next_name));
 }
 
 TEST_CASE("sides: one name for each curve") {

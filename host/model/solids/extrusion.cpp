@@ -25,6 +25,22 @@ constexpr double kClearOfAxis = 0.02;
 /// A number in a formula.
 std::string in_formula(double value) { return "(" + number_text(value) + ")"; }
 
+Vec2 direction(double degrees) { return {cosine_of_degrees(degrees), sine_of_degrees(degrees)}; }
+
+/// The longer edge of the box around loops; there is one at least.
+double width_of(const Contours& loops) {
+    Box2 box = {loops[0][0], loops[0][0]};
+    for (const auto& loop : loops) {
+        for (const Vec2& p : loop) {
+            for (std::size_t k = 0; k < 2; ++k) {
+                box.min[k] = std::min(box.min[k], p[k]);
+                box.max[k] = std::max(box.max[k], p[k]);
+            }
+        }
+    }
+    return std::max(box.max[0] - box.min[0], box.max[1] - box.min[1]);
+}
+
 class LinearBuilder final : public Sweep {
   public:
     LinearBuilder(Model& model, const LinearSweep& sweep, const std::string& name, SourceLocation where)
@@ -47,35 +63,23 @@ class LinearBuilder final : public Sweep {
   protected:
     /// Beyond top and bottom, which cut it: no two surfaces end at the same edge.
     std::optional<Piece> outline(const Contours& loops) override {
-        if (sweep_.twist != 0 || !uniform_ || loops.empty() || !wants_prism(loops, sweep_.smooth)) {
-            return std::nullopt;
-        }
-        Box2 box = {loops[0][0], loops[0][0]};
-        for (const auto& loop : loops) {
-            for (const Vec2& p : loop) {
-                for (std::size_t k = 0; k < 2; ++k) {
-                    box.min[k] = std::min(box.min[k], p[k]);
-                    box.max[k] = std::max(box.max[k], p[k]);
-                }
-            }
-        }
-        const double growth = growth_[0];
-        const double scale = sweep_.scale[0];
-        const double beyond =
-            kBeyond * std::max({sweep_.height, box.max[0] - box.min[0], box.max[1] - box.min[1]});
-        // The scales stay positive.
-        const double below = growth > 0 ? std::min(beyond, 0.5 / growth) : beyond;
-        const double above = growth < 0 ? std::min(beyond, -0.5 * scale / growth) : beyond;
+        if (loops.empty() || !wants_prism(loops, sweep_.smooth)) return std::nullopt;
+        const double width = width_of(loops);
+        const double beyond = kBeyond * std::max(sweep_.height, width);
         PrismSpan span;
+        double below = beyond;
+        double above = beyond;
+        for (std::size_t k = 0; k < 2; ++k) {  // the scales stay positive
+            if (growth_[k] > 0) below = std::min(below, 0.5 / growth_[k]);
+            if (growth_[k] < 0) above = std::min(above, -0.5 * sweep_.scale[k] / growth_[k]);
+        }
         span.low = sweep_.base - below;
         span.high = sweep_.base + sweep_.height + above;
-        span.low_scale = 1 - growth * below;
-        span.high_scale = scale + growth * above;
-        return Piece{Piece::State::kNode,
-                     {},
-                     model_.add_primitive(prism(loops, span, outline_sharp_angle(loops, sweep_.smooth),
-                                                [this] { return next_side(); }),
-                                          name_, where_)};
+        if (sweep_.twist != 0 || !uniform_) return rows(loops, span, width);
+        span.low_scale = 1 - growth_[0] * below;
+        span.high_scale = sweep_.scale[0] + growth_[0] * above;
+        return node_of(
+            prism(loops, span, outline_sharp_angle(loops, sweep_.smooth), [this] { return next_side(); }));
     }
 
     Piece half_plane(const Vec2& normal, double offset, const std::string& side) override {
@@ -138,6 +142,25 @@ class LinearBuilder final : public Sweep {
     }
 
   private:
+    /// What has curves and is not straight, in steps of a degree.
+    std::optional<Piece> rows(const Contours& loops, const PrismSpan& span, double width) {
+        if (outline_sharp_angle(loops, sweep_.smooth) == 0) return std::nullopt;
+        if (sweep_.scale[0] == 0 || sweep_.scale[1] == 0) return std::nullopt;
+        const double change =
+            std::fabs(sweep_.twist) + std::fabs(sweep_.scale[0] - sweep_.scale[1]) / kRadiansPerDegree;
+        OutlineRows rows;
+        rows.count = 2 + static_cast<std::size_t>(std::ceil(change * (span.high - span.low) / sweep_.height));
+        rows.place = [this, &span](const Vec2& p, std::size_t row, std::size_t count) {
+            const double along = static_cast<double>(row) / static_cast<double>(count - 1);
+            const double z = span.low + along * (span.high - span.low);
+            const double height = z - sweep_.base;
+            const Vec2 turned = direction(-sweep_.twist * height / sweep_.height);
+            return Vec3{(p[0] * turned[0] - p[1] * turned[1]) * (1 + growth_[0] * height),
+                        (p[0] * turned[1] + p[1] * turned[0]) * (1 + growth_[1] * height), z};
+        };
+        return node_of(swept_outline(loops, rows, width, sweep_.smooth, [this] { return next_side(); }));
+    }
+
     LinearSweep sweep_;
     Vec2 growth_{};  ///< change of the scales per unit of z
     bool uniform_ = true;
@@ -162,6 +185,20 @@ class RotaryBuilder final : public Sweep {
             }
         }
         if (changed) loops = normalised(loops);
+    }
+
+    /// Dozens of cones meet in a cell where a curve of a polygon is revolved.
+    std::optional<Piece> outline(const Contours& loops) override {
+        constexpr std::size_t kSteps = 360;  // chords are 4e-5 of the radius inside the circle
+        if (!facets_.empty() || outline_sharp_angle(loops, true) == 0) return std::nullopt;
+        OutlineRows rows;
+        rows.is_ring = true;
+        rows.count = kSteps;
+        rows.place = [](const Vec2& p, std::size_t row, std::size_t count) {
+            const Vec2 along = direction(-360.0 * static_cast<double>(row) / static_cast<double>(count));
+            return Vec3{p[0] * along[0], p[0] * along[1], p[1]};
+        };
+        return node_of(swept_outline(loops, rows, width_of(loops), true, [this] { return next_side(); }));
     }
 
     Piece half_plane(const Vec2& normal, double offset, const std::string& side) override {
@@ -240,8 +277,6 @@ class StepBuilder final : public Sweep {
   private:
     Vec2 facet_;
 };
-
-Vec2 direction(double degrees) { return {cosine_of_degrees(degrees), sine_of_degrees(degrees)}; }
 
 /// Between two angles, less than a full turn apart.
 Piece wedge_between(Sweep& sweep, double from, double to) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 
 #include "host/model/outlines/polygon_triangles.hpp"
 #include "host/model/outlines/polygons.hpp"
@@ -175,64 +176,132 @@ bool wants_prism(const Contours& loops, bool smooth) {
                        [](const Loop& loop) { return loop.size() > kFewEdges && !is_convex(loop); });
 }
 
-Primitive prism(const Contours& loops, const PrismSpan& span, double sharp_angle,
-                const std::function<std::string()>& next_side) {
+namespace {
+
+/// Loops and per edge the number of its side.
+struct Outline {
+    Contours loops;
+    std::vector<std::vector<std::uint32_t>> sides;
+
+    Outline(const Contours& given, double sharp_angle, double longest_edge) : loops(given.size()) {
+        for (std::size_t l = 0; l < given.size(); ++l) {
+            const std::vector<std::uint32_t> side = sides_of(given[l], sharp_angle);
+            sides.emplace_back();
+            for (std::size_t i = 0; i < given[l].size(); ++i) {
+                const Vec2& p = given[l][i];
+                const Vec2& q = at(given[l], i + 1);
+                const double parts =
+                    std::max(1.0, std::ceil(std::hypot(q[0] - p[0], q[1] - p[1]) / longest_edge));
+                for (double k = 0; k < parts; ++k) {
+                    const double t = k / parts;
+                    loops[l].push_back(k == 0 ? p : Vec2{p[0] + t * (q[0] - p[0]), p[1] + t * (q[1] - p[1])});
+                    sides[l].push_back(side[i]);
+                }
+            }
+        }
+    }
+};
+
+TriangleSurface joined_rows(const Outline& outline, const OutlineRows& rows,
+                            const std::function<std::string()>& next_side) {
+    const Contours& loops = outline.loops;
     TriangleSurface surface;
-    surface.group_names = {"bottom", "top"};
-    const auto add = [&surface](std::uint32_t a, std::uint32_t b, std::uint32_t c, std::size_t group) {
+    if (!rows.is_ring) surface.group_names = {"bottom", "top"};
+    // Row after row. On an axis a point is that of the row before, at an apex that beside it.
+    std::vector<std::uint32_t> number;
+    for (std::size_t row = 0; row < rows.count; ++row) {
+        const std::size_t in_row = number.size() / std::max<std::size_t>(row, 1);
+        const std::size_t begin = number.size();
+        for (const Loop& loop : loops) {
+            for (const Vec2& p : loop) {
+                const Vec3 at = rows.place(p, row, rows.count);
+                const auto is_at = [&](std::size_t other) { return surface.points[number[other]] == at; };
+                if (row > 0 && is_at(number.size() - in_row)) {
+                    number.push_back(number[number.size() - in_row]);
+                } else if (number.size() > begin && is_at(number.size() - 1)) {
+                    number.push_back(number.back());
+                } else {
+                    number.push_back(static_cast<std::uint32_t>(surface.points.size()));
+                    surface.points.push_back(at);
+                }
+            }
+        }
+    }
+    const std::size_t count = number.size() / rows.count;
+    const auto add = [&](std::size_t i, std::size_t j, std::size_t k, std::size_t group) {
+        const std::uint32_t a = number[i];
+        const std::uint32_t b = number[j];
+        const std::uint32_t c = number[k];
+        if (a == b || b == c || c == a) return;
         surface.triangles.push_back({a, b, c});
         surface.group.push_back(static_cast<std::uint32_t>(group));
     };
-    std::uint32_t count = 0;
-    for (const Loop& loop : loops) count += static_cast<std::uint32_t>(loop.size());
-    // At an end of scale 0 all points are one.
-    const bool has_bottom = span.low_scale > 0;
-    const bool has_top = span.high_scale > 0;
-    const auto add_level = [&](double z, double scale) {
-        if (!(scale > 0)) {
-            surface.points.push_back({0, 0, z});
-            return;
-        }
-        for (const Loop& loop : loops) {
-            for (const Vec2& p : loop) surface.points.push_back({p[0] * scale, p[1] * scale, z});
-        }
-    };
-    add_level(span.low, span.low_scale);
-    const auto above = static_cast<std::uint32_t>(surface.points.size());
-    add_level(span.high, span.high_scale);
 
-    std::uint32_t first = 0;
-    for (const Loop& loop : loops) {
-        const std::vector<std::uint32_t> sides = sides_of(loop, sharp_angle);
+    std::size_t first = 0;
+    for (std::size_t l = 0; l < loops.size(); ++l) {
+        const std::vector<std::uint32_t>& sides = outline.sides[l];
         const std::uint32_t side_count = 1 + *std::max_element(sides.begin(), sides.end());
         const bool named = side_count <= kMostNamedSides;
         const std::size_t group = surface.group_names.size();
         for (std::uint32_t k = 0; k < (named ? side_count : 1); ++k)
             surface.group_names.push_back(next_side());
-        const auto n = static_cast<std::uint32_t>(loop.size());
-        for (std::uint32_t i = 0; i < n; ++i) {
-            const std::uint32_t a = first + i;
-            const std::uint32_t b = first + (i + 1) % n;
-            const std::size_t side = group + (named ? sides[i] : 0);
-            if (has_bottom) add(a, b, has_top ? above + b : above, side);
-            if (has_top) add(has_bottom ? a : 0, above + b, above + a, side);
+        const std::size_t n = loops[l].size();
+        for (std::size_t row = 0; row + (rows.is_ring ? 0 : 1) < rows.count; ++row) {
+            const std::size_t here = row * count;
+            const std::size_t next = (row + 1) % rows.count * count;
+            for (std::size_t i = 0; i < n; ++i) {
+                const std::size_t a = first + i;
+                const std::size_t b = first + (i + 1) % n;
+                const std::size_t side = group + (named ? sides[i] : 0);
+                add(here + a, here + b, next + b, side);
+                add(here + a, next + b, next + a, side);
+            }
         }
         first += n;
     }
+    if (rows.is_ring) return surface;
 
     std::vector<Vec3> flat(count);
-    std::size_t next = 0;
+    std::size_t point = 0;
     for (const Loop& loop : loops) {
-        for (const Vec2& p : loop) flat[next++] = {p[0], p[1], 0};
+        for (const Vec2& p : loop) flat[point++] = {p[0], p[1], 0};
     }
     std::vector<std::array<std::uint32_t, 3>> caps;
     const Bridges joined(loops);
     for (const auto& polygon : joined.polygons()) triangulate_polygon(flat, polygon, caps);
+    const std::size_t top = (rows.count - 1) * count;
     for (const auto& [a, b, c] : caps) {
-        if (has_bottom) add(a, c, b, 0);
-        if (has_top) add(above + a, above + b, above + c, 1);
+        add(a, c, b, 0);
+        add(top + a, top + b, top + c, 1);
     }
-    return polyhedron(std::move(surface), sharp_angle);
+    return surface;
+}
+
+}  // namespace
+
+Primitive prism(const Contours& loops, const PrismSpan& span, double sharp_angle,
+                const std::function<std::string()>& next_side) {
+    OutlineRows rows;
+    rows.count = 2;
+    rows.place = [&span](const Vec2& p, std::size_t row, std::size_t) {
+        const double scale = row == 0 ? span.low_scale : span.high_scale;
+        return Vec3{p[0] * scale, p[1] * scale, row == 0 ? span.low : span.high};
+    };
+    constexpr double kAnyLength = std::numeric_limits<double>::infinity();
+    return polyhedron(joined_rows(Outline(loops, sharp_angle, kAnyLength), rows, next_side), sharp_angle);
+}
+
+std::optional<Primitive> swept_outline(const Contours& loops, OutlineRows rows, double width, bool smooth,
+                                       const std::function<std::string()>& next_side) {
+    constexpr double kLongestEdge = 1.0 / 16;
+    constexpr std::size_t kMostQuads = 200000;
+    const Outline outline(loops, outline_sharp_angle(loops, smooth), kLongestEdge * width);
+    std::size_t edges = 0;
+    for (const Loop& loop : outline.loops) edges += loop.size();
+    const std::size_t most = kMostQuads / std::max<std::size_t>(edges, 1) / 4 * 4;
+    if (most < rows.count / 4) return std::nullopt;
+    rows.count = std::min(rows.count, most);
+    return polyhedron(joined_rows(outline, rows, next_side), kSmoothTurn);
 }
 
 }  // namespace mortise::model_reader

@@ -1,8 +1,9 @@
-// Straight solids over outlines with many edges, as one surface of triangles: what a cell of the mesh sees of
-// it is local, and its tangent-continuous sides are one smooth surface.
+// Solids swept by outlines with many edges, as one surface of triangles: what a cell of the mesh sees of it
+// is local, and its tangent-continuous sides are one smooth surface.
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 
 #include "host/model/outlines/contours.hpp"
@@ -34,5 +35,21 @@ struct PrismSpan {
 /// curve and each straight side of a loop, or for the whole loop if they are more than 24.
 Primitive prism(const Contours& loops, const PrismSpan& span, double sharp_angle,
                 const std::function<std::string()>& next_side);
+
+/// Where copies of an outline stand, row after row; neighbours are joined by triangles.
+struct OutlineRows {
+    std::size_t count = 0;  ///< a multiple of four in a ring
+    bool is_ring = false;   ///< the last row is joined to the first; else both are capped
+    /// Edges (with the inside on their left) and the way to the next row make an outward normal. `row` is
+    /// less than `count`, which may be less than given.
+    std::function<Vec3(const Vec2& point, std::size_t row, std::size_t count)> place;
+};
+
+/// As `prism`. Rows join if they turn by no more than kSmoothTurn; so do sides of an outline with curves.
+/// Edges are divided where they are long beside `width`, that of the outline: thin triangles are slow, and a
+/// twisted edge leaves the surface that it sweeps by a quarter of its length times the angle. Where that
+/// would be very many triangles there are fewer rows; none if these would be less than a quarter.
+std::optional<Primitive> swept_outline(const Contours& loops, OutlineRows rows, double width, bool smooth,
+                                       const std::function<std::string()>& next_side);
 
 }  // namespace mortise::model_reader

@@ -84,6 +84,11 @@ Piece Sweep::primitive(Primitive primitive, const std::string& side) {
     return {Piece::State::kNode, {}, model_.add_primitive(std::move(primitive), name_ + "_" + side, where_)};
 }
 
+std::optional<Piece> Sweep::node_of(std::optional<Primitive> primitive) {
+    if (!primitive) return std::nullopt;
+    return Piece{Piece::State::kNode, {}, model_.add_primitive(std::move(*primitive), name_, where_)};
+}
+
 Piece Sweep::expression(const std::string& formula, const std::string& side) {
     Primitive result;
     result.kind = Primitive::Kind::kExpression;

@@ -46,6 +46,8 @@ class Sweep {
 
     Piece planes(std::vector<Plane> list, const std::string& side) const;
     Piece primitive(Primitive primitive, const std::string& side);
+    /// A primitive that names its own sides, if there is one.
+    std::optional<Piece> node_of(std::optional<Primitive> primitive);
     Piece expression(const std::string& formula, const std::string& side);
     Piece moved(const Affine& map, Piece piece);
     Piece complement(Piece piece);
