@@ -16,7 +16,7 @@ ModelSummary summarize(const Model& model) {
         if (std::isfinite(wanted) && (size == 0 || wanted < size)) size = wanted;
     }
     try {
-        summary.bounds = tape::find_bounds(compiled, model.source);
+        summary.bounds = tape::find_bounds(model, compiled);
     } catch (const Error& error) {
         summary.unbounded = error.what();
     }

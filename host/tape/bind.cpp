@@ -159,16 +159,6 @@ SurfaceBounds make_bounds(const Surface& s) {
     return b;
 }
 
-/// Whether a short tape is outside whatever its surfaces' signs: p ∧ ¬p, as formulas that use a minimum twice
-/// have it.
-bool is_empty(const std::vector<std::uint32_t>& tape) {
-    constexpr std::size_t kMostWords = 64;
-    for (const std::uint32_t word : tape) {
-        if (tape_operation(word) == kTapeSpatial) return false;
-    }
-    return tape.size() <= kMostWords && resolve_signs(tape.data(), tape.size(), nullptr, 0, nullptr) == 0;
-}
-
 }  // namespace
 
 BoundModel bind(const CompiledModel& compiled, const Vec3& origin, double side, double merge_distance) {
@@ -251,86 +241,6 @@ BoundModel bind(const CompiledModel& compiled, const Vec3& origin, double side, 
         bound.polyhedra.push_back(std::move(local));
     }
     return bound;
-}
-
-Box3 find_bounds(const CompiledModel& compiled, const std::string& source) {
-    constexpr double kFar = 1e4;             // unbounded directions are searched this many model scales wide
-    constexpr std::size_t kMaxCells = 8192;  // cells that a round may hold
-    Box3 box = compiled.bounds;
-    if (!(box.min[0] < box.max[0] && box.min[1] < box.max[1] && box.min[2] < box.max[2])) {
-        throw Error(ExitCode::kInput, source + ": the solid is empty");
-    }
-    bool finite = true;
-    for (std::size_t j = 0; j < 3; ++j)
-        finite = finite && std::isfinite(box.min[j]) && std::isfinite(box.max[j]);
-    if (finite) return box;
-    std::array<bool, 6> open{};
-    for (std::size_t j = 0; j < 3; ++j) {
-        open[2 * j] = !std::isfinite(box.min[j]);
-        open[2 * j + 1] = !std::isfinite(box.max[j]);
-        box.min[j] = std::max(box.min[j], -kFar * compiled.scale);
-        box.max[j] = std::min(box.max[j], kFar * compiled.scale);
-    }
-    for (int round = 0; round < 60; ++round) {
-        Vec3 extent{};
-        double side = 0;
-        for (std::size_t j = 0; j < 3; ++j) side = std::max(side, extent[j] = box.max[j] - box.min[j]);
-        const BoundModel model = bind(compiled, box.min, side);
-        struct Node {
-            Cell cell;
-            std::vector<std::uint32_t> tape;
-        };
-        std::vector<Node> cells = {{{{0.5, 0.5, 0.5}, 0.5}, model.tape}};
-        for (int level = 0; level < 6 && cells.size() * 8 <= kMaxCells; ++level) {
-            std::vector<Node> next;
-            for (const Node& node : cells) {
-                for (int c = 0; c < 8; ++c) {
-                    Cell child = node.cell;
-                    child.half *= 0.5;
-                    bool outside = false;
-                    for (int j = 0; j < 3; ++j) {
-                        child.centre[j] += ((c >> j) & 1) != 0 ? child.half : -child.half;
-                        outside = outside || (child.centre[j] - child.half) * side >=
-                                                 extent[static_cast<std::size_t>(j)];
-                    }
-                    std::vector<std::uint32_t> pruned;
-                    if (outside) continue;
-                    const std::int32_t region = classify_cell(model, node.tape, child, &pruned);
-                    if (region == 0 || (region == kUnknown && is_empty(pruned))) continue;
-                    next.push_back({child, region == kUnknown ? std::move(pruned) : node.tape});
-                }
-            }
-            cells = std::move(next);
-        }
-        if (cells.empty()) throw Error(ExitCode::kInput, source + ": the solid is empty");
-        Box3 shrunk{{1e300, 1e300, 1e300}, {-1e300, -1e300, -1e300}};
-        for (const Node& node : cells) {
-            for (std::size_t j = 0; j < 3; ++j) {
-                const double low = box.min[j] + (node.cell.centre[j] - node.cell.half) * side;
-                const double high = box.min[j] + (node.cell.centre[j] + node.cell.half) * side;
-                shrunk.min[j] = std::min(shrunk.min[j], std::max(low, box.min[j]));
-                shrunk.max[j] = std::max(shrunk.max[j], std::min(high, box.max[j]));
-            }
-        }
-        if (round == 0) {
-            for (std::size_t j = 0; j < 3; ++j) {
-                if ((open[2 * j] && shrunk.min[j] <= box.min[j]) ||
-                    (open[2 * j + 1] && shrunk.max[j] >= box.max[j])) {
-                    throw Error(
-                        ExitCode::kInput,
-                        source + ": the solid is unbounded along " + "xyz"[j] +
-                            "; cut it with --box x0 y0 z0 x1 y1 z1 or intersect it with a bounded solid");
-                }
-            }
-        }
-        bool settled = true;
-        for (std::size_t j = 0; j < 3; ++j) {
-            settled = settled && shrunk.max[j] - shrunk.min[j] > 0.9 * (box.max[j] - box.min[j]);
-        }
-        box = shrunk;
-        if (settled) break;
-    }
-    return box;
 }
 
 }  // namespace mortise::tape

@@ -34,7 +34,7 @@ struct Term {
 
 class Compiler {
   public:
-    explicit Compiler(const Model& model) : model_(model) {}
+    Compiler(const Model& model, NodeBounds use) : model_(model), use_(use) {}
 
     CompiledModel run(const Box3* clip) {
         if (model_.regions.empty()) throw Error(ExitCode::kInput, model_.source + ": the model has no solid");
@@ -134,10 +134,11 @@ class Compiler {
                 stack.push_back(std::move(child));
                 continue;
             }
-            const std::uint32_t term = finish(frame, node);
+            std::uint32_t term = finish(frame, node);
             if (node.bounds && !frame.negate) {
-                std::optional<Box3>& hint = terms_[term].hint;
                 const Box3 box = map_box(*node.bounds, to_affine(frame.map));
+                if (use_ == NodeBounds::kCut) term = add_operation(Term::Type::kAnd, {term, box_term(box)});
+                std::optional<Box3>& hint = terms_[term].hint;
                 if (hint) shrink(*hint, box);
                 if (!hint) hint = box;
             }
@@ -459,6 +460,7 @@ class Compiler {
     }
 
     const Model& model_;
+    NodeBounds use_;
     CompiledModel out_;
     std::uint32_t node_ = kNoNode;             ///< whose surfaces are made
     std::vector<std::uint32_t> surface_node_;  ///< per surface, kNoNode for those of boxes
@@ -472,6 +474,8 @@ class Compiler {
 
 }  // namespace
 
-CompiledModel compile(const Model& model, const Box3* clip) { return Compiler(model).run(clip); }
+CompiledModel compile(const Model& model, const Box3* clip, NodeBounds use) {
+    return Compiler(model, use).run(clip);
+}
 
 }  // namespace mortise::tape

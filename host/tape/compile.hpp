@@ -85,9 +85,12 @@ struct BoundModel {
     double side = 1;
 };
 
+/// What CsgNode::bounds are: known to hold the solid, or planes that cut it (for find_bounds only).
+enum class NodeBounds { kHint, kCut };
+
 /// Compiles a model; `clip` (if given) and Model::clip cut the solid by planes named box_xmin, ….
 /// Throws Error(kInput) for a formula that cannot be parsed and for a solid that is empty by its structure.
-CompiledModel compile(const Model& model, const Box3* clip = nullptr);
+CompiledModel compile(const Model& model, const Box3* clip = nullptr, NodeBounds use = NodeBounds::kHint);
 
 /// Binds to the cube [origin, origin + side]^3 and merges equal surfaces, and those that lie closer than
 /// `merge_distance`, in edges of the cube, to a surface before them everywhere in it. Polyhedra stay
@@ -97,5 +100,9 @@ BoundModel bind(const CompiledModel& compiled, const Vec3& origin, double side, 
 /// A box that holds the solid, each side within about 1/64 of its extent. Throws Error(kInput) if the solid
 /// is empty (as far as interval arithmetic can tell) or unbounded.
 Box3 find_bounds(const CompiledModel& compiled, const std::string& source);
+
+/// The same for a model and what it was compiled to. Far from the solid intervals of formulas (a twist) tell
+/// nothing; where that makes it look unbounded, the boxes that nodes are known to lie in cut them.
+Box3 find_bounds(const Model& model, const CompiledModel& compiled, const Box3* clip = nullptr);
 
 }  // namespace mortise::tape

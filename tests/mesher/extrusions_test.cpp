@@ -167,4 +167,24 @@ TEST_CASE("outlines with curves, turned and twisted, are smooth solids of good e
     }
 }
 
+TEST_CASE("a twist beside solids without planes along the axes is bounded") {
+    // The head of the screw is cut by oblique planes, so that its box must be searched for; far away
+    // intervals know nothing of the thread.
+    const std::string text =
+        "linear_extrude(height = 20, twist = -3600) { "
+        "multmatrix([[1,0,0,0.6],[0,1,0,0],[0,0,1,0],[0,0,0,1]]) "
+        "{ circle(r = 4); } } cylinder($fn = 6, r1 = 8, r2 = 8, h = 4);";
+    const Model screw = parse_model(text, "csg", "screw.csg");
+    const ModelSummary summary = summarize(screw);
+    REQUIRE(summary.bounds);
+    for (std::size_t j = 0; j < 2; ++j) {
+        CHECK(summary.bounds->min[j] > -10);
+        CHECK(summary.bounds->max[j] < 10);
+    }
+    const Meshed result = mesh_and_check(screw, 6);
+    CHECK(result.defects == "");
+    const double head = 1.5 * std::sqrt(3.0) * 64 * 4;
+    CHECK(result.check.volume == doctest::Approx(head + 16 * kPi * 16).epsilon(0.01));
+}
+
 }  // namespace mortise::test

@@ -265,6 +265,43 @@ TEST_CASE("swept outlines are closed and have the volume of what sweeps them") {
     CHECK_FALSE(model_reader::swept_outline(fine, many, 2, true, next_name));
 }
 
+TEST_CASE("polyhedra of many faces are smooth where these turn by little") {
+    // A ball of 12 x 6 points, and the same with facets as they are; a tetrahedron.
+    std::string points = "[0,0,-1],[0,0,1]";
+    std::string faces;
+    for (int i = 0; i < 18; ++i) {
+        for (int j = 1; j < 9; ++j) {
+            const double a = 2 * kPi * i / 18;
+            const double b = kPi * j / 9;
+            points += ",[" + std::to_string(std::sin(b) * std::cos(a)) + "," +
+                      std::to_string(std::sin(b) * std::sin(a)) + "," + std::to_string(-std::cos(b)) + "]";
+        }
+    }
+    const auto face = [&faces](const std::vector<int>& corners) {
+        faces += faces.empty() ? "[" : ",[";
+        for (std::size_t k = 0; k < corners.size(); ++k)
+            faces += (k == 0 ? "" : ",") + std::to_string(corners[k]);
+        faces += "]";
+    };
+    for (int i = 0; i < 18; ++i) {
+        const int a = 2 + 8 * i;
+        const int b = 2 + 8 * ((i + 1) % 18);
+        face({0, a, b});
+        face({1, b + 7, a + 7});
+        for (int j = 0; j < 7; ++j) face({a + j, a + j + 1, b + j + 1, b + j});
+    }
+    const std::string ball = "polyhedron(points = [" + points + "], faces = [" + faces + "]);";
+    const Model smooth = read(ball);
+    REQUIRE(polyhedron_of(smooth) != nullptr);
+    CHECK(polyhedron_of(smooth)->sharp_angle == model_reader::kSmoothTurn);
+    const Model exact = read(ball, Facets::kExact);
+    CHECK((polyhedron_of(exact) == nullptr || polyhedron_of(exact)->sharp_angle <= 1));
+    const Model few = read(
+        "polyhedron(points = [[0,0,0],[9,0,0],[0,9,0],[3,3,0.3]], faces = "
+        "[[0,1,2],[0,3,1],[1,3,2],[2,3,0]]);");
+    CHECK((polyhedron_of(few) == nullptr || polyhedron_of(few)->sharp_angle <= 1));
+}
+
 TEST_CASE("sides: one name for each curve") {
     // A half disc: one curve and one straight edge.
     std::vector<Vec2> half;

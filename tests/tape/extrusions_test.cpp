@@ -139,10 +139,12 @@ TEST_CASE("polygons of 5,000 edges keep tapes shallow") {
         comb +=
             ",[" + std::to_string(i + 0.5) + "," + std::to_string(i + 1) + "],[" + std::to_string(i) + ",0]";
     }
+    ReadOptions exact;  // else some edges are curves
+    exact.facets = Facets::kExact;
     for (const std::string& points : {star, comb}) {
         const CompiledModel model = compile(parse_model(
             "linear_extrude(height = 1, scale = [1, 0.5]) { polygon(points = [" + points + "]); }", "csg",
-            "part.csg"));
+            "part.csg", exact));
         CHECK(model.surfaces.size() >= 5000);
         CHECK(model.surfaces.size() <= 5006);
         CHECK(depth_of(model.tape) <= kTapeStack);

@@ -12,6 +12,7 @@
 #include "host/model/outlines/drawings.hpp"
 #include "host/model/outlines/text_outlines.hpp"
 #include "host/model/solids/hulls.hpp"
+#include "host/model/solids/prism.hpp"
 #include "host/model/triangles/height_field.hpp"
 #include "host/model/triangles/triangle_files.hpp"
 
@@ -181,8 +182,9 @@ CsgOperand read_polyhedron(CsgScene& scene, const CsgNodeText& node) {
                                  faces->rows};
     TriangleSurface surface =
         polyhedron_surface(std::move(coordinates), corners, node.source, node.where, scene.model.warnings);
-    const std::uint32_t solid =
-        add_polyhedron(scene.model, std::move(surface), kPolyhedronSharpAngle, node.surface);
+    const bool has_curves = node.facets == Facets::kSmooth && faces->rows > kMostSharpFaces;
+    const std::uint32_t solid = add_polyhedron(
+        scene.model, std::move(surface), has_curves ? kSmoothTurn : kPolyhedronSharpAngle, node.surface);
     scene.model.nodes[solid].where = node.where;
     return {Kind::kSolid, solid, node.where};
 }
