@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
+#include <utility>
 
 #include "tests/mesher/meshed.hpp"
 #include "tests/mesher/rounded_solids.hpp"
@@ -74,6 +76,39 @@ TEST_CASE("parts that meet tangentially are one smooth surface") {
             const auto& jacobians = result.report.scaled_jacobians;
             CHECK(*std::min_element(jacobians.begin(), jacobians.end()) > 0.19f);
         }
+    }
+}
+
+TEST_CASE("the hull of two balls is exact and smooth") {
+    const auto ball_at = [](double x, double y, double z, double r) {
+        return "multmatrix([[1,0,0," + std::to_string(x) + "],[0,1,0," + std::to_string(y) + "],[0,0,1," +
+               std::to_string(z) + "],[0,0,0,1]]) { sphere(r = " + std::to_string(r) + "); }";
+    };
+    // A capsule, aslant; a rounded cone: cap, frustum between the circles of contact, cap.
+    const double apart = std::sqrt(16.0 * 16 + 5 * 5 + 7 * 7);
+    const double sine = (6.2 - 3.7) / apart;
+    const double cosine = std::sqrt(1 - sine * sine);
+    const auto cap = [&](double radius, double height) {
+        return kPi * height * height * (radius - height / 3);
+    };
+    const double a = 6.2 * cosine;
+    const double b = 3.7 * cosine;
+    const double frustum = kPi * (apart - (6.2 - 3.7) * sine) / 3 * (a * a + a * b + b * b);
+    const double cone = cap(6.2, 6.2 * (1 + sine)) + cap(3.7, 3.7 * (1 - sine)) + frustum;
+    const double capsule = kPi * 4 * 4 * (apart + 4 * 4 / 3.0);
+    for (const auto& [text, volume] :
+         {std::pair{"hull() {" + ball_at(1, 2, 3, 4) + ball_at(17, 7, 10, 4) + "}", capsule},
+          std::pair{"hull() {" + ball_at(1, 2, 3, 6.2) + ball_at(17, 7, 10, 3.7) + "}", cone}}) {
+        CAPTURE(text);
+        const Meshed result = mesh_and_check(parse_model(text, "csg", "hull.csg"), 6);
+        CHECK(result.defects == "");
+        CHECK(result.check.euler_characteristic == 2);
+        CHECK(result.check.volume == doctest::Approx(volume).epsilon(4e-3));
+        CHECK(result.report.features.curves.empty());
+        CHECK(result.report.warnings.empty());
+        float worst = 1;
+        for (const float quality : result.report.scaled_jacobians) worst = std::min(worst, quality);
+        CHECK(worst > 0.18f);
     }
 }
 

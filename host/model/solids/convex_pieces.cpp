@@ -266,6 +266,7 @@ void add_extents(const std::vector<Extent>& extents, const Affine& map, std::vec
         const Vec3 v = direction(extent.axes[1]);
         if (u == Vec3{} && v == Vec3{}) {
             points.points.push_back(center);
+            points.curved = points.curved || extent.is_curved;
         } else if (same(length(u), length(v)) && perpendicular(u, v)) {
             ConvexPiece disc;
             disc.kind = ConvexPiece::Kind::kDisc;

@@ -24,6 +24,7 @@ struct ConvexPiece {
     double ra = 0;
     double rb = 0;
     bool facetted = false;  ///< the points stand for a curved surface
+    bool curved = false;    ///< so they do in the model: not an approximation of ours
 };
 
 /// Number of straight pieces of a full circle where a curved solid has to be facetted.

@@ -187,10 +187,12 @@ std::uint32_t hull_of_pieces(Model& model, const std::vector<ConvexPiece>& piece
     if (const auto node = hull_of_spheres(model, pieces, name)) return *node;
     if (const auto node = hull_of_prism(model, pieces, name)) return *node;
     bool any_facetted = false;
+    bool any_curved = false;
     std::vector<Vec3> points;
     for (const ConvexPiece& piece : pieces) {
         const ConvexPiece as_points = facetted(piece);
         any_facetted = any_facetted || as_points.facetted;
+        any_curved = any_curved || as_points.curved;
         points.insert(points.end(), as_points.points.begin(), as_points.points.end());
     }
     const std::optional<Polytope> polytope = convex_hull(points);
@@ -203,7 +205,7 @@ std::uint32_t hull_of_pieces(Model& model, const std::vector<ConvexPiece>& piece
                                  "' of these curved solids is approximated, with " + std::to_string(kFacets) +
                                  " facets around");
     }
-    return add_polytope(model, *polytope, any_facetted, name);
+    return add_polytope(model, *polytope, any_facetted || any_curved, name);
 }
 
 // --- Minkowski sums of two pieces, as pieces whose hull is the sum.

@@ -154,20 +154,16 @@ void add_arc(const Vec3& u, const Vec3& v, const Vec3& across, std::vector<Vec3>
     directions.push_back(v);
 }
 
-/// Points of a sphere by latitude and longitude about the z axis of a frame.
-std::vector<Vec3> sphere_directions(const Affine& frame) {
+/// Points of a sphere by latitude and longitude.
+std::vector<Vec3> sphere_directions() {
     std::vector<Vec3> result;
     for (int ring = 0; ring <= kFacets / 2; ++ring) {
         const bool pole = ring == 0 || ring == kFacets / 2;
         const double polar = kFacetAngle * ring;
         for (int i = 0; i < (pole ? 1 : kFacets); ++i) {
             const double turn = kFacetAngle * i;
-            const double x = std::sin(polar) * std::cos(turn);
-            const double y = std::sin(polar) * std::sin(turn);
-            const double z = std::cos(polar);
-            result.push_back({frame[0] * x + frame[1] * y + frame[2] * z,
-                              frame[4] * x + frame[5] * y + frame[6] * z,
-                              frame[8] * x + frame[9] * y + frame[10] * z});
+            result.push_back(
+                {std::sin(polar) * std::cos(turn), std::sin(polar) * std::sin(turn), std::cos(polar)});
         }
     }
     return result;
@@ -347,9 +343,10 @@ std::optional<std::uint32_t> add_hull_of_equal_spheres(Model& model, const std::
     const std::vector<Vec3>& vertices = skeleton->vertices;
     if (vertices.size() == 1) return add_ball(model, vertices[0], radius, name);
 
-    const bool segment = vertices.size() == 2;
-    const Affine frame = segment ? frame_along(difference(vertices[1], vertices[0]), {}) : kIdentity;
-    const std::vector<Vec3> round = sphere_directions(frame);
+    if (vertices.size() == 2) {
+        return add_hull_of_two_spheres(model, vertices[0], radius, vertices[1], radius, name);
+    }
+    const std::vector<Vec3> round = sphere_directions();
     // Per vertex: exact directions, around its edges from face to face; and the ways to its neighbours.
     std::vector<std::vector<Vec3>> exact(vertices.size());
     std::vector<std::vector<Vec3>> ways(vertices.size());
@@ -357,7 +354,6 @@ std::optional<std::uint32_t> add_hull_of_equal_spheres(Model& model, const std::
         const Vec3 along = unit(difference(vertices[edge.ends[1]], vertices[edge.ends[0]]));
         ways[edge.ends[0]].push_back(along);
         ways[edge.ends[1]].push_back(scaled(along, -1));
-        if (segment) continue;
         Vec3 across = cross(along, edge.normals[0]);
         // The other normal, or the middle of the flat edges' half circle, is on the arc's side.
         const Vec3 inwards = difference(vertices[other_vertex(*skeleton, edge)], vertices[edge.ends[0]]);
@@ -372,9 +368,8 @@ std::optional<std::uint32_t> add_hull_of_equal_spheres(Model& model, const std::
         const auto add = [&](const Vec3& u) { points.push_back(sum(vertices[v], scaled(u, radius))); };
         for (const Vec3& u : exact[v]) add(u);
         for (const Vec3& u : round) {
-            const bool counts = std::all_of(ways[v].begin(), ways[v].end(), [&](const Vec3& way) {
-                return dot(u, way) <= (segment ? 1e-9 : slack);
-            });
+            const bool counts = std::all_of(ways[v].begin(), ways[v].end(),
+                                            [&](const Vec3& way) { return dot(u, way) <= slack; });
             const bool doubled = counts && std::any_of(exact[v].begin(), exact[v].end(),
                                                        [&](const Vec3& w) { return dot(u, w) > apart; });
             if (counts && !doubled) add(u);
@@ -386,33 +381,22 @@ std::optional<std::uint32_t> add_hull_of_equal_spheres(Model& model, const std::
 std::optional<std::uint32_t> add_hull_of_two_spheres(Model& model, const Vec3& a, double ra, const Vec3& b,
                                                      double rb, const std::string& name) {
     if (ra < rb) return add_hull_of_two_spheres(model, b, rb, a, ra, name);
+    // The cone touches both: its normal makes an angle of this cosine with the axis.
     const Vec3 axis = difference(b, a);
-    const Affine frame = frame_along(axis, a);
     const double apart = length(axis);
-    // Rings around the axis: both spheres up to the cone that touches them, whose normal makes this angle
-    // with the axis.
-    const double tangent = std::acos(std::clamp((ra - rb) / apart, -1.0, 1.0));
-    std::vector<Vec3> points;
-    const auto add_rings = [&](double from, double to, double radius, double level) {
-        const int steps = std::max(1, static_cast<int>(std::ceil((to - from) / kFacetAngle)));
-        for (int ring = 0; ring <= steps; ++ring) {
-            const double polar = from + (to - from) * ring / steps;
-            const bool pole = (ring == 0 && from == 0) || (ring == steps && to == kTurn / 2);
-            const double r = pole ? 0 : radius * std::sin(polar);
-            for (int i = 0; i < (pole ? 1 : kFacets); ++i) {
-                const Vec3 p = {r * std::cos(kFacetAngle * i), r * std::sin(kFacetAngle * i),
-                                level + radius * std::cos(polar)};
-                Vec3 x = a;
-                for (std::size_t k = 0; k < 3; ++k) {
-                    x[k] += frame[4 * k] * p[0] + frame[4 * k + 1] * p[1] + frame[4 * k + 2] * p[2];
-                }
-                points.push_back(x);
-            }
-        }
-    };
-    add_rings(tangent, kTurn / 2, ra, 0);
-    add_rings(0, tangent, rb, apart);
-    return add_smooth(model, points, name);
+    const double cosine = (ra - rb) / apart;
+    const double sine = std::sqrt(std::max(0.0, 1 - cosine * cosine));
+    const Primitive side = ra == rb ? infinite_cylinder(ra) : cone(ra / sine, -cosine / sine);
+    const std::uint32_t tube = model.add_operation(
+        CsgNode::Op::kIntersection,
+        {model.add_primitive(side, name + "_side"),
+         add_half_spaces(
+             model, {{{0, 0, -1}, -ra * cosine, "start"}, {{0, 0, 1}, apart + rb * cosine, "end"}}, name)});
+    return model.add_operation(
+        CsgNode::Op::kUnion,
+        {add_ball(model, a, ra, name + "_ball1"), add_ball(model, b, rb, name + "_ball2"),
+         model.add_transform(frame_along(axis, a), tube)},
+        name);
 }
 
 }  // namespace mortise::model_reader

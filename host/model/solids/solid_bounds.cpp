@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "host/model/affine.hpp"
+#include "host/model/solids/prism.hpp"
 
 namespace mortise::model_reader {
 namespace {
@@ -89,6 +90,7 @@ std::optional<std::vector<Extent>> linear_extents(const FlatTree& tree, std::uin
                                                   const LinearSweep& sweep) {
     if (sweep.twist != 0 || !has_exact_bounds(tree, root)) return {};
     std::vector<Extent> result;
+    bool curved = false;
     const auto add = [&](const Vec2& centre, const Vec2& first, const Vec2& second) {
         const auto at = [](const Vec2& p, const Vec2& scale, double z) {
             return Vec3{p[0] * scale[0], p[1] * scale[1], z};
@@ -97,13 +99,15 @@ std::optional<std::vector<Extent>> linear_extents(const FlatTree& tree, std::uin
         for (const bool top : {false, true}) {
             const Vec2& scale = top ? sweep.scale : unscaled;
             const double z = sweep.base + (top ? sweep.height : 0);
-            result.push_back({at(centre, scale, z), {{at(first, scale, 0), at(second, scale, 0), {}}}});
+            result.push_back(
+                {at(centre, scale, z), {{at(first, scale, 0), at(second, scale, 0), {}}}, curved});
         }
     };
     fold<char>(
         tree, root,
         [&](const FlatNode& node, const FlatMap& map) {
             const double r = node.radius;
+            curved = outline_sharp_angle(node.contours, sweep.smooth) > 0;
             if (node.op == FlatNode::Op::kCircle) {
                 add({map[2], map[5]}, {map[0] * r, map[3] * r}, {map[1] * r, map[4] * r});
             }

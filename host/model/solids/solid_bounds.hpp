@@ -15,6 +15,7 @@ namespace mortise::model_reader {
 struct Extent {
     Vec3 centre{};
     std::array<Vec3, 3> axes{};
+    bool is_curved = false;  ///< a point of an outline with curves (prism.hpp)
 };
 
 /// Nodes of the model whose convex hull is that of these extents.
