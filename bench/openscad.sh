@@ -1,9 +1,9 @@
 #!/bin/bash
-# Volumes of .csg models beside OpenSCAD's own (Debian: openscad), an independent reader and kernel:
+# Volumes of models beside OpenSCAD's own (Debian: openscad), an independent reader and kernel:
 #
 #     bash bench/openscad.sh [--level N] [--count N] [--seed N] [--facets exact|smooth] [FOLDER...]
 #
-# Takes .csg files of the folders (default: the corpora, MORTISE_CORPORA) in an order that follows from their names
+# Takes .csg and .scad files of the folders (default: the corpora, MORTISE_CORPORA) in an order that follows from their names
 # and the seed (default 1), until COUNT (default 40) could be compared, and prints per file: OpenSCAD's volume,
 # Mortise's, their difference in percent. Files that one of the two cannot do are listed with the reason and do not
 # count. Ends with the number of models within 1 %.
@@ -19,6 +19,8 @@ while [ $# -gt 0 ]; do
     --count) count="$2" && shift 2 ;;
     --seed) seed="$2" && shift 2 ;;
     --facets) facets="$2" && shift 2 ;;
+    --help | -h) sed -n '2,/^[^#]/s/^# \{0,1\}//p' "${BASH_SOURCE[0]}" && exit 0 ;;
+    -*) echo "openscad.sh: unknown option $1; see --help" >&2 && exit 1 ;;
     *) break ;;
     esac
 done
@@ -39,10 +41,10 @@ stl_volume() {
 }
 
 # Ordered by a checksum of seed and name: the same on every machine.
-mapfile -t files < <(find "$@" -name '*.csg' | LC_ALL=C sort | while read -r file; do
+mapfile -t files < <(find "$@" -name '*.csg' -o -name '*.scad' | LC_ALL=C sort | while read -r file; do
     printf '%010d %s\n' "$(printf '%s %s' "$seed" "${file#"$corpora"/}" | cksum | cut -d ' ' -f 1)" "$file"
 done | LC_ALL=C sort | cut -d ' ' -f 2-)
-[ ${#files[@]} -gt 0 ] || { echo "openscad.sh: no .csg files in: $*" >&2; exit 1; }
+[ ${#files[@]} -gt 0 ] || { echo "openscad.sh: no .csg or .scad files in: $*" >&2; exit 1; }
 printf 'openscad\tmortise\tdifference_percent\tmodel\n'
 compared=0 within=0
 for file in "${files[@]}"; do

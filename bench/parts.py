@@ -109,10 +109,14 @@ def make_part(seed: int) -> str:
             f"rotate({turn}) difference() {{ union() {{ {body.text} {added} }} union() {{ {cut} }} }}\n")
 
 
-def mesh(program: str, part: str, folder: str, options: List[str]) -> Optional[Result]:
+def write_part(seed: int, folder: str) -> str:
     path = os.path.join(folder, "part.scad")
     with open(path, "w", encoding="utf-8") as file:
-        file.write(part)
+        file.write(make_part(seed))
+    return path
+
+
+def mesh(program: str, path: str, folder: str, options: List[str]) -> Optional[Result]:
     command = [program, path, "-o", os.path.join(folder, "part.vtu"), "--quality", "--json", *options]
     try:
         run = subprocess.run(command, capture_output=True, text=True, timeout=LIMIT, check=False)
@@ -132,6 +136,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(prog="bench/parts.sh", description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--mortise", help=argparse.SUPPRESS, required=True)
+    parser.add_argument("files", nargs="*", metavar="FILE", help="models to mesh in place of made-up parts")
     parser.add_argument("--seed", type=int, default=0, help="the first seed (0)")
     parser.add_argument("--count", type=int, default=120, help="number of parts (120)")
     parser.add_argument("--level", default="6", help="level of the meshes (6)")
@@ -141,21 +146,23 @@ def main() -> int:
         print(make_part(arguments.write), end="")
         return 0
     results: List[Result] = []
-    print(f"{'seed':>6} {'worst':>9} {'elements':>9} {'merged':>7} {'dropped':>7}  cause of the worst element")
+    print(f"{'part':>20} {'worst':>9} {'elements':>9} {'merged':>7} {'dropped':>7}  cause of the worst element")
     with tempfile.TemporaryDirectory() as folder:
-        for seed in range(arguments.seed, arguments.seed + arguments.count):
-            result = mesh(arguments.mortise, make_part(seed), folder, ["--level", arguments.level])
+        for part in parts:
+            name = os.path.basename(str(part))
+            path = part if arguments.files else write_part(part, folder)
+            result = mesh(arguments.mortise, path, folder, ["--level", arguments.level])
             if result is None:
-                print(f"{seed:>6} no mesh", flush=True)
+                print(f"{name:>20} no mesh", flush=True)
                 continue
             results.append(result)
-            print(f"{seed:>6} {result.worst:>9.3g} {result.elements:>9} {result.merged:>7} {result.dropped:>7}"
+            print(f"{name:>20} {result.worst:>9.3g} {result.elements:>9} {result.merged:>7} {result.dropped:>7}"
                   f"  {result.cause}", flush=True)
-    print(f"{len(results)} of {arguments.count} meshed; below 0.15: {sum(r.worst < 0.15 for r in results)}, with warnings: "
+    print(f"{len(results)} of {len(parts)} meshed; below 0.15: {sum(r.worst < 0.15 for r in results)}, with warnings: "
           f"{sum(r.warned for r in results)}, merged: {sum(r.merged > 0 for r in results)}, dropped features: "
           f"{sum(r.dropped > 0 for r in results)}; {sum(r.elements for r in results)} elements in "
           f"{sum(r.seconds for r in results):.1f} s of CPU time")
-    return 0 if len(results) == arguments.count else 3
+    return 0 if len(results) == len(parts) else 3
 
 
 if __name__ == "__main__":

@@ -1,0 +1,1 @@
+$fn=40; difference(){ cylinder(r=15,h=40); translate([0,0,2]) cylinder(r=13.5,h=40); for(z=[6:5:36],a=[0:24:359]) rotate([0,0,a+z*2.4]) translate([10,0,z]) rotate([0,90,0]) cylinder(r=1.6,h=10,$fn=20);}

@@ -1,0 +1,1 @@
+$fn=24; R=20; difference(){ sphere(R,$fn=80); sphere(R-2,$fn=80); translate([0,0,-2*R]) cube(4*R,center=true); for(i=[0:9],j=[1:4]) rotate([0,j*18-4,i*36+j*18]) translate([0,0,R-4]) cylinder(r=2.3,h=8,$fn=6);}

@@ -1,0 +1,1 @@
+difference(){ cube([40,20,12],center=true); for(x=[-12,12]) translate([x,0,4]) rotate([90,0,0]) linear_extrude(30,center=true) polygon([[-2,-3],[2,-3],[3.5,3],[-3.5,3]]); rotate([0,90,0]) cylinder(d=5,h=60,center=true,$fn=40); translate([0,0,-6]) rotate([0,20,0]) cube([6,8,6],center=true);}

@@ -1,0 +1,1 @@
+$fn=64; difference(){ union(){ cylinder(r1=4,r2=4,h=20); translate([0,0,20]) cylinder(r1=4,r2=25,h=20); translate([0,0,40]) cylinder(r=25,h=3);} translate([0,0,-.1]) cylinder(r=3,h=20.2); translate([0,0,20]) cylinder(r1=3,r2=24,h=20.01); translate([0,0,40]) cylinder(r=24,h=4); }

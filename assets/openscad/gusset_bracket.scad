@@ -1,0 +1,1 @@
+$fn=48; difference(){ union(){ cube([40,30,4]); cube([4,30,40]); for(y=[0,13,26]) translate([0,y+4,0]) rotate([90,0,0]) linear_extrude(4) polygon([[3.9,3.9],[30,3.9],[3.9,30]]);} for(y=[8.5,21.5]) { translate([32,y,-1]) cylinder(r=2.2,h=6); translate([-1,y,32]) rotate([0,90,0]) cylinder(r=2.2,h=6); translate([32,y,2.5]) cylinder(r1=2.2,r2=4.2,h=2);} }

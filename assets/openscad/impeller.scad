@@ -1,0 +1,1 @@
+$fn=60; difference(){ union(){ cylinder(r=20,h=2); cylinder(r1=8,r2=4,h=14); for(i=[0:7]) rotate(45*i) linear_extrude(12,twist=30,slices=10) translate([3,-0.75]) square([16,1.5]); } translate([0,0,-1]) cylinder(r=2.5,h=30);}

@@ -1,0 +1,1 @@
+$fn=50; difference(){ linear_extrude(3) offset(3) square([40,12]); translate([-0.5,6,-1]) cylinder(r=2,h=5); translate([6,2,2]) linear_extrude(2) text("OpenCL",size=7);} translate([6,14,2.9]) linear_extrude(1) text("fast",size=4);

@@ -1,0 +1,1 @@
+for(i=[0:29]) hull(){ translate([0,0,i]) linear_extrude(0.01) rotate(i*3) square([20-i*0.3,10+i*0.2],center=true); translate([0,0,i+1]) linear_extrude(0.01) rotate((i+1)*3) square([20-(i+1)*0.3,10+(i+1)*0.2],center=true);}

@@ -1,0 +1,1 @@
+$fn=32; module rc(s,r){ hull() for(x=[r,s[0]-r],y=[r,s[1]-r],z=[r,s[2]-r]) translate([x,y,z]) sphere(r);} difference(){ rc([50,35,20],3); translate([2,2,2]) rc([46,31,30],2); translate([-1,-1,14]) cube([60,50,20]); translate([15,-1,10]) rotate([-90,0,0]) cylinder(r=2,h=5); translate([20,1.5,11]) cube([10,1,2]);}

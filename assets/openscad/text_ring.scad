@@ -1,0 +1,1 @@
+$fn=90; difference(){ cylinder(r=20,h=10); translate([0,0,-1]) cylinder(r=17,h=12); for(i=[0:7]) rotate(45*i) translate([19.2,0,5]) rotate([90,0,90]) linear_extrude(3) text("A",size=5,halign="center",valign="center"); }
