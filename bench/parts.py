@@ -1,4 +1,4 @@
-"""Made-up parts in the idioms of OpenSCAD's users, a line each; run by parts.sh.
+"""Made-up parts in the idioms of OpenSCAD's users, or the models of the named files, a line each; run by parts.sh.
 
 Each seed is a body (plate, rounded plate, angle, box, tube, plate with round ends, hull) with two to four of: bores,
 slots, countersinks, bosses, ribs, nut traps, teardrops, pockets, balls, slanted cuts, cross bores; every second is
@@ -146,6 +146,7 @@ def main() -> int:
         print(make_part(arguments.write), end="")
         return 0
     results: List[Result] = []
+    parts = arguments.files or range(arguments.seed, arguments.seed + arguments.count)
     print(f"{'part':>20} {'worst':>9} {'elements':>9} {'merged':>7} {'dropped':>7}  cause of the worst element")
     with tempfile.TemporaryDirectory() as folder:
         for part in parts:
