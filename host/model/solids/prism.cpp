@@ -294,13 +294,15 @@ Primitive prism(const Contours& loops, const PrismSpan& span, double sharp_angle
 std::optional<Primitive> swept_outline(const Contours& loops, OutlineRows rows, double width, bool smooth,
                                        const std::function<std::string()>& next_side) {
     constexpr double kLongestEdge = 1.0 / 16;
-    constexpr std::size_t kMostQuads = 200000;
+    constexpr std::size_t kManyQuads = 200000;
+    constexpr std::size_t kMostQuads = 500000;
     const Outline outline(loops, outline_sharp_angle(loops, smooth), kLongestEdge * width);
     std::size_t edges = 0;
     for (const Loop& loop : outline.loops) edges += loop.size();
-    const std::size_t most = kMostQuads / std::max<std::size_t>(edges, 1) / 4 * 4;
-    if (most < rows.count / 4) return std::nullopt;
-    rows.count = std::min(rows.count, most);
+    const std::size_t fewest = rows.count / 4;
+    if (fewest > kMostQuads / std::max<std::size_t>(edges, 1)) return std::nullopt;
+    const std::size_t affordable = kManyQuads / std::max<std::size_t>(edges, 1) / 4 * 4;
+    rows.count = std::min(rows.count, std::max(fewest, affordable));
     return polyhedron(joined_rows(outline, rows, next_side), kSmoothTurn);
 }
 

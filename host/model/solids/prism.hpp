@@ -48,7 +48,7 @@ struct OutlineRows {
 /// As `prism`. Rows join if they turn by no more than kSmoothTurn; so do sides of an outline with curves.
 /// Edges are divided where they are long beside `width`, that of the outline: thin triangles are slow, and a
 /// twisted edge leaves the surface that it sweeps by a quarter of its length times the angle. Where that
-/// would be very many triangles there are fewer rows; none if these would be less than a quarter.
+/// would be very many triangles there are fewer rows, a quarter at least; no surface if these are too many.
 std::optional<Primitive> swept_outline(const Contours& loops, OutlineRows rows, double width, bool smooth,
                                        const std::function<std::string()>& next_side);
 
