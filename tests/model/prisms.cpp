@@ -1,5 +1,5 @@
 // Extrusions of outlines with many edges: one surface of triangles, watertight, with the outline's volume.
-#include "host/model/solids/prism.hpp"
+#include "host/model/solids/swept_outline.hpp"
 
 #include <doctest/doctest.h>
 

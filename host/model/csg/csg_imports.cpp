@@ -12,7 +12,7 @@
 #include "host/model/outlines/drawings.hpp"
 #include "host/model/outlines/text_outlines.hpp"
 #include "host/model/solids/hulls.hpp"
-#include "host/model/solids/prism.hpp"
+#include "host/model/solids/swept_outline.hpp"
 #include "host/model/triangles/height_field.hpp"
 #include "host/model/triangles/triangle_files.hpp"
 

@@ -24,8 +24,8 @@ TriangleSurface polyhedron_surface(std::vector<Vec3> points, const NumberLists& 
 
 /// Faces of polyhedron() are written with six digits: below this angle in degrees they count as one.
 inline constexpr double kPolyhedronSharpAngle = 1;
-/// Of a polyhedron with more faces, edges that turn by no more than kSmoothTurn (prism.hpp) stand for a
-/// curve.
+/// Of a polyhedron with more faces, edges that turn by no more than kSmoothTurn (swept_outline.hpp) stand for
+/// a curve.
 inline constexpr std::size_t kMostSharpFaces = 24;
 
 }  // namespace mortise::model_reader

@@ -6,8 +6,8 @@
 
 #include "host/model/affine.hpp"
 #include "host/model/outlines/polygons.hpp"
-#include "host/model/solids/prism.hpp"
 #include "host/model/solids/sweep.hpp"
+#include "host/model/solids/swept_outline.hpp"
 #include "host/model/text.hpp"
 
 namespace mortise::model_reader {

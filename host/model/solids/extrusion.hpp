@@ -15,7 +15,7 @@ struct LinearSweep {
     double twist = 0;
     Vec2 scale = {1, 1};  ///< not negative; 0: an apex or a ridge at the top
     double base = 0;      ///< z of the bottom
-    bool smooth = true;   ///< edges that turn by little stand for a curve (prism.hpp)
+    bool smooth = true;   ///< edges that turn by little stand for a curve (swept_outline.hpp)
 };
 
 /// The shape's x becomes the distance from the z axis, its y becomes z.

@@ -11,8 +11,8 @@
 #include "host/model/affine.hpp"
 #include "host/model/solids/convex_hull.hpp"
 #include "host/model/solids/convex_pieces.hpp"
-#include "host/model/solids/prism.hpp"
 #include "host/model/solids/rounded_solids.hpp"
+#include "host/model/solids/swept_outline.hpp"
 #include "host/model/text.hpp"
 #include "host/model/triangles/surface_repair.hpp"
 

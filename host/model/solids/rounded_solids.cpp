@@ -10,7 +10,7 @@
 #include "host/model/outlines/polygons.hpp"
 #include "host/model/solids/convex_hull.hpp"
 #include "host/model/solids/convex_pieces.hpp"
-#include "host/model/solids/prism.hpp"
+#include "host/model/solids/swept_outline.hpp"
 
 namespace mortise::model_reader {
 namespace {

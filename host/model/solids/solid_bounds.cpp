@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "host/model/affine.hpp"
-#include "host/model/solids/prism.hpp"
+#include "host/model/solids/swept_outline.hpp"
 
 namespace mortise::model_reader {
 namespace {

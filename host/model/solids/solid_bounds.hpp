@@ -15,7 +15,7 @@ namespace mortise::model_reader {
 struct Extent {
     Vec3 centre{};
     std::array<Vec3, 3> axes{};
-    bool is_curved = false;  ///< a point of an outline with curves (prism.hpp)
+    bool is_curved = false;  ///< a point of an outline with curves (swept_outline.hpp)
 };
 
 /// Nodes of the model whose convex hull is that of these extents.

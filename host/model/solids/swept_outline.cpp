@@ -1,4 +1,4 @@
-#include "host/model/solids/prism.hpp"
+#include "host/model/solids/swept_outline.hpp"
 
 #include <algorithm>
 #include <cmath>
