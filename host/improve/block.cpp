@@ -86,6 +86,7 @@ void Block::load(const Zone& zone, const std::vector<std::uint32_t>& tetrahedra,
         tips_.push_back(tip.second);
         tip_[place[tip.first]] = static_cast<std::uint8_t>(tips_.size());
     }
+    loaded_ = static_cast<Local>(points_.size());
     alive_.assign(tetrahedra_.size(), 1);
     original_ = tetrahedra_;
     original_points_ = points_;
@@ -110,21 +111,30 @@ void Block::load(const Zone& zone, const std::vector<std::uint32_t>& tetrahedra,
 Block::Result Block::result() const {
     Result result;
     result.counters = counters;
-    for (const Local n : renewed_) result.strata.push_back({zone_node_[n], strata_[n]});
-    for (std::size_t i = 0; i < points_.size(); ++i) {
+    for (const Local n : renewed_) {
+        if (n < loaded_) result.strata.push_back({zone_node_[n], strata_[n]});
+    }
+    for (std::size_t i = loaded_; i < points_.size(); ++i)
+        result.added.push_back({points_[i], size_[i], strata_[i]});
+    for (std::size_t i = 0; i < loaded_; ++i) {
         if (free_[i] != 0) result.points.push_back({zone_node_[i], points_[i]});
     }
     for (std::size_t i = 0; i < tetrahedra_.size(); ++i) {
         if (alive_[i] == 0) continue;
         Tetrahedron t = tetrahedra_[i];
-        const bool inside =
-            std::all_of(t.node.begin(), t.node.end(), [this](Local n) { return free_[n] != 0; });
+        const bool inside = is_inside(t.node);
         t.stuck = inside && !has_changed(static_cast<std::uint32_t>(i));
         result.slivers += inside && t.quality < kMergeBelow ? 1 : 0;
+        result.poor += inside && t.quality < kRelieved ? 1 : 0;
         for (auto& n : t.node) n = zone_node_[n];
         result.tetrahedra.push_back(t);
     }
+    result.slivers_unrefined = result.slivers;
     return result;
+}
+
+bool Block::is_inside(const std::array<Local, 4>& node) const {
+    return std::all_of(node.begin(), node.end(), [this](Local n) { return free_[n] != 0; });
 }
 
 double Block::quality(const std::array<Local, 4>& n) const {
@@ -278,7 +288,7 @@ void Block::tag_added(Change& change, const std::vector<FaceEntry>& entries) con
 
 Block::Fit Block::fit(std::uint32_t surface, const Point& a, const Point& b, const Point& c) const {
     const Point normal = cross(b - a, c - a);
-    const Surfaces::Sample s = surfaces_.sample(surface, (1.0 / 3) * (a + b + c));
+    const Surfaces::Sample s = surfaces_->sample(surface, (1.0 / 3) * (a + b + c));
     if (!s.valid) return {};
     const double slope = length(s.gradient);
     const double product = length(normal) * slope;
@@ -360,21 +370,25 @@ void Block::run(const BlockOptions& options) {
     if (options_.watch_facets) collapse_short_edges();  // what goes now need not be watched while it moves
     const bool all_placed = project_nodes();
     collapse_short_edges();
-    // Where the model itself has no room for good elements, the search must end.
-    const auto left = static_cast<std::uint64_t>(std::count(alive_.begin(), alive_.end(), 1));
-    most_tried_ = kMostTries * left;
-    most_evaluated_ =
-        evaluated_ + (options_.watch_facets ? kMostWatchedEvaluations : kMostEvaluations) * left;
-    trials_left_ = options.look_ahead ? kLeastTrials + left / kTetrahedraPerTrial : 0;
-    const auto mend = [&] {
-        sweep();
-        for (int again = 0; again < kLookAheads && !is_spent() && look_ahead_all(); ++again) sweep();
-    };
-    mend();
+    mend(static_cast<std::uint64_t>(std::count(alive_.begin(), alive_.end(), 1)));
     if (all_placed || is_hopeless()) return;
     // Nodes that could not be put on their stratum may have room there now.
     project_nodes();
-    mend();
+    mend_further();
+}
+
+/// Where the model itself has no room for good elements, the search must end: `tetrahedra` bounds it.
+void Block::mend(std::uint64_t tetrahedra) {
+    most_tried_ = counters.tried + kMostTries * tetrahedra;
+    most_evaluated_ =
+        evaluated_ + (options_.watch_facets ? kMostWatchedEvaluations : kMostEvaluations) * tetrahedra;
+    trials_left_ = options_.look_ahead ? kLeastTrials + tetrahedra / kTetrahedraPerTrial : 0;
+    mend_further();
+}
+
+void Block::mend_further() {
+    sweep();
+    for (int again = 0; again < kLookAheads && !is_spent() && look_ahead_all(); ++again) sweep();
 }
 
 }  // namespace mortise::improve

@@ -33,6 +33,16 @@ inline constexpr double kMostSag = 0.15;
 /// Elements at least this good do not justify that a feature is lost: scaled Jacobian 0.065, 5.7 degrees.
 inline constexpr double kMergeBelow = 0.1;
 
+/// Elements at least this good do not justify smaller ones around them: about 15 degrees, 160 degrees, a
+/// scaled Jacobian of 0.16.
+inline constexpr double kRefineBelow = 0.25;
+
+/// Where smaller elements reach this nothing need be merged: scaled Jacobian 0.13.
+inline constexpr double kRelieved = 0.2;
+
+/// Nodes that a block has added are numbered from here until the zone has numbered them.
+inline constexpr ZoneNode kNewNode = 0x80000000u;
+
 struct BlockOptions {
     bool reposition = true;        ///< move nodes (besides their projection onto the model)
     bool change_boundary = true;   ///< false: facets stay as they are
@@ -50,6 +60,7 @@ struct BlockCounters {
     std::uint64_t merged = 0;   ///< of these, nodes of one feature with those of another
     std::uint64_t swapped = 0;  ///< edges and faces removed
     std::uint64_t moved = 0;
+    std::uint64_t split = 0;     ///< edges
     std::uint64_t compound = 0;  ///< changes of several steps (lookahead.cpp)
     std::uint64_t tried = 0;     ///< elements for which changes were sought
     std::uint64_t repeated = 0;  ///< blocks that were done again with facets, or their nodes, left alone
@@ -58,7 +69,7 @@ struct BlockCounters {
 
 class Block {
   public:
-    explicit Block(const Surfaces& surfaces) : surfaces_(surfaces) {}
+    explicit Block(const Surfaces& surfaces) : surfaces_(&surfaces) {}
 
     /// Loads the elements with these indices of the zone; `place` is scratch of one number per node of the
     /// zone, all kNone, and is left so. free[i]: node i of the zone may move.
@@ -67,6 +78,9 @@ class Block {
               std::vector<std::uint32_t>& place);
 
     void run(const BlockOptions& options);
+
+    /// After run(): makes elements smaller where they are poor, if that helps. False if nothing was done.
+    bool refine();
 
     /// Whether the block still is a mesh with the same outside: every face has its partner, or is a facet, or
     /// lies on the block's border as before; nodes do not coincide.
@@ -78,12 +92,21 @@ class Block {
     /// Nodes of the zone with their strata.
     using Strata = std::vector<std::pair<ZoneNode, std::vector<std::uint32_t>>>;
 
+    struct NewNode {
+        Point at;
+        double size;  ///< edge of the smallest leaf there, in finest cells
+        std::vector<std::uint32_t> stratum;
+    };
+
     /// What is left, in the zone's numbers.
     struct Result {
         std::vector<Tetrahedron> tetrahedra;
+        std::vector<NewNode> added;                      ///< node kNewNode + i is the i-th
         std::vector<std::pair<ZoneNode, Point>> points;  ///< where free nodes are now
         Strata strata;                                   ///< those that merging has changed
         std::size_t slivers = 0;                         ///< elements that merging is for
+        std::size_t slivers_unrefined = 0;               ///< before refine()
+        std::size_t poor = 0;                            ///< elements below kRelieved
         BlockCounters counters;
     };
     Result result() const;
@@ -150,6 +173,7 @@ class Block {
     bool facets_cross(Local node);
 
     // block.cpp
+    bool is_inside(const std::array<Local, 4>& node) const;
     void apply(const Change& change);
     double quality(const std::array<Local, 4>& node) const;
     bool is_short_edge(Local a, Local b) const {
@@ -171,13 +195,27 @@ class Block {
     double alignment(std::uint32_t surface, const Point& a, const Point& b, const Point& c) const {
         return fit(surface, a, b, c).alignment;
     }
-    bool is_plane(std::uint32_t surface) const { return surfaces_.is_plane(surface); }
+    bool is_plane(std::uint32_t surface) const { return surfaces_->is_plane(surface); }
     bool improve(std::uint32_t tetrahedron);
     void sweep();
+    void mend(std::uint64_t tetrahedra);
+    void mend_further();
     bool is_spent() const { return counters.tried >= most_tried_ || evaluated_ > most_evaluated_; }
     bool has_changed(std::uint32_t tetrahedron) const;
     void touch(Local node);
     void collapse_short_edges();
+
+    // refine.cpp
+    Local add_node(const Point& at, double size, std::vector<std::uint32_t> stratum);
+    Local split_edge(Local a, Local b);
+    struct Seed;
+    struct Cluster;
+    std::vector<Cluster> find_clusters() const;
+    std::vector<Seed> find_seeds(const std::vector<std::uint32_t>& members) const;
+    std::size_t split_long_edges(const std::vector<std::uint32_t>& members);
+    bool relieve(const Cluster& cluster, const std::vector<std::uint32_t>& members);
+    bool share_tetrahedron(Local a, Local b) const;
+    bool is_relief(const Block& before, const Cluster& cluster) const;
 
     // lookahead.cpp
     struct Candidate;
@@ -228,16 +266,17 @@ class Block {
                       Change& change);
 
     // smooth.cpp
-    bool project_nodes();
+    bool project_nodes(Local first = 0);
     bool smooth(Local node);
     void gather_views(Local node);
     double quality_at(const Point& p, double enough);
     double star_quality(Local node, double enough) const;
     Fit worst_fit(Local node) const;
 
-    const Surfaces& surfaces_;
+    const Surfaces* surfaces_;
     BlockOptions options_;
-    std::vector<Local> zone_node_;
+    std::vector<ZoneNode> zone_node_;
+    Local loaded_ = 0;  ///< nodes of the zone; the others are new
     std::vector<Point> points_;
     std::vector<double> size_;  ///< per node: edge of the smallest leaf around it, in finest cells
     double unit_ = 1;           ///< Zone::unit

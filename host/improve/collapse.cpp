@@ -278,7 +278,7 @@ bool Block::chord_is_close(Local gone, Local a, Local b) const {
     const Point middle = 0.5 * (points_[a] + points_[b]);
     const double limit = std::max(kChordError * length(points_[a] - points_[b]), kOffSurface * size_[gone]);
     const auto distance = [&](std::uint32_t surface, const Point& x) {
-        const Surfaces::Sample s = surfaces_.sample(surface, x);
+        const Surfaces::Sample s = surfaces_->sample(surface, x);
         return s.valid ? std::fabs(s.value) / length(s.gradient) : HUGE_VAL;
     };
     return std::all_of(strata_[gone].begin(), strata_[gone].end(), [&](std::uint32_t surface) {

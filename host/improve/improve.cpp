@@ -48,7 +48,8 @@ class Improver {
     void pass(int pairing, int shift, bool look_ahead, Counters& counters) {
         group(pairing, kBlockCells / kShifts * shift);
         find_free_nodes();
-        const std::vector<Point> before = zone_.points;
+        std::vector<Point> before = zone_.points;
+        std::vector<std::vector<Block::NewNode>> added(groups_.size());
         std::vector<std::vector<Tetrahedron>> results(groups_.size());
         std::vector<Block::Strata> strata(groups_.size());
         const auto threads = static_cast<std::size_t>(thread_count(options_.threads));
@@ -74,9 +75,12 @@ class Improver {
             }
             for (const auto& [node, point] : result->points) zone_.points[node] = point;
             results[begin] = std::move(result->tetrahedra);
+            added[begin] = std::move(result->added);
             strata[begin] = std::move(result->strata);
             counted[begin] = result->counters;
         });
+        for (std::uint32_t g = 0; g < groups_.size(); ++g) number_added(g, added[g], results[g]);
+        before.resize(zone_.points.size(), {HUGE_VAL, HUGE_VAL, HUGE_VAL});
         std::vector<Tetrahedron> all = join(results);
         while (revert_clashes(before, all, results, counted)) all = join(results);
         for (std::size_t g = 0; g < groups_.size(); ++g) {
@@ -85,12 +89,27 @@ class Improver {
             counters.block.merged += counted[g].merged;
             counters.block.swapped += counted[g].swapped;
             counters.block.moved += counted[g].moved;
+            counters.block.split += counted[g].split;
             counters.block.compound += counted[g].compound;
             counters.block.tried += counted[g].tried;
             counters.block.repeated += counted[g].repeated;
             counters.block.given_up += counted[g].given_up;
         }
         zone_.tetrahedra = std::move(all);
+    }
+
+    /// Gives the nodes that a block has added their numbers in the zone.
+    void number_added(std::uint32_t group, const std::vector<Block::NewNode>& added,
+                      std::vector<Tetrahedron>& tetrahedra) {
+        if (added.empty()) return;
+        const auto first = static_cast<ZoneNode>(zone_.points.size());
+        for (const Block::NewNode& node : added) zone_.add_node(node.at, std::ilogb(node.size), node.stratum);
+        owner_.resize(zone_.points.size(), group);
+        for (Tetrahedron& t : tetrahedra) {
+            for (ZoneNode& n : t.node) {
+                if (n >= kNewNode) n = first + (n - kNewNode);
+            }
+        }
     }
 
     /// Whether so much is poor that the model itself must be the reason.
@@ -110,33 +129,51 @@ class Improver {
     }
 
   private:
-    /// Merging is for what nothing else helps, changes of several steps neither; but where creases run side
-    /// by side there is no doubt.
+    /// Merging is for what nothing else helps, changes of several steps and smaller elements neither; but
+    /// where creases run side by side there is no doubt.
     template <class Load>
     std::optional<Block::Result> run_block(Block& block, const Load& load, const BlockOptions& plain) const {
         load();
-        if (!(options_.merge_distance > 0)) return run_carefully(block, load, plain);
+        if (!(options_.merge_distance > 0)) return run_and_refine(block, load, plain);
         BlockOptions merging = plain;
         merging.merge_distance = options_.merge_distance;
         const bool merges_first = block.has_creases_side_by_side(options_.merge_distance);
-        std::optional<Block::Result> result = run_carefully(block, load, merges_first ? merging : plain);
-        if (result && (merges_first || result->slivers == 0 || !plain.look_ahead)) return result;
+        std::optional<Block::Result> result = run_and_refine(block, load, merges_first ? merging : plain);
+        if (result &&
+            (merges_first || !plain.look_ahead || result->slivers_unrefined == 0 || result->poor == 0))
+            return result;
         load();
-        std::optional<Block::Result> other = run_carefully(block, load, merges_first ? plain : merging);
-        return other && (!result || other->slivers < result->slivers) ? other : result;
+        std::optional<Block::Result> other = run_and_refine(block, load, merges_first ? plain : merging);
+        const auto is_better = [](const Block::Result& a, const Block::Result& b) {
+            return a.slivers != b.slivers ? a.slivers < b.slivers : a.poor < b.poor;
+        };
+        return other && (!result || is_better(*other, *result)) ? other : result;
     }
 
-    /// Whatever goes wrong in a block, the mesh stays valid: the block is done again more carefully, or
-    /// nothing is returned. The block has been loaded.
     template <class Load>
-    static std::optional<Block::Result> run_carefully(Block& block, const Load& load, BlockOptions options) {
+    static std::optional<Block::Result> run_and_refine(Block& block, const Load& load,
+                                                       const BlockOptions& options) {
+        if (!run_carefully(block, load, options)) return std::nullopt;
+        const Block before = block;
+        if (!block.refine()) return block.result();
+        Block::Result unrefined = before.result();
+        if (!block.verify() || block.has_crossed()) return unrefined;
+        Block::Result result = block.result();
+        result.slivers_unrefined = unrefined.slivers;
+        return result;
+    }
+
+    /// Whatever goes wrong in a block, the mesh stays valid: the block is done again more carefully, or false
+    /// is returned. The block has been loaded.
+    template <class Load>
+    static bool run_carefully(Block& block, const Load& load, BlockOptions options) {
         for (int attempt = 0; attempt < 4; ++attempt) {
             if (attempt > 0) load();
             block.counters = {};
             block.counters.repeated = attempt > 0 ? 1 : 0;
             block.run(options);
             const bool sound = block.verify();
-            if (sound && !block.has_crossed()) return block.result();
+            if (sound && !block.has_crossed()) return true;
             if (!options.change_boundary) break;
             if (sound && !options.watch_facets) {
                 options.watch_facets = true;
@@ -147,7 +184,7 @@ class Improver {
             options.move_boundary = options.look_ahead;
             options.look_ahead = false;
         }
-        return std::nullopt;
+        return false;
     }
 
     double quality_of(const Pyramid& p) const {

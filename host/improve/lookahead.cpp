@@ -44,7 +44,7 @@ double Block::worst_sag(std::uint32_t tetrahedron) const {
         if (t.tag[f] == 0 || is_plane(tag_surface(t.tag[f]))) continue;
         const auto& o = kOpposite[f];
         const Local n[3] = {t.node[o[0]], t.node[o[1]], t.node[o[2]]};
-        const Surfaces::Sample s = surfaces_.sample(
+        const Surfaces::Sample s = surfaces_->sample(
             tag_surface(t.tag[f]), (1.0 / 3) * (points_[n[0]] + points_[n[1]] + points_[n[2]]));
         if (!s.valid) continue;
         const double size = std::min({size_[n[0]], size_[n[1]], size_[n[2]]});

@@ -19,8 +19,8 @@ constexpr double kFacingAway = 0.5;  ///< cosine between outward normals, less t
 
 bool Block::has_creases_side_by_side(double merge_distance) const {
     const auto direction = [this](Local n) -> Point {
-        const Surfaces::Sample a = surfaces_.sample(strata_[n][0], points_[n]);
-        const Surfaces::Sample b = surfaces_.sample(strata_[n][1], points_[n]);
+        const Surfaces::Sample a = surfaces_->sample(strata_[n][0], points_[n]);
+        const Surfaces::Sample b = surfaces_->sample(strata_[n][1], points_[n]);
         return a.valid && b.valid ? cross(a.gradient, b.gradient) : Point{0, 0, 0};
     };
     const auto is_side_by_side = [&](Local a, Local b) {
@@ -100,7 +100,7 @@ bool Block::may_merge(Local gone, Local kept) {
     const double reach = options_.merge_distance * std::min(size_[gone], size_[kept]);
     const auto is_near = [&](std::uint32_t surface) {
         if (std::binary_search(strata_[kept].begin(), strata_[kept].end(), surface)) return true;
-        const Surfaces::Sample s = surfaces_.sample(surface, points_[kept]);
+        const Surfaces::Sample s = surfaces_->sample(surface, points_[kept]);
         return s.valid && std::fabs(s.value) <= reach * length(s.gradient);
     };
     if (!std::all_of(strata_[gone].begin(), strata_[gone].end(), is_near) || makes_blade(gone, kept))

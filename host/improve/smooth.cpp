@@ -49,7 +49,7 @@ Block::Fit Block::worst_fit(Local node) const {
 /// Nodes of the certificate lie on their surfaces to within the chords of curved creases: puts them there.
 /// Where a mesh touches itself, two nodes may have the same target: they stay. False if a node had to stay
 /// because an element would have become too flat.
-bool Block::project_nodes() {
+bool Block::project_nodes(Local first) {
     if (!options_.move_boundary) return true;
     struct Target {
         Point at;
@@ -58,7 +58,7 @@ bool Block::project_nodes() {
     };
     std::vector<Target> targets;
     double largest = 0;
-    for (Local n = 0; n < points_.size(); ++n) {
+    for (Local n = first; n < points_.size(); ++n) {
         if (star_[n].empty() || strata_[n].empty()) continue;
         largest = std::max(largest, size_[n]);
         Target t{points_[n], n, false};
@@ -66,7 +66,7 @@ bool Block::project_nodes() {
             t.at = tips_[tip_[n] - 1u];
             t.moves = t.at != points_[n];
         } else if (free_[n] != 0 && (options_.change_boundary || strata_[n].size() < 3)) {
-            t.moves = surfaces_.project(strata_[n].data(), strata_[n].size(), size_[n], &t.at) &&
+            t.moves = surfaces_->project(strata_[n].data(), strata_[n].size(), size_[n], &t.at) &&
                       t.at != points_[n];
         }
         targets.push_back(t);
@@ -198,7 +198,7 @@ bool Block::smooth(Local node) {
     } else {
         Point normal[2];
         for (std::size_t k = 0; k < on.size(); ++k) {
-            const Surfaces::Sample s = surfaces_.sample(on[k], start);
+            const Surfaces::Sample s = surfaces_->sample(on[k], start);
             if (!s.valid) return false;
             normal[k] = (1 / length(s.gradient)) * s.gradient;
         }
@@ -230,7 +230,7 @@ bool Block::smooth(Local node) {
     };
     const auto attempt = [&](const Point& from, const Point& candidate) {
         Point p = candidate;
-        if (!on.empty() && !surfaces_.project(on.data(), on.size(), size_[node], &p)) return false;
+        if (!on.empty() && !surfaces_->project(on.data(), on.size(), size_[node], &p)) return false;
         const double needed = std::max(best * kLeastGain, kLowestQuality);
         double value = quality_at(p, needed);
         if (!(value > needed)) return false;

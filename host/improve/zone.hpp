@@ -36,7 +36,8 @@ struct Tetrahedron {
     double quality = 0;
     std::uint16_t region = 0;
     std::uint8_t kind = 0;
-    bool stuck = false;  ///< nothing helped, with all its nodes free, and nothing near it has changed since
+    bool stuck = false;    ///< nothing helped, with all its nodes free, and nothing near it has changed since
+    bool refined = false;  ///< smaller elements around it did not help
 };
 
 /// Nodes of the face opposite node i of a tetrahedron, outward.
@@ -79,6 +80,18 @@ struct Zone {
 
     std::size_t stratum_size(ZoneNode i) const { return stratum_end[i] - stratum_begin[i]; }
     const std::uint32_t* surfaces(ZoneNode i) const { return stratum.data() + stratum_begin[i]; }
+    /// Appends a free node that is not in the mesh yet.
+    void add_node(const Point& at, int node_size_class, const std::vector<std::uint32_t>& surfaces_at) {
+        points.push_back(at);
+        size_class.push_back(static_cast<std::uint8_t>(node_size_class));
+        frozen.push_back(0);
+        joined.push_back(0);
+        mesh_node.push_back(kNone);
+        original.push_back(at);
+        stratum_begin.push_back(static_cast<std::uint32_t>(stratum.size()));
+        stratum.insert(stratum.end(), surfaces_at.begin(), surfaces_at.end());
+        stratum_end.push_back(static_cast<std::uint32_t>(stratum.size()));
+    }
     void set_strata(const std::vector<std::pair<ZoneNode, std::vector<std::uint32_t>>>& strata) {
         for (const auto& [node, surfaces] : strata) {
             stratum_begin[node] = static_cast<std::uint32_t>(stratum.size());
