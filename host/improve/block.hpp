@@ -211,8 +211,8 @@ class Block {
     struct Seed;
     struct Cluster;
     std::vector<Cluster> find_clusters() const;
-    std::vector<Seed> find_seeds(const std::vector<std::uint32_t>& members) const;
-    std::size_t split_long_edges(const std::vector<std::uint32_t>& members);
+    std::vector<Seed> find_seeds(const std::vector<std::uint32_t>& members, double edge_per_height) const;
+    std::size_t split_long_edges(const std::vector<std::uint32_t>& members, double edge_per_height);
     bool relieve(const Cluster& cluster, const std::vector<std::uint32_t>& members);
     bool share_tetrahedron(Local a, Local b) const;
     bool is_relief(const Block& before, const Cluster& cluster) const;

@@ -13,7 +13,8 @@
 namespace mortise::improve {
 namespace {
 
-constexpr double kEdgePerHeight = 1.3;   ///< length asked for where a poor element is, in its heights
+/// Length asked for where a poor element is, in its heights: the second only if the first is no relief.
+constexpr double kEdgesPerHeight[] = {3, 1.3};
 constexpr double kShortestAsked = 0.07;  ///< edges of the smallest leaf: what is lower stays poor
 constexpr double kLongestAsked = 0.5;
 constexpr double kGrowth = 0.7;   ///< of the length, with distance from the poor element
@@ -29,8 +30,8 @@ constexpr std::size_t kMostSplitsPerMember = 40;
 constexpr double kLeastRelief = 0.2;
 /// Of elements worse than this it does not count how much worse they are.
 constexpr double kLeastWeighed = 0.003;
-constexpr double kMostRefinedSag = 0.1;  ///< of a facet, in cells, unless it was larger
-constexpr std::size_t kMostAround = 48;  ///< elements around a node; 24 are usual
+constexpr double kMostRefinedSag = 0.1;   ///< of a facet, in cells, unless it was larger
+constexpr std::size_t kMostAround = 100;  ///< elements around a node; 24 are usual
 constexpr std::size_t kMostRing = 16;
 
 struct LongEdge {
@@ -178,7 +179,8 @@ std::vector<Block::Cluster> Block::find_clusters() const {
 }
 
 /// What length of edges poor elements ask for.
-std::vector<Block::Seed> Block::find_seeds(const std::vector<std::uint32_t>& members) const {
+std::vector<Block::Seed> Block::find_seeds(const std::vector<std::uint32_t>& members,
+                                           double edge_per_height) const {
     std::vector<Seed> seeds;
     for (const std::uint32_t i : members) {
         const Tetrahedron& t = tetrahedra_[i];
@@ -188,7 +190,7 @@ std::vector<Block::Seed> Block::find_seeds(const std::vector<std::uint32_t>& mem
             p[k] = points_[t.node[k]];
             size = std::min(size, size_[t.node[k]]);
         }
-        const double asked = std::max(kEdgePerHeight * height(p), kShortestAsked * size);
+        const double asked = std::max(edge_per_height * height(p), kShortestAsked * size);
         seeds.push_back({0.25 * (p[0] + p[1] + p[2] + p[3]), std::min(asked, kLongestAsked * size)});
     }
     return seeds;
@@ -196,8 +198,8 @@ std::vector<Block::Seed> Block::find_seeds(const std::vector<std::uint32_t>& mem
 
 /// Splits edges around poor elements that are longer than these ask for. Returns how many were split, 0 if
 /// that would be too many.
-std::size_t Block::split_long_edges(const std::vector<std::uint32_t>& members) {
-    const std::vector<Seed> seeds = find_seeds(members);
+std::size_t Block::split_long_edges(const std::vector<std::uint32_t>& members, double edge_per_height) {
+    const std::vector<Seed> seeds = find_seeds(members, edge_per_height);
     std::priority_queue<LongEdge> queue;
     std::vector<std::uint8_t> seen(points_.size());
     std::vector<Local> next;
@@ -289,15 +291,17 @@ bool Block::is_relief(const Block& before, const Cluster& cluster) const {
 /// Tries smaller elements around what is left of a cluster.
 bool Block::relieve(const Cluster& cluster, const std::vector<std::uint32_t>& members) {
     Block before = *this;
-    const auto first_added = static_cast<Local>(points_.size());
-    const std::size_t splits = split_long_edges(members);
-    if (splits > 0) {
-        project_nodes(first_added);
-        mend(splits * kTetrahedraPerSplit);
-        if (is_relief(before, cluster)) return true;
+    for (const double edge_per_height : kEdgesPerHeight) {
+        const auto first_added = static_cast<Local>(points_.size());
+        const std::size_t splits = split_long_edges(members, edge_per_height);
+        if (splits > 0) {
+            project_nodes(first_added);
+            mend(splits * kTetrahedraPerSplit);
+            if (is_relief(before, cluster)) return true;
+        }
+        before.evaluated_ = evaluated_;
+        *this = before;
     }
-    before.evaluated_ = evaluated_;
-    *this = std::move(before);
     for (const std::uint32_t i : members) tetrahedra_[i].refined = true;
     return false;
 }
