@@ -23,9 +23,12 @@ class GeoReader {
 
     Model read() {
         model_.source = source_;
-        // One or two nodes for each parenthesis; growing would move them all again and again.
-        const auto nodes = static_cast<std::size_t>(std::count(text_.begin(), text_.end(), '('));
-        model_.nodes.reserve(std::min(2 * nodes + nodes / 8, text_.size() / 16) + 64);
+        // Two nodes for each parenthesis and each operation, two of which most solids have: growing would
+        // move them all again and again, and memory that is not used is not touched.
+        const auto count = [this](char c) {
+            return static_cast<std::size_t>(std::count(text_.begin(), text_.end(), c));
+        };
+        model_.nodes.reserve(std::min(2 * (count('(') + count('=')), text_.size() / 16) + 64);
         if (lexer_.at_end()) fail_here("the file is empty; expected 'algebraic3d'");
         if (!lexer_.take_word("algebraic3d")) {
             fail_here("expected 'algebraic3d' as the first word of a Netgen geometry, found " +
