@@ -167,6 +167,21 @@ TEST_CASE("a smooth surface: poor elements are few, and most parts hold none") {
     check_stream(mesher, ball(), options, 100);
 }
 
+// Improvement adds nodes around a step of a fifteenth of a cell.
+TEST_CASE("a step with smaller elements beside it, in parts") {
+    Mesher mesher;
+    const Model model = parse_model(
+        "multmatrix([[0.8, -0.6, 0, 0], [0.6, 0.8, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]) {"
+        " cube(size = [20, 20, 10]); cube(size = [40, 13, 10.1]); }",
+        "csg", "step.csg");
+    MeshOptions options;
+    options.level = 5;
+    for (const int pieces : {3, 40}) {
+        CAPTURE(pieces);
+        check_stream(mesher, model, options, pieces);
+    }
+}
+
 TEST_CASE("several regions, with interfaces on cell faces") {
     Mesher mesher;
     MeshOptions options;
