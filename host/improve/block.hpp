@@ -214,6 +214,8 @@ class Block {
     std::vector<Seed> find_seeds(const std::vector<std::uint32_t>& members, double edge_per_height) const;
     std::size_t split_long_edges(const std::vector<std::uint32_t>& members, double edge_per_height);
     bool relieve(const Cluster& cluster, const std::vector<std::uint32_t>& members);
+    static double asked_length(const std::vector<Seed>& seeds, const Point& at, double most);
+    std::vector<Local> neighbours(Local node) const;
     bool share_tetrahedron(Local a, Local b) const;
     bool is_relief(const Block& before, const Cluster& cluster) const;
 

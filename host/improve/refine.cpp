@@ -196,6 +196,31 @@ std::vector<Block::Seed> Block::find_seeds(const std::vector<std::uint32_t>& mem
     return seeds;
 }
 
+/// Length that the seeds ask for at a point, or `most` if that is shorter.
+double Block::asked_length(const std::vector<Seed>& seeds, const Point& at, double most) {
+    double asked = most;
+    for (const Seed& seed : seeds) {
+        if (seed.length >= asked) continue;
+        const double room = (asked - seed.length) / kGrowth;
+        const double distance = squared_length(at - seed.at);
+        if (distance < room * room) asked = seed.length + kGrowth * std::sqrt(distance);
+    }
+    return asked;
+}
+
+/// Nodes at the other ends of a node's edges, ascending.
+std::vector<Block::Local> Block::neighbours(Local node) const {
+    std::vector<Local> result;
+    for (const std::uint32_t i : star_[node]) {
+        for (const Local n : tetrahedra_[i].node) {
+            if (n != node) result.push_back(n);
+        }
+    }
+    std::sort(result.begin(), result.end());
+    result.erase(std::unique(result.begin(), result.end()), result.end());
+    return result;
+}
+
 /// Splits edges around poor elements that are longer than these ask for. Returns how many were split, 0 if
 /// that would be too many.
 std::size_t Block::split_long_edges(const std::vector<std::uint32_t>& members, double edge_per_height) {
@@ -209,31 +234,12 @@ std::size_t Block::split_long_edges(const std::vector<std::uint32_t>& members, d
         next.push_back(n);
     };
     const auto ask = [&](Local a, Local b) {
-        const Point middle = 0.5 * (points_[a] + points_[b]);
         const double edge = length(points_[b] - points_[a]);
-        double asked = edge;
-        for (const Seed& seed : seeds) {
-            if (seed.length >= asked) continue;
-            const double room = (asked - seed.length) / kGrowth;
-            const double distance = squared_length(middle - seed.at);
-            if (distance < room * room) asked = seed.length + kGrowth * std::sqrt(distance);
-        }
+        const double asked = asked_length(seeds, 0.5 * (points_[a] + points_[b]), edge);
         if (!(edge > kTooLong * asked)) return;
         queue.push({edge / asked, std::min(a, b), std::max(a, b)});
         visit(a);
         visit(b);
-    };
-    std::vector<Local> around;
-    const auto ask_around = [&](Local n) {
-        around.clear();
-        for (const std::uint32_t i : star_[n]) {
-            for (const Local other : tetrahedra_[i].node) {
-                if (other != n) around.push_back(other);
-            }
-        }
-        std::sort(around.begin(), around.end());
-        around.erase(std::unique(around.begin(), around.end()), around.end());
-        for (const Local other : around) ask(n, other);
     };
     for (const std::uint32_t i : members) {
         for (const Local n : tetrahedra_[i].node) visit(n);
@@ -244,7 +250,7 @@ std::size_t Block::split_long_edges(const std::vector<std::uint32_t>& members, d
         while (!next.empty()) {
             const Local n = next.back();
             next.pop_back();
-            ask_around(n);
+            for (const Local other : neighbours(n)) ask(n, other);
         }
         if (queue.empty()) break;
         const LongEdge edge = queue.top();
