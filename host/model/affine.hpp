@@ -17,6 +17,12 @@ inline double length(const Vec3& v) { return std::hypot(v[0], v[1], v[2]); }
 /// v divided by its length; exact for vectors along a coordinate axis. Precondition: v is finite, not zero.
 Vec3 unit(const Vec3& v);
 
+/// A point's image.
+inline Vec3 image(const Affine& m, const Vec3& p) {
+    return {m[0] * p[0] + m[1] * p[1] + m[2] * p[2] + m[3], m[4] * p[0] + m[5] * p[1] + m[6] * p[2] + m[7],
+            m[8] * p[0] + m[9] * p[1] + m[10] * p[2] + m[11]};
+}
+
 Affine translation(const Vec3& shift);
 
 /// The map x -> x0·column0 + x1·column1 + x2·column2 + origin.

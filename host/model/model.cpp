@@ -77,6 +77,24 @@ void require_polyhedron(const Primitive& primitive) {
     }
 }
 
+void require_rounded(const Primitive& primitive) {
+    if (!primitive.rounded || primitive.rounded->balls.empty()) {
+        refuse("rounded solid: it has no balls; expected at least one");
+    }
+    const RoundedSolid& solid = *primitive.rounded;
+    const bool plate = solid.shape == RoundedSolid::Shape::kPlate;
+    for (const Ball& ball : solid.balls) {
+        require_finite("rounded solid", "center", ball.center);
+        if (plate && ball.radius == 0) continue;
+        require_positive("rounded solid", "radius", ball.radius);
+        if (solid.shape == RoundedSolid::Shape::kRing)
+            require_positive("rounded ring", "distance of a disc from the axis", ball.center[0] - ball.radius);
+    }
+    if (!plate) return;
+    require_positive("rounded solid", "rounding", solid.rounding);
+    require_positive("rounded solid", "height", solid.high - solid.low);
+}
+
 void check_primitive(const Primitive& primitive) {
     switch (primitive.kind) {
         case Primitive::Kind::kConvex:
@@ -98,6 +116,7 @@ void check_primitive(const Primitive& primitive) {
             if (primitive.expression.empty()) refuse("expression primitive: the formula is empty");
             return;
         case Primitive::Kind::kPolyhedron: require_polyhedron(primitive); return;
+        case Primitive::Kind::kRounded: require_rounded(primitive); return;
     }
     refuse("primitive: unknown kind " + std::to_string(static_cast<int>(primitive.kind)));
 }
@@ -248,6 +267,14 @@ Primitive polyhedron(TriangleSurface triangles, double sharp_angle) {
     result.triangles = std::make_shared<const TriangleSurface>(std::move(triangles));
     result.sharp_angle = sharp_angle;
     require_polyhedron(result);
+    return result;
+}
+
+Primitive rounded(RoundedSolid solid) {
+    Primitive result;
+    result.kind = Primitive::Kind::kRounded;
+    result.rounded = std::make_shared<const RoundedSolid>(std::move(solid));
+    require_rounded(result);
     return result;
 }
 

@@ -39,7 +39,8 @@ std::array<double, 16> signature(const Surface& s) {
         std::copy(s.map, s.map + 4, g.begin());
         return g;
     }
-    if (s.kind == kSurfaceTorus || s.kind == kSurfaceExpression || s.kind == kSurfacePatch) {
+    if (s.kind == kSurfaceTorus || s.kind == kSurfaceExpression || s.kind == kSurfacePatch ||
+        s.kind == kSurfaceRounded) {
         std::copy(s.map, s.map + 12, g.begin());
         std::copy(s.form, s.form + 4, g.begin() + 12);
     } else {
@@ -91,15 +92,17 @@ int compare_exactly(const Surface& a, const std::array<double, 16>& ga, const Su
 }
 
 /// Whether surfaces of one kind lie closer than `distance` in the whole cube: +1, -1 with the other sign, 0
-/// if not. Planes are compared at the cube's corners, others at points of `a`. Patches and formulas are not
-/// compared.
+/// if not. Planes are compared at the cube's corners, others at points of `a`. Patches, rounded
+/// solids and formulas are not compared.
 int compare_nearly(const Surface& a, const Surface& b, double distance) {
     constexpr int kSamples = 4;  // along each axis
     constexpr int kLeastFound = 6;
     constexpr int kSteps = 24;
     constexpr double kSettled = 1e-13;
     constexpr double kBeyond = 0.05;  // of the cube: points of `a` so far outside still count
-    if (a.kind != b.kind || a.kind == kSurfaceExpression || a.kind == kSurfacePatch) return 0;
+    if (a.kind != b.kind || a.kind == kSurfaceExpression || a.kind == kSurfacePatch ||
+        a.kind == kSurfaceRounded)
+        return 0;
     if (a.kind == kSurfacePlane) {
         const double side = a.map[0] * b.map[0] + a.map[1] * b.map[1] + a.map[2] * b.map[2] > 0 ? 1 : -1;
         for (int c = 0; c < 8; ++c) {

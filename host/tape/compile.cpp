@@ -12,6 +12,7 @@
 #include "host/tape/expression_parser.hpp"
 #include "host/tape/hints.hpp"
 #include "host/tape/polyhedron.hpp"
+#include "host/tape/rounded.hpp"
 #include "host/tape/surface_bounds.hpp"
 
 namespace mortise::tape {
@@ -197,8 +198,8 @@ class Compiler {
 
     std::uint32_t primitive(const Primitive& p, const Frame& frame) {
         node_ = frame.node;
-        static const char* const kNames[] = {"convex", "sphere", "cylinder", "cone",
-                                             "cone",   "torus",  "formula",  "polyhedron"};
+        static const char* const kNames[] = {"convex", "sphere",  "cylinder",   "cone",   "cone",
+                                             "torus",  "formula", "polyhedron", "rounded"};
         const std::size_t kind = static_cast<std::size_t>(p.kind);
         // An unnamed primitive counts once however often its frame is expanded: names stay short and stable.
         std::string base = *frame.name;
@@ -268,6 +269,13 @@ class Compiler {
                 s.form[0] = p.major;
                 s.form[3] = -p.radius * p.radius;
                 break;
+            case Primitive::Kind::kRounded: {
+                const auto [data, is_new] = rounded_.try_emplace(p.rounded.get());
+                if (is_new) data->second = write_rounded(*p.rounded, out_.expression_ops);
+                std::copy(s.map, s.map + 12, data->second.map);
+                s = data->second;
+                break;
+            }
             default: return formula(p, s, base, frame);
         }
         return literal(add_surface(s, base, frame.size), frame.negate);
@@ -470,6 +478,7 @@ class Compiler {
     std::map<std::string, int> counts_;
     std::map<std::uint32_t, int> ordinals_;
     std::map<std::pair<const TriangleSurface*, Affine>, std::uint32_t> polyhedra_;  ///< by shape and place
+    std::map<const RoundedSolid*, Surface> rounded_;
 };
 
 }  // namespace

@@ -70,6 +70,36 @@ void expand_spatial(const BoundModel& model, std::uint32_t word, std::uint32_t s
     }
 }
 
+/// f is convex: its tangent plane at the centre bounds it from below, and its gradient, which turns slowly,
+/// from above. `w`: half ranges of u in the cell.
+int classify_rounded(const Surface& s, const ExpressionOp* ops, const Cell& cell, const double* u,
+                     const double* w) {
+    double value = 0;
+    double g[3];
+    double reach = 0;
+    double round = 0;
+    if (s.form[2] >= kRoundedRevolution) {
+        const Range x = square({u[0] - w[0], u[0] + w[0]});
+        const Range y = square({u[1] - w[1], u[1] + w[1]});
+        const double low = std::sqrt(x.low + y.low);
+        const double high = std::sqrt(x.high + y.high);
+        const double middle[3] = {(low + high) / 2, 0, u[2]};
+        value = rounded_sample(ops + s.first_op, middle, g);
+        reach = std::fabs(g[0]) * (high - low) / 2 + std::fabs(g[2]) * w[2];
+        round = std::hypot((high - low) / 2, w[2]);
+    } else {
+        value = rounded_sample(ops + s.first_op, u, g);
+        for (int j = 0; j < 3; ++j) {
+            reach += cell.half * std::fabs(g[0] * s.map[j] + g[1] * s.map[4 + j] + g[2] * s.map[8 + j]);
+        }
+        round = std::sqrt(w[0] * w[0] + w[1] * w[1] + w[2] * w[2]);
+    }
+    const double slack = kSlack * (s.form[3] + std::fabs(u[0]) + std::fabs(u[1]) + std::fabs(u[2]));
+    const double room = s.form[0] + value - round;
+    const double above = room > 0 ? std::min(round, reach + round * round / room / 2) : round;
+    return decide(value - reach - slack, value + above + slack);
+}
+
 }  // namespace
 
 int classify_surface(const BoundModel& model, std::uint32_t index, const Cell& cell) {
@@ -83,6 +113,7 @@ int classify_surface(const BoundModel& model, std::uint32_t index, const Cell& c
             cell.half * (std::fabs(s.map[4 * i]) + std::fabs(s.map[4 * i + 1]) + std::fabs(s.map[4 * i + 2]));
     }
     if (s.kind == kSurfacePlane) return decide(u[0] - w[0], u[0] + w[0]);
+    if (s.kind == kSurfaceRounded) return classify_rounded(s, model.expression_ops.data(), cell, u, w);
     if (s.kind == kSurfaceQuadric || (s.kind == kSurfaceCone && u[2] + w[2] < 0)) {
         // Exact Taylor form about the centre: the linear part and the squares are bounded apart.
         double form[4] = {s.form[0], s.form[1], s.form[2], s.form[3]};

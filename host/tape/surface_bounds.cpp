@@ -55,7 +55,9 @@ double reach(const Surface& s) {
     for (int i = 0; i < 3; ++i) {
         const double row = std::sqrt(s.map[4 * i] * s.map[4 * i] + s.map[4 * i + 1] * s.map[4 * i + 1] +
                                      s.map[4 * i + 2] * s.map[4 * i + 2]);
-        const double extent = s.kind == kSurfaceTorus ? s.form[0] + std::sqrt(-s.form[3]) : 1;
+        const double extent = s.kind == kSurfaceTorus     ? s.form[0] + std::sqrt(-s.form[3])
+                              : s.kind == kSurfaceRounded ? s.form[3]
+                                                          : 1;
         if (row > 0) result = std::max(result, (std::fabs(s.map[4 * i + 3]) + extent) / row);
     }
     return result;

@@ -183,6 +183,44 @@ Gradient expression_gradient(const ExpressionOp* ops, std::uint32_t count, const
     return g;
 }
 
+/// Derivatives of a rounded solid by its frame coordinates: the gradient turns by no more than the distance
+/// from the centre, divided by the distance from where the surface's normals meet (kernels/shared/rounded.h).
+Gradient rounded_gradient(const Surface& s, const ExpressionOp* ops, const double* centre, const Range* u) {
+    const Range anything = {-1, 1};
+    const bool turned = s.form[2] >= kRoundedRevolution;
+    const Range squared = square(u[0]) + square(u[1]);
+    const Range radial = {std::sqrt(squared.low), std::sqrt(squared.high)};
+    double middle[3] = {centre[0], centre[1], centre[2]};
+    double half[3];
+    for (int i = 0; i < 3; ++i) half[i] = (u[i].high - u[i].low) / 2;
+    if (turned) {
+        middle[0] = (radial.low + radial.high) / 2;
+        middle[1] = 0;
+        half[0] = (radial.high - radial.low) / 2;
+        half[1] = 0;
+    }
+    double g[3];
+    const double value = rounded_sample(ops + s.first_op, middle, g);
+    const double reach = std::sqrt(half[0] * half[0] + half[1] * half[1] + half[2] * half[2]);
+    const double room = s.form[0] + value - reach;
+    if (!(room > 0)) return {anything, anything, anything};
+    const double turn = reach / room + kSlack;
+    Gradient d{};
+    for (std::size_t i = 0; i < 3; ++i) d[i] = {std::max(g[i] - turn, -1.0), std::min(g[i] + turn, 1.0)};
+    if (s.form[2] == kRoundedColumn) d[2] = {0, 0};
+    if (!turned) return d;
+    const Range away = d[0];
+    for (std::size_t i = 0; i < 2; ++i) {
+        Range cosine = anything;
+        if (radial.low > 0) {
+            cosine = u[i] * Range{1 / radial.high, 1 / radial.low};
+            cosine = {std::max(cosine.low, -1.0), std::min(cosine.high, 1.0)};
+        }
+        d[i] = away * cosine;
+    }
+    return d;
+}
+
 }  // namespace
 
 bool keeps_direction(const GradientBox& box) {
@@ -238,6 +276,8 @@ bool gradient_box(const BoundModel& model, std::uint32_t surface, const Cell& ce
         return store(
             to_local(s, expression_gradient(model.expression_ops.data() + s.first_op, s.op_count, x)));
     }
+    if (s.kind == kSurfaceRounded)
+        return store(to_local(s, rounded_gradient(s, model.expression_ops.data(), centre, u)));
     const Range squared = square(u[0]) + square(u[1]);
     if (!(squared.low > 0)) {  // the axis
         const Range anything = {-kInfinity, kInfinity};

@@ -47,6 +47,28 @@ struct TriangleSurface {
     std::vector<std::string> group_names;
 };
 
+/// A ball; in a RoundedSolid of discs a disc in the plane of the first two coordinates.
+struct Ball {
+    Vec3 center{};
+    double radius = 0;
+};
+
+/// A solid without edges: its whole surface is smooth. All but rings are convex.
+struct RoundedSolid {
+    enum class Shape : std::uint8_t {
+        kHull,        ///< the hull of `balls`
+        kColumn,      ///< the hull of discs in the xy plane, at all heights z
+        kPlate,       ///< the Minkowski sum of such a column between two heights and a ball; radii may be 0
+        kRevolution,  ///< the hull of discs in the plane (distance from the z axis, z), turned about z
+        kRing,        ///< the same of discs that are clear of the axis, without the hole between: not convex
+    };
+    Shape shape = Shape::kHull;
+    std::vector<Ball> balls;  ///< none need be inside the hull of the others; some may
+    double low = 0;           ///< kPlate: heights of the column
+    double high = 0;
+    double rounding = 0;  ///< kPlate: radius of the ball
+};
+
 /// One primitive in its own local frame. The region inside is { x : f(x) <= 0 }.
 struct Primitive {
     enum class Kind : std::uint8_t {
@@ -58,6 +80,7 @@ struct Primitive {
         kTorus,       ///< (sqrt(x² + y²) - major)² + z² <= radius²; axis z
         kExpression,  ///< expression <= 0; see `expression`
         kPolyhedron,  ///< what `triangles` enclose
+        kRounded,     ///< see `rounded`
     };
     Kind kind = Kind::kConvex;
     std::vector<Plane> planes;  ///< kConvex only, at least one
@@ -67,6 +90,7 @@ struct Primitive {
     std::string expression;     ///< kExpression: formula in x, y, z (grammar: docs/formulas.md)
     std::shared_ptr<const TriangleSurface> triangles;  ///< kPolyhedron only
     double sharp_angle = 0;  ///< kPolyhedron: edges where the normal turns by more degrees are creases
+    std::shared_ptr<const RoundedSolid> rounded;  ///< kRounded only
 };
 
 /// A node of the CSG tree.
@@ -154,6 +178,8 @@ Primitive double_cone(double radius, double slope);
 Primitive torus(double major, double minor);
 /// Needs at least four triangles, finite points, indices in range; `sharp_angle` in degrees, 0 to 180.
 Primitive polyhedron(TriangleSurface triangles, double sharp_angle = 0);
+/// Needs a ball at least, and a solid with a volume; radii positive (of a plate its rounding).
+Primitive rounded(RoundedSolid solid);
 
 /// How OpenSCAD's circles, cylinders and spheres are read.
 enum class Facets : std::uint8_t {

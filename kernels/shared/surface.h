@@ -11,6 +11,7 @@
 #include "expression.h"
 #include "lattice.h"
 #include "patch.h"
+#include "rounded.h"
 
 // Kinds of surface. Append-only. With u = map · (x, 1):
 #define kSurfacePlane 0       // u0, |row 0| = 1
@@ -22,6 +23,9 @@
     5  // signed distance to triangles (patch.h) at ops + first_op, with u as point;
        // form0: where its triangles start, form1: what tells it from other patches,
        // form2: length that counts as none
+#define kSurfaceRounded \
+    6  // signed distance to a rounded solid (rounded.h) at ops + first_op, with u as point;
+       // form0: its least radius, form1: what tells it from others, form2: its shape, form3: its reach
 
 typedef struct Surface {
     double map[12];  // row-major 3×4, box-local x to the surface's own frame u
@@ -76,6 +80,10 @@ MORTISE_FUNCTION double surface_value(MORTISE_GLOBAL Surface* s, MORTISE_GLOBAL 
         double gradient[3];
         return surface_patch(s, ops, u, gradient);
     }
+    if (s->kind == kSurfaceRounded) {
+        double gradient[3];
+        return rounded_sample(ops + s->first_op, u, gradient);
+    }
     {
         const double radial = mortise_sqrt(u[0] * u[0] + u[1] * u[1]);
         if (s->kind == kSurfaceCone) return radial + u[2];
@@ -104,6 +112,8 @@ MORTISE_FUNCTION SurfaceSample surface_sample(MORTISE_GLOBAL Surface* s, MORTISE
         if (result.value != result.value) result.value = kMortiseInfinity;
     } else if (s->kind == kSurfacePatch) {
         result.value = surface_patch(s, ops, u, d);
+    } else if (s->kind == kSurfaceRounded) {
+        result.value = rounded_sample(ops + s->first_op, u, d);
     } else {
         const double radial = mortise_sqrt(u[0] * u[0] + u[1] * u[1]);
         const double inverse = radial > 0 ? 1 / radial : 0;

@@ -35,6 +35,16 @@ class Recipe {
             case 8: common_axis(), style = "common axis"; break;
             default: flush(), style = "flush"; break;
         }
+        return finished(style);
+    }
+
+    RandomModel make_hulls() {
+        hulls();
+        return finished("hulls");
+    }
+
+  private:
+    RandomModel finished(std::string style) {
         if (random_.chance(0.3)) skew();
         const double regions = random_.uniform(0, 1);
         const int region_count = regions < 0.7 ? 1 : regions < 0.85 ? 2 : regions < 0.95 ? 3 : 4;
@@ -48,7 +58,6 @@ class Recipe {
         return {std::move(model_), style};
     }
 
-  private:
     double uniform(double low, double high) { return random_.uniform(low, high); }
     double whole(int low, int high) { return random_.integer(low, high); }
     Vec3 direction() {
@@ -270,6 +279,48 @@ class Recipe {
         if (random_.chance(0.3)) parts_.push_back(any_solid());
     }
 
+    /// Rounded solids, some on a lattice, some with boxes whose faces lie in theirs.
+    void hulls() {
+        const int count = random_.integer(1, 3);
+        for (int i = 0; i < count; ++i) {
+            const bool even = random_.chance(0.5);
+            const bool alike = random_.chance(0.6);
+            const double r = even ? whole(2, 4) : uniform(1.5, 4);
+            RoundedSolid solid;
+            solid.shape = static_cast<RoundedSolid::Shape>(random_.integer(0, 4));
+            const bool plate = solid.shape == RoundedSolid::Shape::kPlate;
+            solid.low = even ? -whole(1, 4) : -uniform(1, 4);
+            solid.high = even ? whole(1, 4) : uniform(1, 4);
+            solid.rounding = r;
+            Vec3 top{};  // the highest ball along each axis
+            for (int k = random_.integer(2, 8); k-- > 0;) {
+                Ball ball;
+                for (double& x : ball.center) x = even ? 2 * whole(-3, 3) : uniform(-6, 6);
+                ball.radius = alike ? r : even ? whole(1, 4) : uniform(1, 4);
+                if (plate && random_.chance(0.5)) ball.radius = 0;
+                if (solid.shape == RoundedSolid::Shape::kRing)
+                    ball.center[0] = ball.radius + (even ? whole(1, 6) : uniform(0.2, 6));
+                for (std::size_t j = 0; j < 3; ++j) top[j] = std::max(top[j], ball.center[j] + ball.radius);
+                solid.balls.push_back(ball);
+            }
+            NodeIndex part = model_.add_primitive(mortise::rounded(solid));
+            if (solid.shape == RoundedSolid::Shape::kColumn)
+                part =
+                    intersect(model_, {part, add_box(model_, {-30, -30, solid.low}, {30, 30, solid.high})});
+            if (even && random_.chance(0.5)) {  // a box on it, and one flush with it
+                const double side = top[0];
+                const NodeIndex on = add_box(model_, {side, -4, -4}, {side + 4, 4, 4});
+                const NodeIndex flush = add_box(model_, {side - 9, top[1] - 3, -9}, {side, top[1], 1});
+                part = unite(model_, {part, random_.chance(0.5) ? on : flush});
+            }
+            const Vec3 at = {even ? whole(-4, 4) : uniform(-4, 4), even ? whole(-4, 4) : uniform(-4, 4),
+                             even ? whole(-4, 4) : uniform(-4, 4)};
+            const Affine map = random_.chance(0.5) ? axis_order() : random_map();
+            parts_.push_back(moved(part, compose(translation(at), map)));
+        }
+        if (random_.chance(0.4)) parts_.push_back(any_solid());
+    }
+
     /// Planes through one point, closed by a box or a ball.
     NodeIndex pencil_part(int planes, const Vec3& tip, bool with_ball) {
         const double size = uniform(4, 11);
@@ -401,5 +452,7 @@ class Recipe {
 }  // namespace
 
 RandomModel make_random_model(std::uint64_t seed) { return Recipe(seed).make(); }
+
+RandomModel make_random_hulls(std::uint64_t seed) { return Recipe(seed).make_hulls(); }
 
 }  // namespace mortise::test

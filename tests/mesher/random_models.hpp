@@ -17,4 +17,7 @@ struct RandomModel {
 /// The same seed gives the same model on every platform, up to the rounding of sin and cos.
 RandomModel make_random_model(std::uint64_t seed);
 
+/// Rounded solids with others, many with faces in common.
+RandomModel make_random_hulls(std::uint64_t seed);
+
 }  // namespace mortise::test

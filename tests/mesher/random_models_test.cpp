@@ -34,14 +34,12 @@ std::set<Vec3> nodes_on_cell_faces(const Meshed& meshed) {
     return result;
 }
 
-}  // namespace
-
-TEST_CASE("random models give valid meshes that fill them") {
+/// Meshes `count` models; returns how many were not empty.
+std::uint64_t mesh_all(RandomModel (*make)(std::uint64_t), std::uint64_t count) {
     const std::uint64_t first = environment_number("MORTISE_RANDOM_SEED", 1);
-    const std::uint64_t count = environment_number("MORTISE_RANDOM_MODELS", 60);
     std::uint64_t meshed_models = 0;
     for (std::uint64_t seed = first; seed < first + count; ++seed) {
-        const RandomModel random = make_random_model(seed);
+        const RandomModel random = make(seed);
         CAPTURE(seed);
         CAPTURE(random.style);
         MeshOptions options;
@@ -70,6 +68,20 @@ TEST_CASE("random models give valid meshes that fill them") {
         CHECK(std::fabs(area - without->check.boundary_area) <= 0.03 * area);
         CHECK(nodes_on_cell_faces(*plain) == nodes_on_cell_faces(*without));
     }
+    return meshed_models;
+}
+
+}  // namespace
+
+TEST_CASE("random models give valid meshes that fill them") {
+    const std::uint64_t count = environment_number("MORTISE_RANDOM_MODELS", 60);
+    const std::uint64_t meshed_models = mesh_all(make_random_model, count);
+    if (count >= 10) CHECK(meshed_models >= count / 2);
+}
+
+TEST_CASE("random models of rounded solids give valid meshes that fill them") {
+    const std::uint64_t count = environment_number("MORTISE_RANDOM_MODELS", 60) / 3;
+    const std::uint64_t meshed_models = mesh_all(make_random_hulls, count);
     if (count >= 10) CHECK(meshed_models >= count / 2);
 }
 

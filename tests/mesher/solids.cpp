@@ -32,6 +32,17 @@ std::string describe_primitive(const Primitive& primitive) {
         case Primitive::Kind::kTorus:
             return "torus major=" + number(primitive.major) + " minor=" + number(primitive.radius);
         case Primitive::Kind::kExpression: return "expression " + primitive.expression;
+        case Primitive::Kind::kRounded: {
+            const RoundedSolid& solid = *primitive.rounded;
+            std::string text = "rounded, shape " + std::to_string(static_cast<int>(solid.shape)) + " from " +
+                               number(solid.low) + " to " + number(solid.high) +
+                               " rounding=" + number(solid.rounding);
+            for (const Ball& ball : solid.balls) {
+                text += ", (" + number(ball.center[0]) + " " + number(ball.center[1]) + " " +
+                        number(ball.center[2]) + ") r=" + number(ball.radius);
+            }
+            return text;
+        }
         case Primitive::Kind::kPolyhedron:
             return "polyhedron of " + std::to_string(primitive.triangles->triangles.size()) + " triangles";
     }

@@ -178,7 +178,7 @@ TEST_CASE("which outlines become prisms") {
         return solid == nullptr ? -1 : solid->sharp_angle;
     };
     const std::string small = "polygon(points = [[0,0],[4,0],[4,1],[1,1],[1,3],[0,3]]);";
-    const std::string round = "offset(r = 1) { square(size = 4); }";
+    const std::string round = "offset(r = 1) { " + small + " }";
     CHECK(kind(small) == -1);
     CHECK(kind("square();") == -1);
     CHECK(kind("circle(r = 2, $fn = 12);") == -1);
@@ -187,7 +187,7 @@ TEST_CASE("which outlines become prisms") {
     CHECK(kind(polygon(comb(20))) == 0);
     CHECK(kind(round) == model_reader::kSmoothTurn);
     // Facets as they are: convex loops are planes, the others have one plane for each edge.
-    CHECK(kind(round, Facets::kExact) == -1);
+    CHECK(kind("offset(r = 1) { square(size = 4); }", Facets::kExact) == -1);
     CHECK(kind("offset(r = 1, $fn = 40) { " + small + "}", Facets::kExact) == 0);
     CHECK(kind("offset(r = 1, $fn = 40) { " + small + "}") == model_reader::kSmoothTurn);
     // Twisted and unevenly scaled sides are not plane: formulas, but for curves.
@@ -325,8 +325,9 @@ TEST_CASE("sides: one name for each curve") {
     };
     CHECK(sides(polygon(comb(5))) == 20);
     CHECK(sides(polygon(comb(10))) == 1);  // 40 edges
-    CHECK(sides("offset(r = 1) { square(size = 4); }") == 1);
-    CHECK(sides("difference() { offset(r = 1) { square(size = 4); } square(); }") == 1);
+    const std::string ell = "offset(r = 1) { polygon(points = [[0,0],[4,0],[4,1],[1,1],[1,3],[0,3]]); }";
+    CHECK(sides(ell) == 1);  // from the sharp corner inside round to it
+    CHECK(sides("difference() { " + ell + " square(); }") == 1);
 }
 
 TEST_CASE("prisms hold what the outline holds, at every height") {

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "host/model/csg/csg_imports.hpp"
+#include "host/model/outlines/disc_hulls.hpp"
 #include "host/model/outlines/polygons.hpp"
 #include "host/model/solids/section.hpp"
 #include "host/model/solids/shadow_planes.hpp"
@@ -31,6 +32,14 @@ int outline_sides(const CsgNodeText& node, double radius) {
 
 Contours outline(const CsgScene& scene, const CsgOperand& operand) {
     return operand.kind == Kind::kFlat ? to_contours(scene.flat, operand.node) : Contours{};
+}
+
+/// A shape that stands for the hull of discs, if that is round all over.
+CsgOperand outlined(CsgScene& scene, const Contours& loops, const std::vector<Disc>& discs,
+                    SourceLocation where) {
+    const CsgOperand result = scene.outlined(loops, where);
+    if (result.kind == Kind::kFlat) scene.flat.nodes[result.node].discs = round_hull(discs);
+    return result;
 }
 
 std::size_t point_count(const Contours& contours) {
@@ -137,11 +146,19 @@ CsgFinish read_offset(CsgScene&, const CsgNodeText& node) {
         corner = optional_boolean(node, "chamfer", -1) ? OffsetCorner::kChamfer : OffsetCorner::kMiter;
     }
     const int sides = outline_sides(node, std::fabs(distance));
+    const bool round_corners =
+        corner == OffsetCorner::kRound && distance > 0 && flat_fragments(node, distance) == 0;
     const SourceLocation where = node.where;
-    return [distance, corner, sides, where](CsgScene& scene, std::vector<CsgOperand> children) {
-        const CsgOperand child = scene.united_flat(std::move(children), "offset", where);
-        return scene.outlined(offset(outline(scene, child), distance, corner, sides), where);
-    };
+    return
+        [distance, corner, sides, round_corners, where](CsgScene& scene, std::vector<CsgOperand> children) {
+            const CsgOperand child = scene.united_flat(std::move(children), "offset", where);
+            std::vector<Disc> discs;
+            if (round_corners && child.kind == Kind::kFlat) {
+                if (const auto convex = convex_discs_of(scene.flat, child.node))
+                    discs = sum_of_discs(*convex, {{{0, 0}, distance}});
+            }
+            return outlined(scene, offset(outline(scene, child), distance, corner, sides), discs, where);
+        };
 }
 
 CsgFinish read_fill(CsgScene&, const CsgNodeText& node) {
@@ -164,10 +181,16 @@ CsgFinish read_hull(CsgScene& opening, const CsgNodeText& node) {
             return hull_of_solids(scene, children, name, where);
         }
         Contours all;
+        std::vector<Disc> discs;
+        bool known = true;
         for (const CsgOperand& child : children) {
+            if (child.kind != Kind::kFlat) continue;
             for (auto& loop : outline(scene, child)) all.push_back(std::move(loop));
+            const auto more = discs_of(scene.flat, child.node);
+            known = known && more;
+            if (known) discs.insert(discs.end(), more->begin(), more->end());
         }
-        return scene.outlined(convex_hull(all), where);
+        return outlined(scene, convex_hull(all), known ? discs : std::vector<Disc>{}, where);
     };
 }
 
@@ -182,8 +205,11 @@ CsgFinish read_minkowski(CsgScene& opening, const CsgNodeText& node) {
             return minkowski_of_solids(scene, children, name, where);
         }
         std::optional<Contours> sum;
+        std::optional<std::vector<Disc>> discs = std::vector<Disc>{{}};
         for (const CsgOperand& child : children) {
             if (child.kind == Kind::kNothing) return {};
+            const auto convex = convex_discs_of(scene.flat, child.node);
+            discs = convex && discs ? std::optional(sum_of_discs(*discs, *convex)) : std::nullopt;
             Contours next = outline(scene, child);
             if (sum) {
                 if (static_cast<double>(point_count(*sum)) * static_cast<double>(point_count(next)) >
@@ -198,7 +224,7 @@ CsgFinish read_minkowski(CsgScene& opening, const CsgNodeText& node) {
             sum = std::move(next);
         }
         if (!sum) return {};
-        return scene.outlined(*sum, where);
+        return outlined(scene, *sum, discs ? *discs : std::vector<Disc>{}, where);
     };
 }
 

@@ -11,4 +11,9 @@ using Vec2 = std::array<double, 2>;
 /// Closed loops without a repeated last point; a point is inside by the even-odd rule over all loops.
 using Contours = std::vector<std::vector<Vec2>>;
 
+struct Disc {
+    Vec2 center{};
+    double radius = 0;  ///< 0: a point
+};
+
 }  // namespace mortise::model_reader

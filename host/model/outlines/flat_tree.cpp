@@ -22,15 +22,18 @@ Box2 leaf_bounds(const FlatNode& node, const FlatMap& map) {
         }
         return box;
     }
-    for (const auto& loop : node.contours) {
-        for (const Vec2& point : loop) {
-            const Vec2 image = image_of(map, point);
-            for (std::size_t k = 0; k < 2; ++k) {
-                box.min[k] = std::min(box.min[k], image[k]);
-                box.max[k] = std::max(box.max[k], image[k]);
-            }
+    const auto add = [&](const Vec2& point, double radius) {
+        const Vec2 image = image_of(map, point);
+        for (std::size_t k = 0; k < 2; ++k) {
+            const double extent = radius * std::hypot(map[3 * k], map[3 * k + 1]);
+            box.min[k] = std::min(box.min[k], image[k] - extent);
+            box.max[k] = std::max(box.max[k], image[k] + extent);
         }
+    };
+    for (const auto& loop : node.contours) {
+        for (const Vec2& point : loop) add(point, 0);
     }
+    for (const Disc& disc : node.discs) add(disc.center, disc.radius);
     return box;
 }
 

@@ -45,6 +45,9 @@ struct FlatNode {
     /// kContours: simple loops that do not cross, each outer one counter-clockwise and followed by its holes,
     /// which are clockwise.
     Contours contours{};
+    /// kContours: not empty if the shape is the hull of these, and `contours` only stands for it where a
+    /// polygon is needed.
+    std::vector<Disc> discs{};
     FlatMap map = kFlatIdentity;  ///< kTransform
 };
 

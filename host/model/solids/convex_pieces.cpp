@@ -8,6 +8,7 @@
 #include "host/model/affine.hpp"
 #include "host/model/solids/convex_differences.hpp"
 #include "host/model/solids/convex_hull.hpp"
+#include "host/model/solids/rounded_facets.hpp"
 #include "host/model/text.hpp"
 #include "host/model/triangles/surface_repair.hpp"
 
@@ -18,15 +19,10 @@ constexpr double kTurn = 6.283185307179586;
 /// Lengths and angles that agree so far are equal: matrices are written with six digits.
 constexpr double kSame = 1e-6;
 
-Vec3 image(const Affine& m, const Vec3& p) {
-    return {m[0] * p[0] + m[1] * p[1] + m[2] * p[2] + m[3], m[4] * p[0] + m[5] * p[1] + m[6] * p[2] + m[7],
-            m[8] * p[0] + m[9] * p[1] + m[10] * p[2] + m[11]};
-}
-
 Vec3 column(const Affine& m, std::size_t k) { return {m[k], m[4 + k], m[8 + k]}; }
 
 /// The plane's image under the map. The normal follows the cofactors of the linear part.
-Plane image(const Affine& m, const Plane& plane) {
+Plane plane_image(const Affine& m, const Plane& plane) {
     const Vec3 x = column(m, 0);
     const Vec3 y = column(m, 1);
     const Vec3 z = column(m, 2);
@@ -61,6 +57,26 @@ bool keeps_spheres(const Affine& m) {
     return keeps_circles(m) && same(length(column(m, 0)), length(column(m, 2)));
 }
 
+/// The map with columns of unit length.
+Affine without_scale(Affine m) {
+    for (std::size_t k = 0; k < 3; ++k) {
+        const double size = length(column(m, k));
+        for (std::size_t i = 0; i < 3; ++i) m[4 * i + k] /= size;
+    }
+    return m;
+}
+
+RoundedSolid scaled(RoundedSolid solid, double factor) {
+    for (Ball& ball : solid.balls) {
+        for (double& x : ball.center) x *= factor;
+        ball.radius *= factor;
+    }
+    solid.low *= factor;
+    solid.high *= factor;
+    solid.rounding *= factor;
+    return solid;
+}
+
 /// A primitive below an intersection, in the frame of the model.
 struct Leaf {
     const Primitive* primitive;
@@ -77,6 +93,7 @@ const char* kind_name(Primitive::Kind kind) {
         case Primitive::Kind::kDoubleCone: return "a double cone";
         case Primitive::Kind::kExpression: return "a solid given by a formula";
         case Primitive::Kind::kPolyhedron: return "a polyhedron";
+        case Primitive::Kind::kRounded: return "a rounded ring, or column without end,";
         default: return "a solid";
     }
 }
@@ -85,7 +102,7 @@ const char* kind_name(Primitive::Kind kind) {
 void add_planes(const Leaf& leaf, const Wanted& wanted, std::vector<Plane>& planes, bool& facetted) {
     const Primitive& primitive = *leaf.primitive;
     const auto add = [&](const Vec3& normal, double offset) {
-        planes.push_back(image(leaf.map, Plane{normal, offset, {}}));
+        planes.push_back(plane_image(leaf.map, Plane{normal, offset, {}}));
     };
     switch (primitive.kind) {
         case Primitive::Kind::kConvex:
@@ -114,6 +131,22 @@ void add_planes(const Leaf& leaf, const Wanted& wanted, std::vector<Plane>& plan
             }
             return;
         }
+        case Primitive::Kind::kRounded: {
+            if (primitive.rounded->shape == RoundedSolid::Shape::kRing)
+                refuse(wanted,
+                       "a rounded ring in an intersection is not supported; expected solids that are convex");
+            facetted = true;
+            RoundedSolid solid = *primitive.rounded;
+            const bool column = solid.shape == RoundedSolid::Shape::kColumn;
+            solid.high = solid.low + 1;  // of a column any two heights will do
+            const std::optional<Polytope> hull = convex_hull(points_of(column ? solid : *primitive.rounded));
+            if (!hull) return;
+            for (const Polytope::Face& face : hull->faces) {
+                if (!column || std::fabs(face.plane.normal[2]) < 0.5)
+                    add(face.plane.normal, face.plane.offset);
+            }
+            return;
+        }
         case Primitive::Kind::kPolyhedron: {
             const TriangleSurface& surface = *primitive.triangles;
             const std::optional<Polytope> hull = convex_hull(surface.points);
@@ -130,34 +163,71 @@ void add_planes(const Leaf& leaf, const Wanted& wanted, std::vector<Plane>& plan
     }
 }
 
-/// One cylinder or cone, cut by planes across its axis: a frustum. Nothing if it is something else.
-std::optional<ConvexPiece> frustum_of(const std::vector<Leaf>& leaves) {
+/// Heights in the frame of a leaf.
+struct Span {
+    double low = -HUGE_VAL;
+    double high = HUGE_VAL;
+};
+
+/// The only leaf that is no polytope.
+const Leaf* round_leaf(const std::vector<Leaf>& leaves) {
     const Leaf* round = nullptr;
     for (const Leaf& leaf : leaves) {
-        const Primitive::Kind kind = leaf.primitive->kind;
-        if (kind == Primitive::Kind::kConvex) continue;
-        const bool fits = kind == Primitive::Kind::kCylinder || kind == Primitive::Kind::kCone;
-        if (!fits || round != nullptr || !keeps_circles(leaf.map)) return std::nullopt;
+        if (leaf.primitive->kind == Primitive::Kind::kConvex) continue;
+        if (round != nullptr) return nullptr;
         round = &leaf;
     }
-    if (round == nullptr) return std::nullopt;
+    return round;
+}
+
+/// What planes across the z axis of one leaf leave of it. Nothing if there are others.
+std::optional<Span> span_of(const std::vector<Leaf>& leaves, const Leaf* round) {
     const Vec3 axis = column(round->map, 2);
     const double stretch = length(axis);
     const Vec3 origin = image(round->map, Vec3{});
-    double low = -HUGE_VAL;
-    double high = HUGE_VAL;
+    Span span;
     for (const Leaf& leaf : leaves) {
         if (&leaf == round) continue;
         for (const Plane& given : leaf.primitive->planes) {
-            const Plane plane = image(leaf.map, given);
+            const Plane plane = plane_image(leaf.map, given);
             const double along = dot(plane.normal, axis) / stretch;
             if (!same(std::fabs(along), length(plane.normal))) return std::nullopt;
             // The plane's height in the frame of the cylinder.
             const double level = (plane.offset - dot(plane.normal, origin)) / along / stretch;
-            if (along > 0) high = std::min(high, level);
-            if (along < 0) low = std::max(low, level);
+            if (along > 0) span.high = std::min(span.high, level);
+            if (along < 0) span.low = std::max(span.low, level);
         }
     }
+    return span;
+}
+
+/// Discs between two planes across their axis.
+std::optional<ConvexPiece> prism_of(const std::vector<Leaf>& leaves) {
+    const Leaf* round = round_leaf(leaves);
+    if (round == nullptr || round->primitive->kind != Primitive::Kind::kRounded ||
+        round->primitive->rounded->shape != RoundedSolid::Shape::kColumn || !keeps_circles(round->map)) {
+        return std::nullopt;
+    }
+    const std::optional<Span> span = span_of(leaves, round);
+    if (!span || !(span->low < span->high) || !std::isfinite(span->high - span->low)) return std::nullopt;
+    RoundedSolid solid = scaled(*round->primitive->rounded, length(column(round->map, 0)));
+    solid.shape = RoundedSolid::Shape::kPlate;
+    const double stretch = length(column(round->map, 2));
+    solid.low = span->low * stretch;
+    solid.high = span->high * stretch;
+    return rounded_piece(std::move(solid), without_scale(round->map));
+}
+
+/// One cylinder or cone, cut by planes across its axis: a frustum. Nothing if it is something else.
+std::optional<ConvexPiece> frustum_of(const std::vector<Leaf>& leaves) {
+    const Leaf* round = round_leaf(leaves);
+    if (round == nullptr || !keeps_circles(round->map)) return std::nullopt;
+    const Primitive::Kind kind = round->primitive->kind;
+    if (kind != Primitive::Kind::kCylinder && kind != Primitive::Kind::kCone) return std::nullopt;
+    const std::optional<Span> span = span_of(leaves, round);
+    if (!span) return std::nullopt;
+    double low = span->low;
+    double high = span->high;
     const double slope = round->primitive->kind == Primitive::Kind::kCone ? round->primitive->slope : 0;
     const auto radius = [&](double level) { return round->primitive->radius + slope * level; };
     // The single nappe ends at its apex.
@@ -180,6 +250,10 @@ void add_intersection(const std::vector<Leaf>& leaves, const Wanted& wanted,
                       std::vector<ConvexPiece>& pieces) {
     if (const std::optional<ConvexPiece> frustum = frustum_of(leaves)) {
         pieces.push_back(*frustum);
+        return;
+    }
+    if (const std::optional<ConvexPiece> prism = prism_of(leaves)) {
+        pieces.push_back(*prism);
         return;
     }
     std::vector<Plane> planes;
@@ -209,9 +283,39 @@ ConvexPiece sphere_piece(const Leaf& leaf) {
     return piece;
 }
 
+/// A rounded solid that is bounded: its balls, where their hull will do.
+void add_rounded(const Leaf& leaf, const Wanted& wanted, std::vector<ConvexPiece>& pieces) {
+    const RoundedSolid& solid = *leaf.primitive->rounded;
+    if (!keeps_spheres(leaf.map)) {
+        ConvexPiece piece;
+        piece.facetted = true;
+        for (const Vec3& point : points_of(solid)) piece.points.push_back(image(leaf.map, point));
+        pieces.push_back(std::move(piece));
+        return;
+    }
+    const double scale = length(column(leaf.map, 0));
+    if (solid.shape != RoundedSolid::Shape::kHull || !wanted.only_hull) {
+        pieces.push_back(rounded_piece(scaled(solid, scale), without_scale(leaf.map)));
+        return;
+    }
+    for (const Ball& ball : solid.balls) {
+        ConvexPiece sphere;
+        sphere.kind = ConvexPiece::Kind::kSphere;
+        sphere.a = image(leaf.map, ball.center);
+        sphere.ra = scale * ball.radius;
+        pieces.push_back(std::move(sphere));
+    }
+}
+
 void add_primitive(const Leaf& leaf, const Wanted& wanted, std::vector<ConvexPiece>& pieces) {
     ConvexPiece piece;
     switch (leaf.primitive->kind) {
+        case Primitive::Kind::kRounded:
+            // A column has no end, a ring is not convex.
+            if (leaf.primitive->rounded->shape == RoundedSolid::Shape::kColumn) break;
+            if (leaf.primitive->rounded->shape == RoundedSolid::Shape::kRing && !wanted.only_hull) break;
+            add_rounded(leaf, wanted, pieces);
+            return;
         case Primitive::Kind::kSphere: pieces.push_back(sphere_piece(leaf)); return;
         case Primitive::Kind::kTorus: {
             if (!wanted.only_hull) break;
@@ -345,6 +449,14 @@ std::vector<ConvexPiece> taken_away(const Model& model, const CsgNode& node, con
 
 }  // namespace
 
+ConvexPiece rounded_piece(RoundedSolid solid, const Affine& frame) {
+    ConvexPiece piece;
+    piece.kind = ConvexPiece::Kind::kRounded;
+    piece.rounded = std::make_shared<const RoundedSolid>(std::move(solid));
+    piece.frame = frame;
+    return piece;
+}
+
 std::vector<ConvexPiece> convex_pieces(const Model& model, std::uint32_t root, const Wanted& wanted) {
     struct Item {
         std::uint32_t node;
@@ -417,6 +529,11 @@ ConvexPiece facetted(const ConvexPiece& piece) {
     if (piece.kind == ConvexPiece::Kind::kPoints) return piece;
     ConvexPiece result;
     result.facetted = true;
+    if (piece.kind == ConvexPiece::Kind::kRounded) {
+        for (const Vec3& point : points_of(*piece.rounded))
+            result.points.push_back(image(piece.frame, point));
+        return result;
+    }
     const auto add_circle = [&](const Affine& frame, double radius, double level) {
         for (int i = 0; i < (radius > 0 ? kFacets : 1); ++i) {
             const double turn = kTurn * i / kFacets;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,7 @@ struct ConvexPiece {
         kSphere,   ///< centre a, radius ra
         kDisc,     ///< centre a, unit normal b, radius ra: part of a hull
         kFrustum,  ///< from a with radius ra to b with radius rb; one radius may be 0
+        kRounded,  ///< `rounded` in `frame`, which keeps lengths; a plate's rounding may be 0: a prism
     };
     Kind kind = Kind::kPoints;
     std::vector<Vec3> points;
@@ -23,6 +25,8 @@ struct ConvexPiece {
     Vec3 b{};
     double ra = 0;
     double rb = 0;
+    std::shared_ptr<const RoundedSolid> rounded;
+    Affine frame = kIdentity;
     bool facetted = false;  ///< the points stand for a curved surface
     bool curved = false;    ///< so they do in the model: not an approximation of ours
 };
@@ -44,6 +48,8 @@ struct Wanted {
 /// is not a union of convex, bounded solids: formulas, unbounded solids, differences but those of solids with
 /// flat faces where `differences` is set.
 std::vector<ConvexPiece> convex_pieces(const Model& model, std::uint32_t node, const Wanted& wanted);
+
+ConvexPiece rounded_piece(RoundedSolid solid, const Affine& frame);
 
 /// The same solid as points on its surface.
 ConvexPiece facetted(const ConvexPiece& piece);

@@ -41,6 +41,13 @@ double width_of(const Contours& loops) {
     return std::max(box.max[0] - box.min[0], box.max[1] - box.min[1]);
 }
 
+Primitive rounded_of(const std::vector<Disc>& discs, RoundedSolid::Shape shape) {
+    RoundedSolid solid;
+    solid.shape = shape;
+    for (const Disc& disc : discs) solid.balls.push_back({{disc.center[0], disc.center[1], 0}, disc.radius});
+    return rounded(std::move(solid));
+}
+
 class LinearBuilder final : public Sweep {
   public:
     LinearBuilder(Model& model, const LinearSweep& sweep, const std::string& name, SourceLocation where)
@@ -80,6 +87,11 @@ class LinearBuilder final : public Sweep {
         span.high_scale = sweep_.scale[0] + growth_[0] * above;
         return node_of(
             prism(loops, span, outline_sharp_angle(loops, sweep_.smooth), [this] { return next_side(); }));
+    }
+
+    std::optional<Piece> rounded_outline(const std::vector<Disc>& discs) override {
+        if (sweep_.twist != 0 || sweep_.scale != Vec2{1, 1}) return std::nullopt;
+        return primitive(rounded_of(discs, RoundedSolid::Shape::kColumn), next_side());
     }
 
     Piece half_plane(const Vec2& normal, double offset, const std::string& side) override {
@@ -185,6 +197,14 @@ class RotaryBuilder final : public Sweep {
             }
         }
         if (changed) loops = normalised(loops);
+    }
+
+    std::optional<Piece> rounded_outline(const std::vector<Disc>& discs) override {
+        const bool clear = std::all_of(discs.begin(), discs.end(), [](const Disc& disc) {
+            return disc.center[0] - disc.radius > kClearOfAxis * (disc.center[0] + disc.radius);
+        });
+        if (!facets_.empty() || !clear) return std::nullopt;
+        return primitive(rounded_of(discs, RoundedSolid::Shape::kRing), next_side());
     }
 
     /// Dozens of cones meet in a cell where a curve of a polygon is revolved.

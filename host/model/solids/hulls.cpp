@@ -35,29 +35,21 @@ std::optional<std::uint32_t> hull_of_spheres(Model& model, const std::vector<Con
     for (const ConvexPiece& piece : pieces) {
         if (piece.kind != Kind::kSphere) return std::nullopt;
     }
-    // Those inside others do not count.
-    std::vector<ConvexPiece> by_size = pieces;
-    std::stable_sort(by_size.begin(), by_size.end(),
-                     [](const ConvexPiece& a, const ConvexPiece& b) { return a.ra > b.ra; });
-    std::vector<ConvexPiece> spheres;
-    for (const ConvexPiece& piece : by_size) {
-        const bool inside = std::any_of(spheres.begin(), spheres.end(), [&](const ConvexPiece& larger) {
-            return length(difference(piece.a, larger.a)) + piece.ra <= larger.ra * (1 + 1e-9);
-        });
-        if (!inside) spheres.push_back(piece);
-    }
-    if (spheres.size() == 2 && spheres[0].ra != spheres[1].ra) {
-        return add_hull_of_two_spheres(model, spheres[0].a, spheres[0].ra, spheres[1].a, spheres[1].ra, name);
-    }
-    constexpr std::size_t kMost = 200;
-    if (spheres.size() > kMost || !same(spheres.front().ra, spheres.back().ra)) return std::nullopt;
-    std::vector<Vec3> centers;
-    centers.reserve(spheres.size());
-    for (const ConvexPiece& piece : spheres) centers.push_back(piece.a);
-    return add_hull_of_equal_spheres(model, centers, spheres[0].ra, name);
+    constexpr std::size_t kMost = 2000;
+    if (pieces.size() > kMost) return std::nullopt;
+    std::vector<Ball> balls;
+    for (const ConvexPiece& piece : pieces) balls.push_back({piece.a, piece.ra});
+    return add_hull_of_spheres(model, std::move(balls), name);
+}
+
+/// A prism over discs: a plate that is not rounded.
+bool is_prism(const ConvexPiece& piece) {
+    return piece.kind == Kind::kRounded && piece.rounded->shape == RoundedSolid::Shape::kPlate &&
+           piece.rounded->rounding == 0;
 }
 
 Vec3 axis_of(const ConvexPiece& piece) {
+    if (piece.kind == Kind::kRounded) return {piece.frame[2], piece.frame[6], piece.frame[10]};
     return piece.kind == Kind::kDisc ? piece.b : difference(piece.b, piece.a);
 }
 
@@ -77,10 +69,18 @@ std::vector<LevelDisc> ends_along(const std::vector<ConvexPiece>& pieces, const 
     };
     for (const ConvexPiece& piece : pieces) {
         if (piece.kind == Kind::kSphere || piece.facetted) return {};
+        if (piece.kind == Kind::kRounded && !is_prism(piece)) return {};
         for (const Vec3& point : piece.points) add(point, 0);
         if (piece.kind == Kind::kPoints) continue;
         const Vec3 axis = axis_of(piece);
         if (length(cross(axis, z)) > kSame * length(axis)) return {};
+        if (is_prism(piece)) {
+            for (const Ball& disc : piece.rounded->balls) {
+                for (const double level : {piece.rounded->low, piece.rounded->high})
+                    add(image(piece.frame, {disc.center[0], disc.center[1], level}), disc.radius);
+            }
+            continue;
+        }
         add(piece.a, piece.ra);
         if (piece.kind == Kind::kFrustum) add(piece.b, piece.rb);
     }
@@ -103,7 +103,7 @@ bool same_hull(const std::vector<Disc>& a, const std::vector<Disc>& b, double to
 std::optional<std::uint32_t> hull_of_prism(Model& model, const std::vector<ConvexPiece>& pieces,
                                            const std::string& name) {
     const auto round = std::find_if(pieces.begin(), pieces.end(), [](const ConvexPiece& piece) {
-        return piece.kind == Kind::kFrustum || piece.kind == Kind::kDisc;
+        return piece.kind == Kind::kFrustum || piece.kind == Kind::kDisc || is_prism(piece);
     });
     if (round == pieces.end()) return std::nullopt;
     Vec3 axis = unit(axis_of(*round));
@@ -186,6 +186,9 @@ std::uint32_t hull_of_pieces(Model& model, const std::vector<ConvexPiece>& piece
                              const Wanted& wanted) {
     if (const auto node = hull_of_spheres(model, pieces, name)) return *node;
     if (const auto node = hull_of_prism(model, pieces, name)) return *node;
+    if (pieces.size() == 1 && pieces[0].kind == Kind::kRounded && !is_prism(pieces[0]) &&
+        pieces[0].rounded->shape != RoundedSolid::Shape::kRing)
+        return add_rounded(model, *pieces[0].rounded, pieces[0].frame, name);
     bool any_facetted = false;
     bool any_curved = false;
     std::vector<Vec3> points;
@@ -218,7 +221,46 @@ ConvexPiece moved(ConvexPiece piece, const Vec3& by) {
     for (Vec3& point : piece.points) point = sum(point, by);
     piece.a = sum(piece.a, by);
     piece.b = sum(piece.b, by);
+    for (std::size_t k = 0; k < 3; ++k) piece.frame[4 * k + 3] += by[k];
     return piece;
+}
+
+/// A frustum, or a rounded solid, and a ball of that radius about the origin.
+ConvexPiece sum_with_ball(const ConvexPiece& piece, double radius) {
+    using Shape = RoundedSolid::Shape;
+    if (piece.kind == Kind::kRounded) {
+        RoundedSolid solid = *piece.rounded;
+        if (solid.shape == Shape::kPlate) {
+            solid.rounding += radius;
+        } else {
+            for (Ball& ball : solid.balls) ball.radius += radius;
+        }
+        return rounded_piece(std::move(solid), piece.frame);
+    }
+    const Vec3 axis = difference(piece.b, piece.a);
+    RoundedSolid solid;
+    if (is_cylinder(piece)) {
+        solid.shape = Shape::kPlate;
+        solid.balls = {{{}, piece.ra}};
+        solid.high = length(axis);
+        solid.rounding = radius;
+    } else {
+        solid.shape = Shape::kRevolution;
+        solid.balls = {{{piece.ra, 0, 0}, radius}, {{piece.rb, length(axis), 0}, radius}};
+    }
+    return rounded_piece(std::move(solid), frame_along(axis, piece.a));
+}
+
+/// A prism and a cylinder along its axis; nothing if they are something else.
+std::optional<ConvexPiece> sum_of_prism(const ConvexPiece& prism, const ConvexPiece& cylinder) {
+    if (!is_prism(prism) || !is_cylinder(cylinder)) return std::nullopt;
+    const Vec3 axis = difference(cylinder.b, cylinder.a);
+    const Vec3 z = axis_of(prism);
+    if (length(cross(axis, z)) > kSame * length(axis)) return std::nullopt;
+    RoundedSolid solid = *prism.rounded;
+    for (Ball& disc : solid.balls) disc.radius += cylinder.ra;
+    solid.high += length(axis);
+    return moved(rounded_piece(std::move(solid), prism.frame), dot(axis, z) > 0 ? cylinder.a : cylinder.b);
 }
 
 void add_sum(const ConvexPiece& p, const ConvexPiece& q, const Wanted& wanted,
@@ -239,6 +281,18 @@ void add_sum(const ConvexPiece& p, const ConvexPiece& q, const Wanted& wanted,
             cylinder.b = sum(p.b, alike ? q.b : q.a);
             cylinder.ra = cylinder.rb = p.ra + q.ra;
             out.push_back(std::move(cylinder));
+            return;
+        }
+    }
+    for (const bool swap : {false, true}) {
+        const ConvexPiece& first = swap ? q : p;
+        const ConvexPiece& second = swap ? p : q;
+        if (second.kind == Kind::kSphere && (first.kind == Kind::kFrustum || first.kind == Kind::kRounded)) {
+            out.push_back(moved(sum_with_ball(first, second.ra), second.a));
+            return;
+        }
+        if (const auto prism = sum_of_prism(first, second)) {
+            out.push_back(*prism);
             return;
         }
     }

@@ -1,10 +1,10 @@
 // hull() and minkowski() of solids.
 //
-// Polytopes are exact, and so is what stays a sphere, a cylinder or a cone. Spheres of one radius, two
-// spheres, and prisms over a hull of discs, such as cylinders of one height, also with boxes of that height,
-// are smooth facetted surfaces with exact flat faces (rounded_solids.hpp). minkowski() of a polytope with a
-// sphere, or of a prism with a cylinder, is such a hull. All else is the hull of its curved solids' points,
-// 96 to a circle.
+// Exact are: polytopes; spheres of any radii; prisms over a hull of discs, such as cylinders of one height;
+// and minkowski() of a polytope, a cylinder, a cone or such a prism with a sphere, of a prism or a box with a
+// cylinder along it, and of two polytopes. Prisms over discs and points, such as cylinders and boxes of one
+// height, are smooth facetted surfaces with exact flat faces (rounded_solids.hpp). All else is the hull of
+// its curved solids' points, 96 to a circle.
 #pragma once
 
 #include <cstdint>

@@ -7,6 +7,7 @@
 
 #include "host/model/affine.hpp"
 #include "host/model/solids/convex_hull.hpp"
+#include "host/model/solids/rounded_facets.hpp"
 
 namespace mortise::model_reader {
 namespace {
@@ -73,6 +74,7 @@ Box3 primitive_box(const Primitive& primitive) {
             return {{-reach, -reach, -r}, {reach, reach, r}};
         }
         case Kind::kPolyhedron: return box_around(primitive.triangles->points);
+        case Kind::kRounded: return box_of(*primitive.rounded);
         default: return kAll;
     }
 }

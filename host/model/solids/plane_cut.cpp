@@ -8,6 +8,7 @@
 #include "host/model/affine.hpp"
 #include "host/model/outlines/polygons.hpp"
 #include "host/model/solids/node_boxes.hpp"
+#include "host/model/solids/rounded_facets.hpp"
 #include "host/model/solids/section.hpp"
 
 namespace mortise::model_reader {
@@ -307,6 +308,19 @@ Slice polyhedron_slice(const TriangleSurface& surface, const Affine& map, PlaneC
     return {State::kNode, {}, node};
 }
 
+/// Of a column the part in the clip box; nothing if that has no end.
+std::optional<Slice> rounded_slice(RoundedSolid solid, const Affine& map, const Affine& to_local,
+                                   const Box3& clip, PlaneCut& cut) {
+    if (solid.shape == RoundedSolid::Shape::kColumn) {
+        const Box3 local = image_of(to_local, clip);
+        const double margin = local.max[2] - local.min[2];
+        if (!std::isfinite(margin)) return std::nullopt;
+        solid.low = local.min[2] - margin;
+        solid.high = local.max[2] + margin;
+    }
+    return polyhedron_slice(facets_of(solid), map, cut);
+}
+
 }  // namespace
 
 std::optional<Slice> slice_of(const Primitive& primitive, const Affine& map, const Box3& clip,
@@ -325,6 +339,7 @@ std::optional<Slice> slice_of(const Primitive& primitive, const Affine& map, con
         case Kind::kCone: return cone_slice(primitive, map, to_local, clip, cut);
         case Kind::kTorus: return torus_slice(primitive, map, cut);
         case Kind::kPolyhedron: return polyhedron_slice(*primitive.triangles, map, cut);
+        case Kind::kRounded: return rounded_slice(*primitive.rounded, map, to_local, clip, cut);
         case Kind::kDoubleCone:
         case Kind::kExpression: break;
     }

@@ -1,34 +1,31 @@
-// Convex solids with rounded edges. Where a round part is tangent to what is beside it, exact surfaces would
-// meet without an edge, and slivers between them cannot be avoided; so these solids are facetted, kFacets to
-// a circle, and what is tangent-continuous is one smooth surface. Flat faces and tangents are exact.
+// Convex solids with rounded edges: exact where all of their outline is round, one smooth surface. Where
+// round sides end at corners, they are facetted, kFacets to a circle, with exact flat faces and tangents.
 #pragma once
 
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "host/model/outlines/contours.hpp"
+#include "host/model/outlines/disc_hulls.hpp"
 #include "mortise/model.hpp"
 
 namespace mortise::model_reader {
 
-struct Disc {
-    Vec2 center{};
-    double radius = 0;  ///< 0: a point
-};
-
-/// The discs on the boundary of the hull of discs, counter-clockwise; one may occur more than once.
-std::vector<Disc> hull_of_discs(const std::vector<Disc>& discs);
-
 /// The solid over the hull of discs in the plane z = 0 of `frame`, from z = low to z = high there. Nothing if
-/// the hull has no area. Surfaces are called `name`_side1, ..., _zmin, _zmax; that of one disc, a true
-/// cylinder, `name`_round.
+/// the hull has no area. Surfaces are called `name`_side1, ..., _zmin, _zmax; the side of discs alone, which
+/// is exact, `name`_round.
 std::optional<std::uint32_t> add_prism(Model& model, const std::vector<Disc>& discs, double low, double high,
                                        const Affine& frame, const std::string& name);
 
-/// The hull of spheres of one radius; that of one is a true sphere.
-std::optional<std::uint32_t> add_hull_of_equal_spheres(Model& model, const std::vector<Vec3>& centers,
-                                                       double radius, const std::string& name);
+/// Evaluating a rounded solid takes time in proportion to its balls; hulls of more are facetted.
+inline constexpr std::size_t kMostBalls = kMostDiscs;
+
+/// A rounded solid in a frame.
+std::uint32_t add_rounded(Model& model, RoundedSolid solid, const Affine& frame, const std::string& name);
+
+/// The hull of spheres; nothing if more than kMostBalls are on its surface.
+std::optional<std::uint32_t> add_hull_of_spheres(Model& model, std::vector<Ball> balls,
+                                                 const std::string& name);
 
 /// The hull of two spheres, none inside the other.
 std::optional<std::uint32_t> add_hull_of_two_spheres(Model& model, const Vec3& a, double ra, const Vec3& b,

@@ -23,11 +23,6 @@ constexpr int kSides = 96;
 /// Sections that a shadow may be made of, times nodes.
 constexpr double kMostSections = 1e6;
 
-Vec3 image(const Affine& m, const Vec3& p) {
-    return {m[0] * p[0] + m[1] * p[1] + m[2] * p[2] + m[3], m[4] * p[0] + m[5] * p[1] + m[6] * p[2] + m[7],
-            m[8] * p[0] + m[9] * p[1] + m[10] * p[2] + m[11]};
-}
-
 Vec3 direction(const Affine& m, const Vec3& v) {
     return {dot({m[0], m[1], m[2]}, v), dot({m[4], m[5], m[6]}, v), dot({m[8], m[9], m[10]}, v)};
 }
@@ -108,7 +103,9 @@ class Shadow {
     /// Appends the heights at which horizontal faces of a primitive lie; false if it has faces that are
     /// neither horizontal nor upright.
     bool primitive_levels(const Primitive& primitive, const Affine& map, std::vector<double>& levels) const {
-        if (primitive.kind == Kind::kCylinder) {
+        const bool column =
+            primitive.kind == Kind::kRounded && primitive.rounded->shape == RoundedSolid::Shape::kColumn;
+        if (primitive.kind == Kind::kCylinder || column) {
             const Vec3 axis = direction(map, {0, 0, 1});
             return std::hypot(axis[0], axis[1]) <= kSameHeight * length(axis);
         }

@@ -111,6 +111,12 @@ std::optional<std::vector<Extent>> linear_extents(const FlatTree& tree, std::uin
             if (node.op == FlatNode::Op::kCircle) {
                 add({map[2], map[5]}, {map[0] * r, map[3] * r}, {map[1] * r, map[4] * r});
             }
+            for (const Disc& disc : node.discs) {
+                const double radius = disc.radius;
+                add(image_of(map, disc.center), {map[0] * radius, map[3] * radius},
+                    {map[1] * radius, map[4] * radius});
+            }
+            if (!node.discs.empty()) return '\0';
             for (const auto& loop : node.contours) {
                 for (const Vec2& point : loop) add(image_of(map, point), {0, 0}, {0, 0});
             }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "host/model/outlines/disc_hulls.hpp"
 #include "host/model/outlines/polygon_formula.hpp"
 #include "host/model/outlines/polygons.hpp"
 
@@ -20,6 +21,11 @@ Piece Sweep::sweep(const FlatTree& tree, std::uint32_t root) {
         tree, root,
         [this](const FlatNode& node, const FlatMap& map) {
             if (node.op == FlatNode::Op::kCircle) return circle(map, node.radius, next_side());
+            if (!node.discs.empty()) {
+                const auto discs = mapped(node.discs, map);
+                if (std::optional<Piece> piece = discs ? rounded_outline(*discs) : std::nullopt)
+                    return *piece;
+            }
             return contours(mapped(node.contours, map));
         },
         [this](FlatNode::Op op, std::vector<Piece> pieces) { return combine(op, std::move(pieces)); });

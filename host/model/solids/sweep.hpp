@@ -39,6 +39,8 @@ class Sweep {
     virtual Piece half_plane(const Vec2& normal, double offset, const std::string& side) = 0;
     /// The image of the circle of that radius about the origin.
     virtual Piece circle(const FlatMap& map, double radius, const std::string& side) = 0;
+    /// The hull of discs in one piece, if it can be.
+    virtual std::optional<Piece> rounded_outline(const std::vector<Disc>&) { return std::nullopt; }
     /// Puts loops in order before they are swept.
     virtual void adjust(Contours&) const {}
     /// A whole outline in one piece, if that is better than a formula of its edges.
