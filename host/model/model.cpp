@@ -88,7 +88,8 @@ void require_rounded(const Primitive& primitive) {
         if (plate && ball.radius == 0) continue;
         require_positive("rounded solid", "radius", ball.radius);
         if (solid.shape == RoundedSolid::Shape::kRing)
-            require_positive("rounded ring", "distance of a disc from the axis", ball.center[0] - ball.radius);
+            require_positive("rounded ring", "distance of a disc from the axis",
+                             ball.center[0] - ball.radius);
     }
     if (!plate) return;
     require_positive("rounded solid", "rounding", solid.rounding);

@@ -19,8 +19,8 @@
 #include "shared/spatial.h"
 #include "shared/tape.h"
 
-#define KEPT_WORDS 48                 // of a child's tape that are kept while the parent's is evaluated
-#define MOST_TAPE_WORDS 0xc0000000u   // of all tapes: counting ends here, before it wraps
+#define KEPT_WORDS 48                // of a child's tape that are kept while the parent's is evaluated
+#define MOST_TAPE_WORDS 0xc0000000u  // of all tapes: counting ends here, before it wraps
 
 // What a spatial word is in child c: 0, 1 or kUnknown.
 int spatial_state(uint entry, uint word) {

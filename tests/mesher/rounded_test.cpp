@@ -112,4 +112,53 @@ TEST_CASE("the hull of two balls is exact and smooth") {
     }
 }
 
+TEST_CASE("rounded solids are one smooth surface, whose volume converges at order 2") {
+    using Kind = RoundedSolid::Shape;
+    RoundedSolid box;  // Steiner's formula: 8 by 6 by 4 and a ball of 2.3
+    for (int i = 0; i < 8; ++i)
+        box.balls.push_back({{(i & 1) * 8.0, (i >> 1 & 1) * 6.0, (i >> 2) * 4.0}, 2.3});
+    const double box_volume = 192 + 208 * 2.3 + kPi * 18 * 2.3 * 2.3 + 4 / 3.0 * kPi * 2.3 * 2.3 * 2.3;
+    RoundedSolid slot;
+    slot.shape = Kind::kPlate;
+    slot.balls = {{{-5, 1, 0}, 3}, {{6, 2, 0}, 3}};
+    slot.high = 2;
+    slot.rounding = 1.7;
+    const double apart = std::hypot(11.0, 1.0);
+    const double area = 9 * kPi + 6 * apart;
+    const double rim = 6 * kPi + 2 * apart;
+    const double slot_volume = 2 * (area + 1.7 * rim + kPi * 1.7 * 1.7) + 2 * area * 1.7 +
+                               rim * kPi / 2 * 1.7 * 1.7 + 4 / 3.0 * kPi * 1.7 * 1.7 * 1.7;
+    RoundedSolid pill;
+    pill.shape = Kind::kRevolution;
+    pill.balls = {{{5, 0, 0}, 1.9}, {{5, 3, 0}, 1.9}};
+    const double pill_volume = 3 * kPi * 6.9 * 6.9 + 2 * 1.9 * kPi * 25 + kPi * kPi * 1.9 * 1.9 * 5 +
+                               4 / 3.0 * kPi * 1.9 * 1.9 * 1.9;
+    RoundedSolid tyre;  // Pappus: the profile's centre is at 7
+    tyre.shape = Kind::kRing;
+    tyre.balls = {{{6, 0, 0}, 2}, {{8, 3, 0}, 2}};
+    const double tyre_volume = 2 * kPi * 7 * (4 * kPi + 4 * std::hypot(2.0, 3.0));
+    const auto turn = rotation({1, 2, 3}, 0.7);
+    for (const auto& [solid, volume] : {std::pair{box, box_volume}, std::pair{slot, slot_volume},
+                                        std::pair{pill, pill_volume}, std::pair{tyre, tyre_volume}}) {
+        CAPTURE(static_cast<int>(solid.shape));
+        double errors[2];
+        for (const int level : {5, 6}) {
+            const Meshed result =
+                mesh_and_check(one_solid([&, &solid = solid](Model& m) {
+                                   return m.add_transform(turn, m.add_primitive(rounded(solid)));
+                               }),
+                               level);
+            CHECK(result.defects == "");
+            CHECK(result.check.euler_characteristic == (solid.shape == Kind::kRing ? 0 : 2));
+            CHECK(result.report.features.curves.empty());
+            CHECK(result.report.warnings.empty());
+            const auto& jacobians = result.report.scaled_jacobians;
+            CHECK(*std::min_element(jacobians.begin(), jacobians.end()) > 0.19f);
+            errors[level - 5] = std::fabs(result.check.volume / volume - 1);
+        }
+        CHECK(errors[0] < 0.02);
+        CHECK(errors[1] < errors[0] / 3);
+    }
+}
+
 }  // namespace mortise::test
