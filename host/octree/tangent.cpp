@@ -63,9 +63,11 @@ class TangentFinder {
         if (!find_contact(a, b, scale_a, scale_b)) return std::nullopt;
         // Normalised at the contact, the two differ by terms of second order, which have one sign or not; in
         // the leaves around, too: there it may be the other surface that changes nothing, and an edge between
-        // would be left without either.
+        // would be left without either. Where the two are one in the leaf itself, leaves on both sides of it
+        // could take different ones, so both stay.
         double low = kMortiseInfinity;
         double high = -kMortiseInfinity;
+        double inside = 0;  // the largest difference in the leaf
         for (int i = 0; i < kSamples * kSamples * kSamples; ++i) {
             const int step[3] = {i % kSamples, i / kSamples % kSamples, i / (kSamples * kSamples)};
             Vec3 x;
@@ -74,8 +76,20 @@ class TangentFinder {
             const double difference = (scale_a * value(a, x) - scale_b * value(b, x)) / leaf_.edge;
             low = std::min(low, difference);
             high = std::max(high, difference);
+            bool within = true;
+            for (const int k : step) within = within && std::abs(2 * k - (kSamples - 1)) <= kSamples / 3;
+            if (within) inside = std::max(inside, std::fabs(difference));
         }
         const bool same_way = scale_b > 0;
+        if (inside <= kFilm) {
+            // A plane that touches a convex solid has all of it on one side: that holds for every leaf.
+            const bool a_rounded = kinds[0] == kSurfaceRounded;
+            if (!(a_rounded && kinds[1] == kSurfacePlane) &&
+                !(kinds[0] == kSurfacePlane && kinds[1] == kSurfaceRounded))
+                return std::nullopt;
+            if (a_rounded || !same_way) return Excluded{a, b, true, !same_way};
+            return Excluded{a, b, false, same_way};
+        }
         if (low >= -kFilm && high > kFilm) return Excluded{a, b, true, !same_way};
         if (high <= kFilm && low < -kFilm) return Excluded{a, b, false, same_way};
         return std::nullopt;

@@ -296,7 +296,7 @@ class Recipe {
             for (int k = random_.integer(2, 8); k-- > 0;) {
                 Ball ball;
                 for (double& x : ball.center) x = even ? 2 * whole(-3, 3) : uniform(-6, 6);
-                ball.radius = alike ? r : even ? whole(1, 4) : uniform(1, 4);
+                ball.radius = alike ? r : even ? whole(2, 4) : uniform(1.5, 4);
                 if (plate && random_.chance(0.5)) ball.radius = 0;
                 if (solid.shape == RoundedSolid::Shape::kRing)
                     ball.center[0] = ball.radius + (even ? whole(1, 6) : uniform(0.2, 6));

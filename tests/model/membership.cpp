@@ -45,7 +45,7 @@ bool primitive_holds(const Primitive& primitive, const Vec3& p) {
         case Primitive::Kind::kDoubleCone: return rho <= std::fabs(level);
         case Primitive::Kind::kTorus: return std::hypot(rho - primitive.major, p[2]) <= primitive.radius;
         case Primitive::Kind::kPolyhedron: return winding_number(*primitive.triangles, p) > 0.5;
-        case Primitive::Kind::kRounded: return rounded_distance(*primitive.rounded, p, true) <= 0;
+        case Primitive::Kind::kRounded: return rounded_holds(*primitive.rounded, p);
         case Primitive::Kind::kExpression: break;
     }
     throw std::logic_error("no membership for this primitive");

@@ -12,7 +12,7 @@ namespace mortise::test {
 
 inline const std::vector<Vec3>& directions_around() {
     static const std::vector<Vec3> directions = [] {
-        constexpr int kAround = 16;
+        constexpr int kAround = 24;
         std::vector<Vec3> result;
         for (int i = 0; i < kAround * kAround; ++i) {
             const double turn = i % kAround * 2 * std::acos(-1.0) / kAround;
@@ -55,10 +55,9 @@ inline double rounded_beyond(const RoundedSolid& solid, const Vec3& p, const Vec
 }
 
 /// How far outside a rounded solid a point is: the best of many directions, then of ever smaller changes to
-/// it. Negative inside, to about 1e-9 of the solid's size. `only_sign`: as far as needed to tell it.
-inline double rounded_distance(const RoundedSolid& solid, const Vec3& p, bool only_sign = false) {
-    if (solid.shape == RoundedSolid::Shape::kRing)
-        return rounded_distance(profile_of(solid), in_profile(p), only_sign);
+/// it. Negative inside, to about 1e-9 of the solid's size.
+inline double rounded_distance(const RoundedSolid& solid, const Vec3& p) {
+    if (solid.shape == RoundedSolid::Shape::kRing) return rounded_distance(profile_of(solid), in_profile(p));
     const auto value = [&](const Vec3& u) { return rounded_beyond(solid, p, u); };
     const bool column = solid.shape == RoundedSolid::Shape::kColumn;
     const auto unit = [&](Vec3 u) {
@@ -66,25 +65,11 @@ inline double rounded_distance(const RoundedSolid& solid, const Vec3& p, bool on
         const double norm = std::sqrt(u[0] * u[0] + u[1] * u[1] + u[2] * u[2]);
         return norm > 0 ? Vec3{u[0] / norm, u[1] / norm, u[2] / norm} : Vec3{1, 0, 0};
     };
-    // By how much the value changes with the direction, at most.
-    double slope = std::fabs(solid.low) + std::fabs(solid.high);
-    for (const double x : p) slope += std::fabs(x);
-    double farthest = 0;
-    for (const Ball& ball : solid.balls) {
-        farthest = std::max(
-            farthest, std::fabs(ball.center[0]) + std::fabs(ball.center[1]) + std::fabs(ball.center[2]));
-    }
-    slope += farthest;
-    const auto told = [&](double at_best, double step) {
-        return only_sign && (at_best > 0 || at_best + 4 * step * slope < 0);
-    };
     Vec3 best = {1, 0, 0};
     for (const Vec3& direction : directions_around()) {
         const Vec3 u = unit(direction);
         if (value(u) > value(best)) best = u;
-        if (only_sign && value(best) > 0) return value(best);
     }
-    if (told(value(best), 0.2)) return value(best);
     int steps = 0;
     for (double step = 0.2; step > 1e-9 && steps < 2000; ++steps) {
         const Vec3 from = best;
@@ -95,9 +80,69 @@ inline double rounded_distance(const RoundedSolid& solid, const Vec3& p, bool on
             if (value(u) > value(best)) best = u;
         }
         if (best == from) step /= 2;
-        if (told(value(best), step)) return value(best);
     }
     return value(best);
+}
+
+/// Whether a rounded solid holds a point, for points that are not within 1e-3 of its size of its surface:
+/// Gilbert's method walks towards the point from support point to support point.
+inline bool rounded_holds(const RoundedSolid& solid, const Vec3& p) {
+    using Shape = RoundedSolid::Shape;
+    if (solid.shape == Shape::kRing) return rounded_holds(profile_of(solid), in_profile(p));
+    const bool column = solid.shape == Shape::kColumn;
+    // The point of the solid that is farthest along u, in the plane z = 0 for a column.
+    const auto farthest = [&](const Vec3& u) {
+        const double across = std::sqrt(u[0] * u[0] + u[1] * u[1]);
+        const double along[2] = {across > 0 ? u[0] / across : 1, across > 0 ? u[1] / across : 0};
+        Vec3 best{};
+        double most = -HUGE_VAL;
+        for (const Ball& ball : solid.balls) {
+            Vec3 x = ball.center;
+            if (solid.shape == Shape::kHull) {
+                for (std::size_t k = 0; k < 3; ++k) x[k] += ball.radius * u[k];
+            } else if (solid.shape == Shape::kRevolution) {
+                const double out = std::fabs(ball.center[0]);
+                x = {out * along[0] + ball.radius * u[0], out * along[1] + ball.radius * u[1],
+                     ball.center[1] + ball.radius * u[2]};
+            } else {
+                x = {x[0] + ball.radius * along[0], x[1] + ball.radius * along[1], 0};
+            }
+            const double value = u[0] * x[0] + u[1] * x[1] + u[2] * x[2];
+            if (value > most) best = x;
+            most = std::max(most, value);
+        }
+        if (solid.shape == Shape::kPlate) {
+            best[2] = u[2] > 0 ? solid.high : solid.low;
+            for (std::size_t k = 0; k < 3; ++k) best[k] += solid.rounding * u[k];
+        }
+        return best;
+    };
+    const Vec3 target = {p[0], p[1], column ? 0 : p[2]};
+    Vec3 at = farthest({1, 0, 0});
+    for (int i = 0; i < 3000; ++i) {
+        Vec3 to{};
+        double distance = 0;
+        for (std::size_t k = 0; k < 3; ++k) {
+            to[k] = target[k] - at[k];
+            distance += to[k] * to[k];
+        }
+        distance = std::sqrt(distance);
+        if (distance < 1e-6) return true;
+        const Vec3 next = farthest({to[0] / distance, to[1] / distance, to[2] / distance});
+        double ahead = 0;
+        double step = 0;
+        double square = 0;
+        for (std::size_t k = 0; k < 3; ++k) {
+            ahead += to[k] * (target[k] - next[k]);
+            step += to[k] * (next[k] - at[k]);
+            square += (next[k] - at[k]) * (next[k] - at[k]);
+        }
+        if (ahead > 0) return false;  // a plane between
+        if (!(square > 0)) return true;
+        step = std::min(1.0, step / square);
+        for (std::size_t k = 0; k < 3; ++k) at[k] += step * (next[k] - at[k]);
+    }
+    return true;
 }
 
 }  // namespace mortise::test
