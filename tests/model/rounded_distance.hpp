@@ -84,8 +84,8 @@ inline double rounded_distance(const RoundedSolid& solid, const Vec3& p) {
     return value(best);
 }
 
-/// Whether a rounded solid holds a point, for points that are not within 1e-3 of its size of its surface:
-/// Gilbert's method walks towards the point from support point to support point.
+/// Whether a rounded solid holds a point. Gilbert's method walks towards the point from support point to
+/// support point; close to the surface the search of directions decides.
 inline bool rounded_holds(const RoundedSolid& solid, const Vec3& p) {
     using Shape = RoundedSolid::Shape;
     if (solid.shape == Shape::kRing) return rounded_holds(profile_of(solid), in_profile(p));
@@ -119,7 +119,7 @@ inline bool rounded_holds(const RoundedSolid& solid, const Vec3& p) {
     };
     const Vec3 target = {p[0], p[1], column ? 0 : p[2]};
     Vec3 at = farthest({1, 0, 0});
-    for (int i = 0; i < 3000; ++i) {
+    for (int i = 0; i < 200; ++i) {
         Vec3 to{};
         double distance = 0;
         for (std::size_t k = 0; k < 3; ++k) {
@@ -142,7 +142,7 @@ inline bool rounded_holds(const RoundedSolid& solid, const Vec3& p) {
         step = std::min(1.0, step / square);
         for (std::size_t k = 0; k < 3; ++k) at[k] += step * (next[k] - at[k]);
     }
-    return true;
+    return rounded_distance(solid, p) <= 0;
 }
 
 }  // namespace mortise::test

@@ -3,20 +3,18 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <utility>
 
 #include "host/common/rounded_parts.hpp"
 #include "host/model/affine.hpp"
 #include "host/model/outlines/polygons.hpp"
-#include "host/model/solids/convex_pieces.hpp"
+#include "host/model/solids/convex_hull.hpp"
 #include "host/model/solids/rounded_facets.hpp"
 #include "host/model/solids/swept_outline.hpp"
 
 namespace mortise::model_reader {
 namespace {
 
-constexpr double kTurn = 6.283185307179586;
 constexpr double kSame = 1e-6;
 
 Vec3 difference(const Vec3& a, const Vec3& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
@@ -27,63 +25,39 @@ std::uint32_t add_half_spaces(Model& model, std::vector<Plane> planes, const std
     return model.add_primitive(std::move(primitive), name);
 }
 
-void number_planes(std::vector<Plane>& planes) {
-    std::size_t number = 0;
-    for (Plane& plane : planes) {
-        if (plane.name.empty()) plane.name = "side" + std::to_string(++number);
-    }
-}
-
 std::uint32_t add_ball(Model& model, const Vec3& center, double radius, const std::string& name) {
     const std::uint32_t ball = model.add_primitive(sphere(radius), name);
     return center == Vec3{} ? ball : model.add_transform(translation(center), ball);
 }
 
-/// The box of points, wider by `margin` and by what rounding may need.
-Box3 box_of(const std::vector<Vec3>& points, double margin) {
-    Box3 box{points[0], points[0]};
-    for (const Vec3& point : points) {
-        for (std::size_t k = 0; k < 3; ++k) {
-            box.min[k] = std::min(box.min[k], point[k]);
-            box.max[k] = std::max(box.max[k], point[k]);
-        }
-    }
+/// A little wider, for rounding.
+Box3 widened(Box3 box) {
     for (std::size_t k = 0; k < 3; ++k) {
-        const double rounding = 1e-9 * (margin + std::max(std::fabs(box.min[k]), std::fabs(box.max[k])));
-        box.min[k] -= margin + rounding;
-        box.max[k] += margin + rounding;
+        const double rounding = kSame * (box.max[k] - box.min[k]);
+        box.min[k] -= rounding;
+        box.max[k] += rounding;
     }
     return box;
 }
 
-constexpr double kFacetAngle = kTurn / kFacets;
+RoundedSolid column_over(const std::vector<Disc>& discs) {
+    RoundedSolid column;
+    column.shape = RoundedSolid::Shape::kColumn;
+    for (const Disc& disc : discs) column.balls.push_back({{disc.center[0], disc.center[1], 0}, disc.radius});
+    return column;
+}
 
-/// The hull's outline, with arcs in pieces of one facet's angle at most; tangents meet them exactly.
-std::vector<Vec2> outline_of(const std::vector<Disc>& hull, const std::vector<Vec2>& normals) {
-    const std::size_t n = hull.size();
-    std::vector<Vec2> outline;
-    for (std::size_t i = 0; i < n; ++i) {
-        const Disc& disc = hull[i];
-        const Vec2& before = normals[(i + n - 1) % n];
-        const Vec2& after = normals[i];
-        double arc = std::atan2(after[1], after[0]) - std::atan2(before[1], before[0]);
-        arc -= kTurn * std::floor(arc / kTurn);
-        if (!(disc.radius > 0)) {
-            outline.push_back(disc.center);
-            continue;
-        }
-        if (arc > kTurn - 1e-7) arc = 0;
-        const int steps = std::max(1, static_cast<int>(std::ceil(arc / kFacetAngle - 1e-6)));
-        const double start = std::atan2(before[1], before[0]);
-        for (int k = 0; k <= steps; ++k) {
-            if (k == steps && arc < 1e-7) break;
-            const double turn = start + arc * k / steps;
-            const Vec2 normal = k == 0 ? before : k == steps ? after : Vec2{std::cos(turn), std::sin(turn)};
-            outline.push_back(
-                {disc.center[0] + disc.radius * normal[0], disc.center[1] + disc.radius * normal[1]});
-        }
+/// The planes through the sides of a convex polygon.
+std::vector<Plane> side_planes(const std::vector<Vec2>& outline) {
+    std::vector<Plane> planes;
+    for (std::size_t i = 0; i < outline.size(); ++i) {
+        const Vec2& from = outline[i];
+        const Vec2& to = outline[(i + 1) % outline.size()];
+        const double apart = std::hypot(to[0] - from[0], to[1] - from[1]);
+        const Vec3 normal = {(to[1] - from[1]) / apart, (from[0] - to[0]) / apart, 0};
+        planes.push_back({normal, normal[0] * from[0] + normal[1] * from[1], "side" + std::to_string(i + 1)});
     }
-    return outline;
+    return planes;
 }
 
 }  // namespace
@@ -95,75 +69,43 @@ std::optional<std::uint32_t> add_prism(Model& model, const std::vector<Disc>& di
     const std::size_t n = hull.size();
     if (n == 1 && !(hull[0].radius > 0)) return std::nullopt;
     if (n == 2 && hull[0].radius == 0 && hull[1].radius == 0) return std::nullopt;
-    std::vector<Plane> planes;
-    std::vector<Vec2> normals;  // of the tangent from disc i to disc i + 1
-    for (std::size_t i = 0; i < n && n > 1; ++i) {
-        const Disc& from = hull[i];
-        const Disc& to = hull[(i + 1) % n];
-        const Vec2 d = {to.center[0] - from.center[0], to.center[1] - from.center[1]};
-        const double apart = std::hypot(d[0], d[1]);
-        const double cosine = std::clamp((from.radius - to.radius) / apart, -1.0, 1.0);
-        const double sine = std::sqrt((1 - cosine) * (1 + cosine));
-        // The direction to the next disc turned clockwise by the angle of that cosine.
-        const Vec2 normal = {(d[0] * cosine + d[1] * sine) / apart, (d[1] * cosine - d[0] * sine) / apart};
-        normals.push_back(normal);
-        const Vec3 plane_normal = {normal[0], normal[1], 0};
-        planes.push_back(
-            {plane_normal, normal[0] * from.center[0] + normal[1] * from.center[1] + from.radius, {}});
-    }
-    number_planes(planes);
-    std::vector<Vec3> corners;
-    double reach = high - low;
-    for (const Disc& disc : hull) {
-        for (const double sign : {-1.0, 1.0}) {
-            const double r = sign * disc.radius;
-            corners.push_back({disc.center[0] + r, disc.center[1] + r, low});
-            corners.push_back({disc.center[0] + r, disc.center[1] + r, high});
-        }
-    }
-    const Box3 bounds = box_of(corners, 0);
-    for (std::size_t k = 0; k < 2; ++k) reach = std::max(reach, bounds.max[k] - bounds.min[k]);
+    const RoundedSolid column = column_over(hull);
+    Box3 bounds = box_of(column);
+    bounds.min[2] = low;
+    bounds.max[2] = high;
     const auto is_round = [](const Disc& disc) { return disc.radius > 0; };
-    const bool round = std::any_of(hull.begin(), hull.end(), is_round);
-    const bool rounded_all = n > 1 && n <= kMostBalls && std::all_of(hull.begin(), hull.end(), is_round);
+    std::vector<Plane> planes;
     std::vector<std::uint32_t> parts;
     if (n == 1) {
         const Vec3 center = {hull[0].center[0], hull[0].center[1], 0};
         std::uint32_t tube = model.add_primitive(infinite_cylinder(hull[0].radius), name + "_round");
         if (center != Vec3{}) tube = model.add_transform(translation(center), tube);
         parts.push_back(tube);
-    } else if (rounded_all) {
-        RoundedSolid column;
-        column.shape = RoundedSolid::Shape::kColumn;
-        for (const Disc& disc : hull)
-            column.balls.push_back({{disc.center[0], disc.center[1], 0}, disc.radius});
-        parts.push_back(model.add_primitive(rounded(std::move(column)), name + "_round"));
-        planes.clear();
-    } else if (round) {
+    } else if (n <= kMostBalls && std::all_of(hull.begin(), hull.end(), is_round)) {
+        parts.push_back(model.add_primitive(rounded(column), name + "_round"));
+    } else if (std::any_of(hull.begin(), hull.end(), is_round)) {
         // Tangent-continuous sides are one smooth surface, cut by the planes at its ends.
-        const Contours loops = normalised({outline_of(hull, normals)});
+        const Contours loops = normalised({outline_of(column)});
         if (loops.empty()) return std::nullopt;
+        double reach = 0;
+        for (std::size_t k = 0; k < 3; ++k) reach = std::max(reach, bounds.max[k] - bounds.min[k]);
         const PrismSpan span = {low - reach / 16, high + reach / 16, 1, 1};
         int sides = 0;
         parts.push_back(model.add_primitive(
             prism(loops, span, kSmoothTurn, [&sides] { return "side" + std::to_string(++sides); }), name));
-        planes.clear();
+    } else {
+        planes = side_planes(outline_of(column));
     }
     planes.push_back({{0, 0, -1}, -low, "zmin"});
     planes.push_back({{0, 0, 1}, high, "zmax"});
     parts.push_back(add_half_spaces(model, std::move(planes), {}));
     const std::uint32_t node = model.add_operation(CsgNode::Op::kIntersection, std::move(parts), name);
-    model.nodes[node].bounds = bounds;
+    model.nodes[node].bounds = widened(bounds);
     return frame == kIdentity ? node : model.add_transform(frame, node);
 }
 
 std::uint32_t add_rounded(Model& model, RoundedSolid solid, const Affine& frame, const std::string& name) {
-    Box3 bounds = box_of(solid);
-    for (std::size_t k = 0; k < 3; ++k) {
-        const double rounding = kSame * (bounds.max[k] - bounds.min[k]);
-        bounds.min[k] -= rounding;
-        bounds.max[k] += rounding;
-    }
+    const Box3 bounds = widened(box_of(solid));
     const std::uint32_t node = model.add_primitive(rounded(std::move(solid)), name);
     model.nodes[node].bounds = bounds;
     return frame == kIdentity ? node : model.add_transform(frame, node);
@@ -171,6 +113,21 @@ std::uint32_t add_rounded(Model& model, RoundedSolid solid, const Affine& frame,
 
 std::optional<std::uint32_t> add_hull_of_spheres(Model& model, std::vector<Ball> balls,
                                                  const std::string& name) {
+    // All pairs are looked at, with all others: of many equal ones only the corners of the centres' hull.
+    constexpr std::size_t kMostPairs = 300;
+    if (balls.size() > kMostBalls) {
+        std::vector<Vec3> centers;
+        for (const Ball& ball : balls) centers.push_back(ball.center);
+        const bool alike = std::all_of(balls.begin(), balls.end(), [&](const Ball& ball) {
+            return std::fabs(ball.radius - balls[0].radius) <= kSame * balls[0].radius;
+        });
+        const std::optional<Polytope> hull = alike ? convex_hull(centers) : std::nullopt;
+        const double radius = balls[0].radius;
+        if (hull) balls.clear();
+        for (std::size_t i = 0; hull && i < hull->vertices.size(); ++i)
+            balls.push_back({hull->vertices[i], radius});
+    }
+    if (balls.size() > kMostPairs) return std::nullopt;
     RoundedSolid solid;
     solid.balls = std::move(balls);
     const RoundedParts parts = rounded_parts(solid);
