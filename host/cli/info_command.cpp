@@ -10,8 +10,9 @@ namespace mortise::cli {
 namespace {
 
 /// By Primitive::Kind.
-constexpr std::array<const char*, 8> kPrimitiveNames = {"convex",      "sphere", "cylinder",   "cone",
-                                                        "double_cone", "torus",  "expression", "polyhedron"};
+constexpr std::array<const char*, 9> kPrimitiveNames = {
+    "convex", "sphere", "cylinder", "cone", "double_cone", "torus", "expression", "polyhedron", "rounded"};
+static_assert(kPrimitiveNames.size() == static_cast<std::size_t>(Primitive::Kind::kRounded) + 1);
 
 std::string corner_text(const Vec3& corner) {
     return "(" + short_number(corner[0]) + ", " + short_number(corner[1]) + ", " + short_number(corner[2]) +

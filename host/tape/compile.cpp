@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/glm.hpp>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <numeric>
@@ -200,6 +201,7 @@ class Compiler {
         node_ = frame.node;
         static const char* const kNames[] = {"convex", "sphere",  "cylinder",   "cone",   "cone",
                                              "torus",  "formula", "polyhedron", "rounded"};
+        static_assert(std::size(kNames) == static_cast<std::size_t>(Primitive::Kind::kRounded) + 1);
         const std::size_t kind = static_cast<std::size_t>(p.kind);
         // An unnamed primitive counts once however often its frame is expanded: names stay short and stable.
         std::string base = *frame.name;

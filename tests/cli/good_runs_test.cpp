@@ -189,6 +189,18 @@ TEST_CASE("info, devices, doctor, help and version") {
     CHECK(cylinders("smooth") > 0);
     CHECK(cylinders("exact") == 0);
     {
+        // What a hull becomes is counted, too.
+        const ScratchFolder scratch;
+        const std::string path =
+            scratch.write("hull.csg",
+                          "hull() { sphere(r = 1); multmatrix([[1,0,0,3],[0,1,0,0],[0,0,1,0],[0,0,0,1]]) { "
+                          "sphere(r = 1); } "
+                          "multmatrix([[1,0,0,0],[0,1,0,3],[0,0,1,0],[0,0,0,1]]) { sphere(r = 1); } }");
+        const Json hull = Json::parse(run({"info", path, "--json"}).out);
+        CHECK(hull["primitives"]["rounded"] == 1);
+        CHECK(hull["surfaces"].size() == 1);
+    }
+    {
         const ScratchFolder scratch;
         const std::string path = scratch.file("plane.geo");
         std::ofstream(path) << "algebraic3d\nsolid half = plane(0,0,0;0,0,1) -maxh=2;\ntlo half;\n";
