@@ -84,6 +84,23 @@ TEST_CASE("rounded solids as facets: volumes against closed forms, few triangles
     check(pill, pi * 0.25 * 2 + pi / 6, 2e-3, 14000);
 }
 
+TEST_CASE("bounds of rounded solids keep their faces on the planes of the grid") {
+    for (const Built& built : {build(rod_at(-1, 0, 0, 1, 0.5, 0.5) + rod_at(1, 0, 0, 1, 0.5, 0.5)),
+                               build("cube([2, 1, 1]);" + ball_at(0, 0, 0, 0.5), true)}) {
+        const auto& bounds = built.model.nodes[built.node].bounds;
+        REQUIRE((bounds.has_value()));
+        const bool prism = bounds->min[2] > -0.25;
+        const Vec3 low = prism ? Vec3{-1.5, -0.5, 0} : Vec3{-0.5, -0.5, -0.5};
+        const Vec3 high = prism ? Vec3{1.5, 0.5, 1} : Vec3{2.5, 1.5, 1.5};
+        for (std::size_t k = 0; k < 3; ++k) {
+            CHECK(bounds->min[k] <= low[k]);
+            CHECK(bounds->max[k] >= high[k]);
+            CHECK(std::fabs(bounds->min[k] - low[k]) < 1e-8);
+            CHECK(std::fabs(bounds->max[k] - high[k]) < 1e-8);
+        }
+    }
+}
+
 TEST_CASE("hulls and sums that are one smooth surface") {
     // Spheres of any radii, nested, scaled alike, mirrored.
     const auto three = hull_of({ball({-1, 0, 0}, 0.5), ball({1, 0, 0}, 0.8), ball({0, 1, 0}, 0.3)});

@@ -30,10 +30,11 @@ std::uint32_t add_ball(Model& model, const Vec3& center, double radius, const st
     return center == Vec3{} ? ball : model.add_transform(translation(center), ball);
 }
 
-/// A little wider, for rounding.
+/// Wider by what rounding may need, and no more: the grid follows from it, and faces that lie on its planes
+/// shall not leave them.
 Box3 widened(Box3 box) {
     for (std::size_t k = 0; k < 3; ++k) {
-        const double rounding = kSame * (box.max[k] - box.min[k]);
+        const double rounding = 1e-9 * std::max(std::fabs(box.min[k]), std::fabs(box.max[k]));
         box.min[k] -= rounding;
         box.max[k] += rounding;
     }
