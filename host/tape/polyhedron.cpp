@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <map>
 
+#include "host/tape/arena.hpp"
 #include "host/tape/facets.hpp"
 
 namespace mortise::tape {
@@ -57,7 +57,6 @@ class PatchWriter {
         surface.form[1] = static_cast<double>(arena.size());  // no other patch starts there
         surface.form[2] =
             kNoLength * norm({nodes_[3] - nodes_[0], nodes_[4] - nodes_[1], nodes_[5] - nodes_[2]});
-        surface.first_op = static_cast<std::uint32_t>(arena.size());
         std::vector<double> data = std::move(nodes_);
         const auto corner_normals = normals_at_corners();
         for (const std::uint32_t t : order_) {
@@ -72,12 +71,7 @@ class PatchWriter {
                 data.insert(data.end(), at_corner.begin(), at_corner.end());
             }
         }
-        const std::size_t operations =
-            (data.size() * sizeof(double) + sizeof(ExpressionOp) - 1) / sizeof(ExpressionOp);
-        surface.op_count = static_cast<std::uint32_t>(operations);
-        arena.resize(arena.size() + operations);
-        std::memcpy(static_cast<void*>(arena.data() + surface.first_op), data.data(),
-                    data.size() * sizeof(double));
+        append_numbers(data, arena, surface);
         return surface;
     }
 

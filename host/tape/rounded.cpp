@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <initializer_list>
 
 #include "host/common/rounded_parts.hpp"
+#include "host/tape/arena.hpp"
 
 namespace mortise::tape {
 namespace {
@@ -67,13 +67,7 @@ Surface write_rounded(const RoundedSolid& solid, std::vector<ExpressionOp>& aren
     surface.form[1] = static_cast<double>(arena.size());  // no other starts there
     surface.form[2] = shape;
     surface.form[3] = parts.reach;
-    surface.first_op = static_cast<std::uint32_t>(arena.size());
-    const std::size_t operations =
-        (data.size() * sizeof(double) + sizeof(ExpressionOp) - 1) / sizeof(ExpressionOp);
-    surface.op_count = static_cast<std::uint32_t>(operations);
-    arena.resize(arena.size() + operations);
-    std::memcpy(static_cast<void*>(arena.data() + surface.first_op), data.data(),
-                data.size() * sizeof(double));
+    append_numbers(data, arena, surface);
     return surface;
 }
 
