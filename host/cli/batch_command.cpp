@@ -13,6 +13,7 @@
 #include "host/cli/commands.hpp"
 #include "host/cli/documents.hpp"
 #include "host/cli/files.hpp"
+#include "host/cli/kernels_ahead.hpp"
 #include "host/cli/progress.hpp"
 #include "host/cli/quality_text.hpp"
 #include "host/cli/refusals.hpp"
@@ -183,6 +184,10 @@ ExitCode batch_command(const Arguments& arguments) {
     check_mesh_output(items.front().output);
 
     MeshOptions options = arguments.options;
+    {
+        Progress progress(arguments.quiet);
+        build_kernels_ahead(options, progress);
+    }
     const unsigned cores = std::max(1u, std::thread::hardware_concurrency());
     const std::size_t jobs = std::min<std::size_t>(
         arguments.jobs > 0 ? static_cast<std::size_t>(arguments.jobs) : cores, items.size());

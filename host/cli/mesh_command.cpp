@@ -10,6 +10,7 @@
 #include "host/cli/commands.hpp"
 #include "host/cli/documents.hpp"
 #include "host/cli/files.hpp"
+#include "host/cli/kernels_ahead.hpp"
 #include "host/cli/progress.hpp"
 #include "host/cli/quality_text.hpp"
 #include "host/cli/refusals.hpp"
@@ -206,6 +207,10 @@ ExitCode mesh_command(const Arguments& arguments) {
     timed("read", before, 1, [&] { model = read_model(arguments.file, arguments.read); });
     // Said before the work, in case that fails.
     for (const std::string& warning : model.warnings) progress.warn(warning);
+    std::size_t programs = 0;
+    timed("kernels", before, 0, [&] { programs = build_kernels_ahead(options, progress); });
+    before.back().items = programs;
+    if (programs == 0) before.pop_back();
     Outcome out = arguments.in_parts ? mesh_in_parts(arguments, model, options, progress)
                                      : mesh_whole(arguments, model, options, progress);
     MeshReport& report = out.report;

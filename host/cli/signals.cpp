@@ -49,6 +49,10 @@ void end(int signal_number) {
 
 void report_aborts() { signal(SIGABRT, end_aborted); }
 
+void end_silently_on_signals() {
+    for (const int signal_number : {SIGINT, SIGTERM, SIGHUP, SIGABRT}) signal(signal_number, SIG_DFL);
+}
+
 void end_cleanly_on_signals() {
     main_thread = pthread_self();
     on_terminal = isatty(STDERR_FILENO) != 0;

@@ -10,6 +10,9 @@ namespace mortise::cli {
 /// ignored.
 void end_cleanly_on_signals();
 
+/// Gives signals their usual effect again, for a child process that has nothing to clean up or to say.
+void end_silently_on_signals();
+
 /// Makes an abort one line and the exit code kDevice. Part of end_cleanly_on_signals(); to be called again
 /// once a driver is open, because PoCL's compiler, LLVM, puts handlers of its own in place, and its handler
 /// of aborts does not pass them on.

@@ -1,13 +1,13 @@
 // A device: opening it, launching kernels, and their times. See device.hpp.
 #include "host/device/device.hpp"
 
-#include <cstdlib>
 #include <limits>
 
 #include "host/device/build_options.hpp"
 #include "host/device/device_state.hpp"
 #include "host/device/environment.hpp"
 #include "host/device/internals.hpp"
+#include "host/device/kernel_source.hpp"
 
 namespace mortise::device {
 namespace {
@@ -98,9 +98,7 @@ Device::Device(const std::string& choice, const DeviceOptions& options)
     }
     require_linker(self.found);
     if (options.disk_cache) self.cache_folder = cache_folder();
-    self.kernels_folder = options.kernels_folder;
-    const char* const folder = std::getenv("MORTISE_KERNELS");
-    if (self.kernels_folder.empty() && folder != nullptr) self.kernels_folder = folder;
+    self.kernels_folder = chosen_kernels_folder(options.kernels_folder);
     guarded("clCreateContext", "opening device " + device.name, [&] {
         const compute::device handle(self.found.id);
         self.context = compute::context(handle);

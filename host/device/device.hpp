@@ -67,6 +67,12 @@ struct DeviceOptions {
     bool probe = true;           ///< compare the device's arithmetic with the host's at first use
 };
 
+/// A program: kernels/`file`, built with `defines`.
+struct ProgramName {
+    std::string file;     ///< e.g. "octree/descend.cl"
+    std::string defines;  ///< e.g. "-DTOPOLOGY=3"
+};
+
 enum class Access { kRead, kWrite, kReadWrite };  ///< kWrite: the old content is lost
 
 /// Device memory. Movable; an empty one (default-constructed) can only be assigned to or destroyed.
@@ -266,6 +272,10 @@ class Device {
     /// A kernel of kernels/`file` (e.g. "octree/descend.cl"), built at first use with `defines` (e.g.
     /// "-DTOPOLOGY=3"); programs are kept in memory, and in the cache folder between runs.
     Kernel kernel(const std::string& file, const std::string& entry, const std::string& defines = {});
+
+    /// Builds a program, unless it is there already, and on PoCL compiles all of its kernels for this
+    /// device's work-groups, which otherwise happens at their first launches.
+    void build(const ProgramName& program);
 
     /// Runs a kernel over `items` work-items; the kernel's last parameter `uint items` is added here.
     /// Returns at once. No items: launches nothing.

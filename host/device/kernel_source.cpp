@@ -1,12 +1,18 @@
 // See kernel_source.hpp.
 #include "host/device/kernel_source.hpp"
 
+#include <cstdlib>
 #include <filesystem>
 
 #include "host/device/flatten.hpp"
 #include "mortise/error.hpp"
 
 namespace mortise::device {
+
+std::string chosen_kernels_folder(const std::string& wanted) {
+    const char* const folder = std::getenv("MORTISE_KERNELS");
+    return wanted.empty() && folder != nullptr ? folder : wanted;
+}
 
 std::string kernel_source(const std::string& file, const std::string& folder) {
     if (!folder.empty()) {

@@ -16,6 +16,9 @@ struct EmbeddedKernel {
 extern const EmbeddedKernel kEmbeddedKernels[];
 extern const std::size_t kEmbeddedKernelCount;
 
+/// The folder that kernels come from: `wanted`, else $MORTISE_KERNELS; empty: the embedded ones.
+std::string chosen_kernels_folder(const std::string& wanted);
+
 /// The flattened text of kernels/`file`: from `folder` if it has that file, else the embedded one.
 /// Throws Error(kDevice) if there is no such file.
 std::string kernel_source(const std::string& file, const std::string& folder);
