@@ -6,6 +6,7 @@
 #include "host/assembly/facets.hpp"
 #include "host/assembly/nodes.hpp"
 #include "host/assembly/pieces.hpp"
+#include "host/common/large_array.hpp"
 #include "host/common/parallel.hpp"
 
 namespace mortise::assembly {
@@ -19,6 +20,8 @@ struct OriginSide {
 };
 
 constexpr std::size_t kChunk = 512;
+/// Room for one node more for this many: improvement adds some, and need not move the others then.
+constexpr std::uint64_t kSpareNodes = 16;
 
 class Assembler {
   public:
@@ -124,12 +127,13 @@ class Assembler {
     }
 
     void make_room() {
-        mesh_.points.resize(3 * nodes_);
+        resize_large(mesh_.points, 3 * nodes_, input_.threads, 3 * (nodes_ / kSpareNodes));
         for (std::size_t t = 0; t < kElementTypes; ++t) {
             ElementBlock& block = mesh_.elements[t];
-            block.nodes.resize(totals_[t] * static_cast<std::size_t>(kElementNodes[t]));
-            block.region.resize(totals_[t]);
-            block.kind.resize(totals_[t]);
+            resize_large(block.nodes, totals_[t] * static_cast<std::size_t>(kElementNodes[t]),
+                         input_.threads);
+            resize_large(block.region, totals_[t], input_.threads);
+            resize_large(block.kind, totals_[t], input_.threads);
         }
         snio_facet_nodes_.resize(4 * snio_facets_);
         points_ = device_.wrap(mesh_.points.data(), mesh_.points.size() * sizeof(double));

@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "host/common/large_array.hpp"
 #include "host/common/parallel.hpp"
 #include "host/improve/zone.hpp"
 
@@ -8,20 +9,38 @@ namespace {
 
 constexpr std::size_t kChunk = 65536;
 
-/// Takes out what is marked, `stride` values each; what stays keeps its order.
+/// Takes out what is marked, `stride` values each; what stays keeps its order. Threads close the gaps within
+/// chunks, which are then moved together.
 template <class T>
-void keep(std::vector<T>& values, const std::vector<std::uint8_t>& taken, std::size_t stride) {
-    const auto first = std::find(taken.begin(), taken.end(), 1);
-    auto to = values.begin() + (first - taken.begin()) * static_cast<std::ptrdiff_t>(stride);
-    for (auto run = first; run != taken.end();) {
-        const auto begin = std::find(run, taken.end(), 0);
-        run = std::find(begin, taken.end(), 1);
-        const auto value = [&](std::vector<std::uint8_t>::const_iterator i) {
-            return values.begin() + (i - taken.begin()) * static_cast<std::ptrdiff_t>(stride);
+void keep(std::vector<T>& values, const std::vector<std::uint8_t>& taken, std::size_t stride, int threads) {
+    const auto whole = static_cast<std::size_t>(std::find(taken.begin(), taken.end(), 1) - taken.begin());
+    const std::size_t rest = taken.size() - whole;
+    if (rest == 0) return;
+    const auto value = [&](std::size_t i) {
+        return values.begin() + static_cast<std::ptrdiff_t>(i * stride);
+    };
+    std::vector<std::size_t> kept(chunk_count(rest, kChunk));
+    parallel_chunks(rest, kChunk, threads, [&](std::size_t begin, std::size_t end, int) {
+        const auto mark = [&](std::size_t i) { return taken.begin() + static_cast<std::ptrdiff_t>(i); };
+        const auto next = [&](std::size_t from, int wanted) {
+            return static_cast<std::size_t>(std::find(mark(from), mark(whole + end), wanted) - taken.begin());
         };
-        to = std::move(value(begin), value(run), to);
+        std::size_t to = whole + begin;
+        for (std::size_t run = next(to, 0); run < whole + end;) {
+            const std::size_t after = next(run, 1);
+            if (to != run) std::move(value(run), value(after), value(to));
+            to += after - run;
+            run = next(after, 0);
+        }
+        kept[begin / kChunk] = to - whole - begin;
+    });
+    std::size_t to = whole;
+    for (std::size_t chunk = 0; chunk < kept.size(); ++chunk) {
+        const std::size_t from = whole + chunk * kChunk;
+        if (to != from) std::move(value(from), value(from + kept[chunk]), value(to));
+        to += kept[chunk];
     }
-    values.erase(to, values.end());
+    values.erase(value(to), values.end());
 }
 
 /// Nodes of the mesh for those of the zone. New nodes take the numbers of nodes that are gone; `unused`
@@ -51,20 +70,21 @@ std::vector<NodeId> number_nodes(const Zone& zone, std::size_t count, std::vecto
 void remove_nodes(const std::vector<NodeId>& unused, int threads, Mesh& mesh, Trace* trace) {
     if (trace != nullptr) trace->node.resize(mesh.node_count(), kNone);
     if (unused.empty()) return;
-    std::vector<NodeId> number(mesh.node_count());
-    std::size_t gone = 0;
-    for (std::size_t i = 0; i < number.size(); ++i) {
-        if (gone < unused.size() && unused[gone] == i) {
-            ++gone;
-            continue;
+    const std::size_t count = mesh.node_count();
+    std::vector<NodeId> number;
+    resize_large(number, count, threads);
+    std::vector<std::uint8_t> is_gone(count, 0);
+    parallel_chunks(count, kChunk, threads, [&](std::size_t begin, std::size_t end, int) {
+        auto next = std::lower_bound(unused.begin(), unused.end(), begin);
+        for (std::size_t i = begin; i < end; ++i) {
+            number[i] = static_cast<NodeId>(i - static_cast<std::size_t>(next - unused.begin()));
+            if (next == unused.end() || *next != i) continue;
+            is_gone[i] = 1;
+            ++next;
         }
-        number[i] = static_cast<NodeId>(i - gone);
-        if (gone == 0) continue;
-        for (std::size_t j = 0; j < 3; ++j) mesh.points[3 * (i - gone) + j] = mesh.points[3 * i + j];
-        if (trace != nullptr) trace->node[i - gone] = trace->node[i];
-    }
-    if (trace != nullptr) trace->node.resize(number.size() - unused.size());
-    mesh.points.resize(mesh.points.size() - 3 * unused.size());
+    });
+    keep(mesh.points, is_gone, 3, threads);
+    if (trace != nullptr) keep(trace->node, is_gone, 1, threads);
     const auto renumber = [&](std::vector<NodeId>& nodes) {
         parallel_chunks(nodes.size(), kChunk, threads, [&](std::size_t begin, std::size_t end, int) {
             for (std::size_t i = begin; i < end; ++i) nodes[i] = number[nodes[i]];
@@ -91,10 +111,10 @@ Mesh close_zone(Mesh mesh, const CellFrame& frame, const Zone& zone, int threads
     for (int t = 0; t < kElementTypes; ++t) {
         const auto type = static_cast<std::size_t>(t);
         ElementBlock& block = result.elements[type];
-        keep(block.nodes, zone.taken[type], static_cast<std::size_t>(kElementNodes[type]));
-        keep(block.region, zone.taken[type], 1);
-        keep(block.kind, zone.taken[type], 1);
-        if (trace != nullptr) keep(trace->element[type], zone.taken[type], 1);
+        keep(block.nodes, zone.taken[type], static_cast<std::size_t>(kElementNodes[type]), threads);
+        keep(block.region, zone.taken[type], 1, threads);
+        keep(block.kind, zone.taken[type], 1, threads);
+        if (trace != nullptr) keep(trace->element[type], zone.taken[type], 1, threads);
     }
     ElementBlock& pyramids = result.block(ElementType::kPyramid);
     for (const Pyramid& p : zone.pyramids) {
@@ -122,11 +142,11 @@ Mesh close_zone(Mesh mesh, const CellFrame& frame, const Zone& zone, int threads
         }
     }
     std::sort(fronts.begin(), fronts.end());
-    keep(facets.nodes, zone.facet_taken, 4);
-    keep(facets.surface, zone.facet_taken, 1);
-    keep(facets.inside, zone.facet_taken, 1);
-    keep(facets.outside, zone.facet_taken, 1);
-    if (trace != nullptr) keep(trace->facet, zone.facet_taken, 1);
+    keep(facets.nodes, zone.facet_taken, 4, threads);
+    keep(facets.surface, zone.facet_taken, 1, threads);
+    keep(facets.inside, zone.facet_taken, 1, threads);
+    keep(facets.outside, zone.facet_taken, 1, threads);
+    if (trace != nullptr) keep(trace->facet, zone.facet_taken, 1, threads);
     ElementBlock& tetrahedra = result.block(ElementType::kTetrahedron);
     for (const Tetrahedron& t : zone.tetrahedra) {
         for (const ZoneNode n : t.node) tetrahedra.nodes.push_back(node[n]);

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "host/common/parallel.hpp"
-#include "kernels/shared/lattice.h"
 
 namespace mortise::improve {
 namespace {
@@ -15,7 +14,6 @@ constexpr std::size_t kChunk = 4096;
 constexpr double kShortestEdge = 0.35;
 /// Up to this level positions are certain to kVolumeRounding of a finest cell.
 constexpr int kCertainLevel = 11;
-constexpr double kRounder = 6755399441055744.0;
 
 double element_quality(const Mesh& mesh, const CellFrame& frame, const Element& e, double rounding) {
     std::array<Point, 8> p;
@@ -70,18 +68,6 @@ Element element(const Mesh& mesh, int t, std::size_t i) {
     const auto size = static_cast<std::size_t>(kElementNodes[static_cast<std::size_t>(t)]);
     return {static_cast<ElementType>(t), mesh.elements[static_cast<std::size_t>(t)].nodes.data() + i * size,
             size};
-}
-
-/// Nodes lie on the lattice of 2^-26 of a finest cell, until they are improved: rounding takes away what the
-/// map to model coordinates added. Adding and subtracting 1.5 × 2^52 rounds as std::rint does, without a
-/// call.
-Point in_cells(const Mesh& mesh, const CellFrame& frame, NodeId node) {
-    Point p;
-    for (std::size_t j = 0; j < 3; ++j) {
-        const double x = (mesh.points[3 * std::size_t{node} + j] - frame.origin[j]) * frame.per_cell;
-        p[j] = frame.on_lattice ? ((x * kCellUnits + kRounder) - kRounder) * (1.0 / kCellUnits) : x;
-    }
-    return p;
 }
 
 Point centroid(const Mesh& mesh, const CellFrame& frame, const Element& e) {

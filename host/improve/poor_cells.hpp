@@ -9,6 +9,7 @@
 
 #include "host/improve/cell_set.hpp"
 #include "host/improve/zone.hpp"
+#include "kernels/shared/lattice.h"
 
 namespace mortise::improve {
 
@@ -21,8 +22,19 @@ struct Element {
 
 Element element(const Mesh& mesh, int type, std::size_t i);
 
-/// Position of a node, in finest cells.
-Point in_cells(const Mesh& mesh, const CellFrame& frame, NodeId node);
+/// Position of a node, in finest cells. Nodes lie on the lattice of 2^-26 of a finest cell, until they are
+/// improved: rounding takes away what the map to model coordinates added. Adding and subtracting 1.5 × 2^52
+/// rounds as std::rint does, without a call.
+inline Point in_cells(const Mesh& mesh, const CellFrame& frame, NodeId node) {
+    constexpr double kRounder = 6755399441055744.0;
+    const double* const point = mesh.points.data() + 3 * std::size_t{node};
+    Point p;
+    for (std::size_t j = 0; j < 3; ++j) {
+        const double x = (point[j] - frame.origin[j]) * frame.per_cell;
+        p[j] = frame.on_lattice ? ((x * kCellUnits + kRounder) - kRounder) * (1.0 / kCellUnits) : x;
+    }
+    return p;
+}
 
 Point centroid(const Mesh& mesh, const CellFrame& frame, const Element& element);
 
