@@ -91,7 +91,16 @@ LatticePoint Cell::apex_near(const ApexSearch& search, const std::vector<std::si
     return search.middle;
 }
 
+/// The pole of the leaf, if it stands for the middle of this face, or for the apex.
+bool Cell::pole_at(int face, LatticePoint& at) const {
+    if (pole_ == nullptr || pole_->face != face) return false;
+    for (std::size_t j = 0; j < 3; ++j) at[j] = pole_->at[j] * (units_ / kCellUnits);
+    return true;
+}
+
 LatticePoint Cell::apex() const {
+    LatticePoint pole;
+    if (pole_at(octree::LeafPole::kInside, pole)) return pole;
     std::vector<std::size_t> named;
     for (std::size_t s = 0; s < surfaces_.size(); ++s) {
         if (is_named(s)) named.push_back(s);
@@ -99,9 +108,11 @@ LatticePoint Cell::apex() const {
     return apex_near({centre(), 3, {1, size_}}, named);
 }
 
-/// Of a face that becomes a fan: its middle, or a point on the face's surfaces. The middle where it alone
-/// tells that a surface passes.
+/// Of a face that becomes a fan: its middle, or a point on the face's surfaces, a pole before others. The
+/// middle where it alone tells that a surface passes.
 LatticePoint Cell::fan_centre(const std::vector<LocalNode>& loop, const Patch& patch) const {
+    LatticePoint pole;
+    if (!patch.quarter && pole_at(patch.face, pole)) return pole;
     const std::uint8_t* active = row(patch.row);
     std::vector<std::size_t> on_face;
     for (std::size_t s = 0; s < surfaces_.size(); ++s) {

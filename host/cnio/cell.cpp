@@ -131,6 +131,7 @@ bool Cell::snap_end(std::size_t p, LocalNode a, LocalNode b, const LatticePoint&
 void Cell::load(const TreeNode& leaf) {
     leaf_ = leaf;
     level_ = tree_.level_of(leaf.morton);
+    pole_ = tree_.pole_in(leaf.morton);
     size_ = octree::Octree::edge_of(level_);
     for (int j = 0; j < 3; ++j) xyz_[j] = gather_bits(leaf.morton >> j);
     nodes_.clear();

@@ -214,6 +214,7 @@ class Cell {
     bool apex_on(const ApexSearch& search, const std::vector<std::size_t>& surfaces,
                  LatticePoint& apex) const;
     bool is_joint(std::size_t surface) const { return joint_ != nullptr && surface + 1 == surfaces_.size(); }
+    bool pole_at(int face, LatticePoint& at) const;
     LatticePoint fan_centre(const std::vector<LocalNode>& loop, const Patch& patch) const;
     // cell.cpp
     void load_surroundings();
@@ -273,6 +274,7 @@ class Cell {
     Scale scale_;                          ///< of the entity at hand
     std::vector<std::uint32_t> surfaces_;  ///< active set, ascending
     tape::LocalTape local_tape_;
+    const octree::LeafPole* pole_ = nullptr;
     const octree::LeafJoint* joint_ = nullptr;  ///< then the last of surfaces_ is kJointSurface
     std::array<std::size_t, 3> joined_{};       ///< places of its chooser, inside and outside
     tape::LocalTape plain_tape_;                ///< without the joint

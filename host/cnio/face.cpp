@@ -292,6 +292,13 @@ void Cell::fan_patch(const std::vector<LocalNode>& loop, const Patch& patch, std
     fan_nodes_ = loop;
     const std::size_t first = nodes_.size();
     fan_nodes_.push_back(add_node(fan_centre(loop, patch), static_cast<std::uint8_t>(1u << patch.face)));
+    if (LatticePoint pole; !patch.quarter && pole_at(patch.face, pole)) {
+        // It may have moved here along its surfaces.
+        for (const std::uint32_t surface : pole_->through) {
+            const auto at = std::lower_bound(surfaces_.begin(), surfaces_.end(), surface);
+            set_sign(fan_nodes_.back(), static_cast<std::size_t>(at - surfaces_.begin()), 0);
+        }
+    }
     fan_.clear();
     const auto centre = static_cast<std::uint16_t>(loop.size());
     for (std::size_t i = 0; i < loop.size(); ++i) {

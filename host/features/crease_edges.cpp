@@ -32,13 +32,17 @@ class EdgeFinder {
     EdgeFinder(const Mesh& mesh, const std::vector<std::uint32_t>& surface, const tape::BoundModel& model)
         : mesh_(mesh), surface_(surface), model_(model) {}
 
-    std::vector<CreaseEdge> find() {
+    SurfaceEdges find() {
         const std::vector<EdgeOfFacet> edges = mixed_edges();
-        std::vector<CreaseEdge> result;
+        SurfaceEdges result;
         for (std::size_t i = 0, j = 0; i < edges.size(); i = j) {
             while (j < edges.size() && edges[j].a == edges[i].a && edges[j].b == edges[i].b) ++j;
-            CreaseEdge crease;
-            if (is_crease(edges.data() + i, std::min(j - i, kMostAround), &crease)) result.push_back(crease);
+            CreaseEdge edge;
+            switch (meet(edges.data() + i, std::min(j - i, kMostAround), &edge)) {
+                case Meeting::kOneSurface: break;
+                case Meeting::kSmooth: result.smooth.push_back(edge); break;
+                case Meeting::kCrease: result.creases.push_back(edge); break;
+            }
         }
         return result;
     }
@@ -85,14 +89,16 @@ class EdgeFinder {
         return (1.0 / count) * sum;
     }
 
-    bool is_crease(const EdgeOfFacet* around, std::size_t count, CreaseEdge* crease) const {
+    enum class Meeting { kOneSurface, kSmooth, kCrease };
+
+    Meeting meet(const EdgeOfFacet* around, std::size_t count, CreaseEdge* edge) const {
         bool same = true, same_regions = true;
         for (std::size_t i = 1; i < count; ++i) {
             const Label a = label(around[0].facet), b = label(around[i].facet);
             same = same && a == b;
             same_regions = same_regions && a.inside == b.inside && a.outside == b.outside;
         }
-        if (same) return false;
+        if (same) return Meeting::kOneSurface;
         const Vector a = point_of(mesh_, around[0].a), b = point_of(mesh_, around[0].b);
         const Vector middle = to_local(model_, 0.5 * (a + b));
         Vector normal[kMostAround];
@@ -107,18 +113,22 @@ class EdgeFinder {
                 tangent = (dot(along, tangent) < 0 ? -1.0 : 1.0) * along;
             }
         }
-        if (!sharp && same_regions && count == 2) return false;
-        crease->a = around[0].a;
-        crease->b = around[0].b;
+        edge->a = around[0].a;
+        edge->b = around[0].b;
+        if (count == 2) {
+            const auto [low_surface, high_surface] =
+                std::minmax(surface_[around[0].facet], surface_[around[1].facet]);
+            edge->bound = {low_surface, high_surface};
+        }
         std::uint32_t low = 0xffffffffu, high = 0, second = 0xffffffffu;
         for (std::size_t i = 0; i < count; ++i) low = std::min(low, name(around[i].facet));
         for (std::size_t i = 0; i < count; ++i) {
             high = std::max(high, name(around[i].facet));
             if (name(around[i].facet) > low) second = std::min(second, name(around[i].facet));
         }
-        crease->surfaces = {low, high > low ? second : low};
-        crease->model_angle = smallest_wedge(around, count, normal, tangent, 0.5 * (a + b));
-        return true;
+        edge->surfaces = {low, high > low ? second : low};
+        edge->model_angle = smallest_wedge(around, count, normal, tangent, 0.5 * (a + b));
+        return !sharp && same_regions && count == 2 ? Meeting::kSmooth : Meeting::kCrease;
     }
 
     std::uint32_t name(std::uint32_t facet) const { return mesh_.facets.surface[facet]; }
@@ -169,8 +179,8 @@ class EdgeFinder {
 
 }  // namespace
 
-std::vector<CreaseEdge> find_crease_edges(const Mesh& mesh, const std::vector<std::uint32_t>& facet_surface,
-                                          const tape::BoundModel& model) {
+SurfaceEdges find_surface_edges(const Mesh& mesh, const std::vector<std::uint32_t>& facet_surface,
+                                const tape::BoundModel& model) {
     return EdgeFinder(mesh, facet_surface, model).find();
 }
 

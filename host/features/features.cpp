@@ -9,6 +9,7 @@
 namespace mortise::features {
 namespace {
 
+constexpr std::uint8_t kAlwaysCorner = 2;  ///< a marked node, whatever its creases
 constexpr std::uint8_t kCorner = 0, kCrease = 1, kFace = 2, kRegion = 3;
 
 /// The crease edges of one node.
@@ -98,7 +99,7 @@ void mark_singular(const Mesh& mesh, const std::vector<std::uint32_t>& facet_sur
         for (std::size_t k = 0; k < 4; ++k) {
             const NodeId node = mesh.facets.nodes[4 * f + k];
             const Vector local = to_local(model, point_of(mesh, node));
-            if (length(local - s.point) < same_point) marked[node] = 2;
+            if (length(local - s.point) < same_point) marked[node] = kAlwaysCorner;
         }
     }
 }
@@ -112,10 +113,11 @@ Features find_features(const Mesh& mesh, const std::vector<std::uint32_t>& facet
     dimension.assign(mesh.node_count(), kRegion);
     for (const NodeId node : mesh.facets.nodes) dimension[node] = kFace;
 
-    const std::vector<CreaseEdge> edges = find_crease_edges(mesh, facet_surface, model);
-    const std::vector<NodeCreases> creases = by_node(edges);
+    const Creases found = find_creases(mesh, facet_surface, model, level);
+    const std::vector<NodeCreases> creases = by_node(found.edges);
     std::vector<std::uint8_t> marked(mesh.node_count(), 0);
     for (const NodeCreases& c : creases) marked[c.node] = 1;
+    for (const NodeId node : found.poles) marked[node] = kAlwaysCorner;
     mark_singular(mesh, facet_surface, model, same_point(level), marked);
     const std::vector<Incidence> around = surfaces_around(mesh, facet_surface, marked);
 
@@ -127,7 +129,7 @@ Features find_features(const Mesh& mesh, const std::vector<std::uint32_t>& facet
         while (crease != creases.end() && crease->node < node) ++crease;
         const bool on_crease = crease != creases.end() && crease->node == node;
         dimension[node] = kCrease;
-        if (marked[node] == 1 && crease->edges == 2 &&
+        if (marked[node] != kAlwaysCorner && crease->edges == 2 &&
             !spans_a_corner(model, to_local(model, point_of(mesh, node)), around.data() + i, j - i)) {
             continue;
         }
@@ -140,7 +142,7 @@ Features find_features(const Mesh& mesh, const std::vector<std::uint32_t>& facet
                               corner.surfaces.end());
         features.corners.push_back(std::move(corner));
     }
-    features.curves = chain(mesh, edges, is_end);
+    features.curves = chain(mesh, found.edges, is_end);
     return features;
 }
 

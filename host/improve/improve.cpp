@@ -121,7 +121,7 @@ class Improver {
 
     bool is_done() const {
         return std::none_of(zone_.tips.begin(), zone_.tips.end(),
-                            [this](const auto& tip) { return is_unplaced(tip.first); }) &&
+                            [this](const auto& tip) { return is_unplaced(tip); }) &&
                std::none_of(zone_.tetrahedra.begin(), zone_.tetrahedra.end(),
                             [](const Tetrahedron& t) { return t.quality < kGoodQuality; }) &&
                std::none_of(zone_.pyramids.begin(), zone_.pyramids.end(),
@@ -214,9 +214,8 @@ class Improver {
         return key;
     }
 
-    bool is_unplaced(ZoneNode n) const {
-        return std::any_of(zone_.tips.begin(), zone_.tips.end(),
-                           [&](const auto& tip) { return tip.first == n && zone_.points[n] != tip.second; });
+    bool is_unplaced(const std::pair<ZoneNode, Point>& tip) const {
+        return zone_.points[tip.first] != tip.second;
     }
 
     /// The tetrahedra of all blocks, new or as they were; sets first_.
@@ -267,6 +266,8 @@ class Improver {
         });
         std::sort(order.begin(), order.end());
         groups_.clear();
+        std::vector<std::uint8_t> waits(zone_.points.size(), 0);
+        for (const auto& tip : zone_.tips) waits[tip.first] = is_unplaced(tip) ? 1 : 0;
         for (const auto& entry : order) {
             if (groups_.empty() || groups_.back().block != entry.first)
                 groups_.push_back({entry.first, {}, {}, false});
@@ -276,7 +277,7 @@ class Improver {
                 const Tetrahedron& t = zone_.tetrahedra[entry.second];
                 group.poor =
                     group.poor || t.quality < kGoodQuality ||
-                    std::any_of(t.node.begin(), t.node.end(), [this](ZoneNode n) { return is_unplaced(n); });
+                    std::any_of(t.node.begin(), t.node.end(), [&](ZoneNode n) { return waits[n] != 0; });
             } else {
                 const auto i = static_cast<std::uint32_t>(entry.second - tetrahedra);
                 group.pyramids.push_back(i);
@@ -346,7 +347,9 @@ Mesh improve(Mesh mesh, const tape::BoundModel& model, const Options& options, C
     if (trace == nullptr && options.is_open != nullptr) trace = &own;
     if (trace != nullptr) start_trace(mesh, *trace);
     const Surfaces surfaces(model, options.level);
-    const std::vector<Tip> tips = find_tips(model, options.level);
+    const std::vector<tape::Pole> none;
+    const std::vector<Tip> tips =
+        find_tips(model, options.poles != nullptr ? *options.poles : none, options.level);
     Counters local;
     for (int run = 0; run < kRuns; ++run) {
         Zone zone = open_zone(mesh, frame, surfaces, tips, options.held, options.threads);

@@ -15,6 +15,7 @@ struct Options {
     double merge_distance = 0;         ///< features closer than this, in cells, may be merged; 0: none
     int threads = 0;                   ///< host threads; 0: all cores
     const LeafGrid* leaves = nullptr;  ///< null or empty: a uniform tree
+    const std::vector<tape::Pole>* poles = nullptr;  ///< of the model; null: none
     /// Per surface, not 0: its facets and their nodes stay as they are. May be null.
     const std::vector<std::uint8_t>* held = nullptr;
     /// Of a part of a mesh (scope.hpp): per node, not 0 if elements around it are missing. May be null.

@@ -15,9 +15,9 @@ void make_unique(std::vector<std::uint64_t>& list) {
 
 }  // namespace
 
-Scope::Scope(const tape::BoundModel& model, int level, int threads)
+Scope::Scope(const tape::BoundModel& model, const std::vector<tape::Pole>& poles, int level, int threads)
     : frame_(make_frame(model, level)), threads_(threads), cells_(level, nullptr) {
-    for (const Tip& tip : find_tips(model, level)) poor_.push_back(cells_.index(tip.point));
+    for (const Tip& tip : find_tips(model, poles, level)) poor_.push_back(cells_.index(tip.point));
 }
 
 void Scope::add_poor(const Mesh& part) {

@@ -20,7 +20,7 @@ using ElementNumbers = std::array<std::vector<std::uint32_t>, kElementTypes>;
 
 class Scope {
   public:
-    Scope(const tape::BoundModel& model, int level, int threads);
+    Scope(const tape::BoundModel& model, const std::vector<tape::Pole>& poles, int level, int threads);
 
     /// Notes the cells of a part's poor elements. Positions must be there for all its nodes.
     void add_poor(const Mesh& part);

@@ -10,18 +10,20 @@
 
 #include "host/improve/quality.hpp"
 #include "host/tape/compile.hpp"
+#include "host/tape/pole.hpp"
 
 namespace mortise::improve {
 
-/// A singular point of a surface on the boundary of the solid: a corner of the model that only one surface
-/// has.
+/// A corner of the model that has less than three surfaces: a singular point of one, a pole of two.
 struct Tip {
-    std::uint32_t surface;
-    Point point;  ///< in finest cells
+    std::vector<std::uint32_t> surfaces;  ///< ascending
+    Point point;                          ///< in finest cells
+    const tape::Pole* pole = nullptr;     ///< null: no pole
 };
 
-/// The apexes of cones at which the solid really ends, in order of their surfaces.
-std::vector<Tip> find_tips(const tape::BoundModel& model, int level);
+/// The apexes of cones at which the solid really ends, in order of their surfaces, then the poles, which must
+/// live as long as the tips.
+std::vector<Tip> find_tips(const tape::BoundModel& model, const std::vector<tape::Pole>& poles, int level);
 
 /// Surfaces in units of finest cells, from the root box's minimum corner.
 class Surfaces {
@@ -36,6 +38,11 @@ class Surfaces {
     Sample sample(std::uint32_t surface, const Point& x) const;
 
     bool is_plane(std::uint32_t surface) const;
+
+    /// The surface at which the solid ends beside a point near a pole, by the signs of all that pass through
+    /// the pole, along its normal; kNoTurn if it ends there at several, or not at all.
+    std::uint32_t turn_at(const tape::Pole& pole, const Point& x) const;
+    static constexpr std::uint32_t kNoTurn = 0xffffffffu;
 
     /// Moves x onto all of the given surfaces by Newton's method, minimum norm; false if that does not
     /// converge within a quarter of `size`, the edge of the cell there, or if the surfaces are tangent. One,

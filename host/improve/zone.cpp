@@ -7,6 +7,7 @@
 #include "host/common/parallel.hpp"
 #include "host/improve/kept_quads.hpp"
 #include "host/improve/poor_cells.hpp"
+#include "host/improve/tips.hpp"
 #include "host/improve/zone_facets.hpp"
 
 namespace mortise::improve {
@@ -19,7 +20,7 @@ constexpr int kGrowths = 3;
 static_assert(2 * (kGrowths - 1) + 3 < CellSet::kReach);
 constexpr double kSameDistance = 2e-5;  ///< cells
 constexpr double kLessTurned = 0.1;
-constexpr double kTipReach = 1.5;  ///< cells
+constexpr double kFar = 1.5;  ///< cells: of a surface that has no value there
 /// A split into tetrahedra that is flatter than this is replaced by a cone from the element's centre.
 constexpr double kLowestSplit = 0.02;
 
@@ -62,7 +63,7 @@ class Opener {
         tag_faces(mesh_, place_, held_, zone_);
         correct_tags();
         find_strata();
-        assign_tips();
+        if (assign_tips(tips_, surfaces_, zone_)) find_strata();
         for (Tetrahedron& t : zone_.tetrahedra) {
             t.quality = quality(t);
         }
@@ -280,23 +281,6 @@ class Opener {
         }
     }
 
-    /// Each tip takes the nearest node that lies on its surface alone, within reach.
-    void assign_tips() {
-        for (const Tip& tip : tips_) {
-            ZoneNode best = kNone;
-            double nearest = HUGE_VAL;
-            for (ZoneNode n = 0; n < zone_.points.size(); ++n) {
-                if (zone_.stratum_size(n) != 1 || zone_.surfaces(n)[0] != tip.surface) continue;
-                const double distance = squared_length(zone_.points[n] - tip.point);
-                const double reach = kTipReach * size_at(n);
-                if (distance >= nearest || distance >= reach * reach) continue;
-                nearest = distance;
-                best = n;
-            }
-            if (best != kNone) zone_.tips.push_back({best, tip.point});
-        }
-    }
-
     /// How far a facet's nodes are from a surface, in finest cells; and how much it is turned against it, 0
     /// to 1.
     struct Fit {
@@ -307,7 +291,7 @@ class Opener {
         Fit result;
         for (const Point& x : p) {
             const Surfaces::Sample s = surfaces_.sample(surface, x);
-            if (!s.valid) return {kTipReach * size, 1};
+            if (!s.valid) return {kFar * size, 1};
             result.distance = std::max(result.distance, std::fabs(s.value) / length(s.gradient));
         }
         const Surfaces::Sample s = surfaces_.sample(surface, (1.0 / 3) * (p[0] + p[1] + p[2]));

@@ -8,7 +8,9 @@
 
 #include "host/device/device.hpp"
 #include "host/octree/joint.hpp"
+#include "host/octree/pole.hpp"
 #include "host/tape/compile.hpp"
+#include "host/tape/pole.hpp"
 #include "kernels/shared/tree.h"
 
 namespace mortise::octree {
@@ -31,8 +33,10 @@ struct Octree {
     /// Graded trees: NIO leaves, by index, that touch a finer one, and IN leaves with a finer one at a face
     /// or edge, which join the NIO leaves without a tape. All go to the certificate.
     std::vector<std::uint32_t> transitions;
-    std::vector<LeafJoint> joints;  ///< of NIO leaves, ascending code
-    std::uint64_t in_count = 0;     ///< IN leaves
+    std::vector<LeafJoint> joints;     ///< of NIO leaves, ascending code
+    std::vector<tape::Pole> poles;     ///< of the solid, each once
+    std::vector<LeafPole> leaf_poles;  ///< of NIO leaves, ascending code; one for a leaf
+    std::uint64_t in_count = 0;        ///< IN leaves
     std::uint64_t cells_evaluated = 0;
 
     std::size_t words() const { return in_bits.size(); }
@@ -69,6 +73,13 @@ struct Octree {
             std::lower_bound(joints.begin(), joints.end(), morton,
                              [](const LeafJoint& a, std::uint64_t code) { return a.morton < code; });
         return found != joints.end() && found->morton == morton ? &*found : nullptr;
+    }
+    /// The pole in a leaf; null if it has none.
+    const LeafPole* pole_in(std::uint64_t morton) const {
+        const auto found =
+            std::lower_bound(leaf_poles.begin(), leaf_poles.end(), morton,
+                             [](const LeafPole& a, std::uint64_t code) { return a.morton < code; });
+        return found != leaf_poles.end() && found->morton == morton ? &*found : nullptr;
     }
     bool is_in(std::uint64_t code) const { return at(code).kind == kLeafIn; }
     bool is_nio(std::uint64_t code) const { return at(code).kind == kLeafNio; }

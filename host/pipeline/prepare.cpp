@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "host/octree/coincident.hpp"
+#include "host/octree/poles.hpp"
 #include "host/pipeline/grading.hpp"
 #include "host/triangles/divide.hpp"
 
@@ -172,6 +173,7 @@ Prepared prepare(const std::function<device::Device&()>& open_device, const Mode
     octree::Octree& tree = result.tree;
     tree = build_tree(device, options, bound, sizes, result.periodic, &result.on_device);
     octree::drop_coincident(device, bound, tree, result.on_device, options.threads);
+    octree::find_poles(bound, tree, options.threads);
     stages.end(tree.cells_evaluated);
 
     stages.begin("probe", 0.28);
@@ -187,6 +189,7 @@ Prepared prepare(const std::function<device::Device&()>& open_device, const Mode
         std::count_if(tree.transitions.begin(), tree.transitions.end(),
                       [&tree](std::uint32_t leaf) { return tree.nio[leaf].tape_length == 0; }));
     std::vector<std::uint32_t> complex = probed.leaves;
+    for (const octree::LeafPole& pole : tree.leaf_poles) complex.push_back(tree.nio_index(pole.morton));
     complex.insert(complex.end(), tree.transitions.begin(), tree.transitions.end());
     result.classification =
         snio::classify(device, tree, result.on_device, options.templates, options.snap, complex);
@@ -239,6 +242,7 @@ improve::Options improvement_options(const Prepared& prepared, const MeshOptions
     result.merge_distance = options.strict ? 0 : options.merge_distance;
     result.threads = options.threads;
     result.leaves = &prepared.leaves;
+    result.poles = &prepared.tree.poles;
     return result;
 }
 

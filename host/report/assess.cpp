@@ -165,7 +165,7 @@ QualityReport assess(const Mesh& mesh, const std::vector<std::uint32_t>& facet_s
     report.cell_size = std::ldexp(model.side, -options.level);
     report_elements(mesh, options.worst, options.threads, report);
     find_causes(mesh, facet_surface, model, features, report);
-    report_surfaces(mesh, features::find_crease_edges(mesh, facet_surface, model), report);
+    report_surfaces(mesh, features::find_creases(mesh, facet_surface, model, options.level).edges, report);
     for (const FeatureCurve& curve : features.curves) report.crease_length += curve.length;
     report_facets(mesh, facet_surface, model, options.threads, report);
 

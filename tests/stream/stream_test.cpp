@@ -182,6 +182,20 @@ TEST_CASE("a step with smaller elements beside it, in parts") {
     }
 }
 
+TEST_CASE("two pipes of one radius, whose creases cross") {
+    Mesher mesher;
+    MeshOptions options;
+    options.level = 5;
+    const std::string pipe = "cylinder(h = 40, r1 = 10, r2 = 10, center = true);";
+    const Model model = parse_model(
+        "multmatrix([[0.36, 0.48, -0.8, 1], [-0.8, 0.6, 0, 2], [0.48, 0.64, 0.6, 3], [0, 0, 0, 1]]) {"
+        "intersection() { " +
+            pipe + " multmatrix([[0, 0, 1, 0], [0, 1, 0, 0], [-1, 0, 0, 0], [0, 0, 0, 1]]) {" + pipe +
+            "} } }",
+        "csg", "pipes.csg");
+    check_stream(mesher, model, options, 5);
+}
+
 TEST_CASE("several regions, with interfaces on cell faces") {
     Mesher mesher;
     MeshOptions options;
