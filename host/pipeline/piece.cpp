@@ -1,6 +1,7 @@
 #include "host/pipeline/piece.hpp"
 
 #include "host/cnio/extract.hpp"
+#include "host/octree/poles.hpp"
 
 namespace mortise::pipeline {
 
@@ -20,7 +21,9 @@ assembly::Piece make_piece(device::Device& device, const MeshOptions& options, P
         const cnio::CellRecord& record = extraction.records[i];
         extracted.refused += record.refused;
         extracted.unresolved += record.unresolved;
-        if (record.refused + record.unresolved > 0) ++extracted.troubled;
+        if (record.unresolved > 0 ||
+            (record.refused > 0 && !octree::touches_pole(tree, tree.nio[leaves[i]].morton)))
+            ++extracted.troubled;
     }
     stages.end(leaves.size());
     stages.begin("assemble", begin + 0.6 * (end - begin));
