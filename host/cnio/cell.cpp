@@ -152,11 +152,7 @@ void Cell::load_tape() {
         return;
     }
     const std::uint32_t* words = tree_.tapes.data() + leaf_.tape_offset;
-    for (std::uint32_t i = 0; i < leaf_.tape_length; ++i) {
-        if (tape_operation(words[i]) == kTapeLiteral) surfaces_.push_back(tape_surface(words[i]));
-    }
-    std::sort(surfaces_.begin(), surfaces_.end());
-    surfaces_.erase(std::unique(surfaces_.begin(), surfaces_.end()), surfaces_.end());
+    tape::list_surfaces(words, leaf_.tape_length, surfaces_);
     load_joint();
     if (joint_ == nullptr) {
         local_tape_.load(words, leaf_.tape_length, surfaces_);

@@ -393,12 +393,7 @@ void Cell::load_patch_tapes(const Patch& patch) {
     const octree::LeafJoint* beyond = joined ? tree_.joint_in(other.morton) : nullptr;
     const std::uint32_t* words = joined ? beyond->tape.data() : tree_.tapes.data() + other.tape_offset;
     const std::size_t length = joined ? beyond->tape.size() : other.tape_length;
-    other_surfaces_.clear();
-    for (std::size_t i = 0; i < length; ++i) {
-        if (tape_operation(words[i]) == kTapeLiteral) other_surfaces_.push_back(tape_surface(words[i]));
-    }
-    std::sort(other_surfaces_.begin(), other_surfaces_.end());
-    other_surfaces_.erase(std::unique(other_surfaces_.begin(), other_surfaces_.end()), other_surfaces_.end());
+    tape::list_surfaces(words, length, other_surfaces_);
     other_tape_.load(words, length, other_surfaces_);
     other_to_own_.clear();
     for (const std::uint32_t surface : other_surfaces_) {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/common/vec3.hpp"
+
 namespace mortise {
 namespace {
 
@@ -14,14 +16,10 @@ constexpr double kLeastArc = 1e-6;     ///< radians: what a shorter arc would ad
 constexpr double kSameNormal = 1e-14;  ///< squared difference of normals of one facet
 constexpr double kNoDifference = 1e-12;
 
-double dot(const Vec3& a, const Vec3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 double length(const Vec3& v) { return std::sqrt(dot(v, v)); }
 Vec3 difference(const Vec3& a, const Vec3& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
 Vec3 scaled(const Vec3& v, double by) { return {v[0] * by, v[1] * by, v[2] * by}; }
 Vec3 sum(const Vec3& a, const Vec3& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
-Vec3 cross(const Vec3& a, const Vec3& b) {
-    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
 
 /// Angles of a circle that no half-plane excludes.
 class AllowedAngles {

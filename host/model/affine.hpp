@@ -4,14 +4,11 @@
 
 #include <cmath>
 
+#include "host/common/vec3.hpp"
 #include "mortise/model.hpp"
 
 namespace mortise::model_reader {
 
-inline double dot(const Vec3& a, const Vec3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-inline Vec3 cross(const Vec3& a, const Vec3& b) {
-    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
 inline double length(const Vec3& v) { return std::hypot(v[0], v[1], v[2]); }
 
 /// v divided by its length; exact for vectors along a coordinate axis. Precondition: v is finite, not zero.

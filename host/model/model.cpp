@@ -199,7 +199,7 @@ Primitive half_space(const Vec3& point, const Vec3& outward_normal) {
     require_finite("half-space", "point", point);
     require_normal("half-space", outward_normal);
     Primitive result;
-    result.planes = {{outward_normal, model_reader::dot(outward_normal, point), ""}};
+    result.planes = {{outward_normal, dot(outward_normal, point), ""}};
     require_finite("half-space", "offset", result.planes[0].offset);
     return result;
 }

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "host/common/parallel.hpp"
+#include "host/common/vec3.hpp"
 #include "host/octree/leaf_formula.hpp"
 #include "host/octree/tangent.hpp"
 #include "host/tape/projection.hpp"
@@ -20,11 +21,6 @@ constexpr double kIndependent = 0.1;  ///< sine between two gradients
 constexpr double kAlong = 1e-3;       ///< sine between the crease and the third surface
 constexpr double kReach = 1.5;        ///< edges from the leaf's centre, along each axis
 constexpr int kDirections = 360;
-
-double dot(const Vec3& a, const Vec3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-Vec3 cross(const Vec3& a, const Vec3& b) {
-    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
 
 struct Frame {
     Vec3 at{};     ///< on the crease of two surfaces

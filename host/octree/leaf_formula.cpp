@@ -4,6 +4,7 @@
 #include <array>
 #include <utility>
 
+#include "host/tape/local_tape.hpp"
 #include "host/tape/reference.hpp"
 #include "kernels/shared/tape.h"
 
@@ -17,14 +18,7 @@ bool LeafFormula::load(std::vector<std::uint32_t> tape) {
     return !is_spatial && count() <= kMostSurfaces;
 }
 
-void LeafFormula::list_surfaces() {
-    surfaces_.clear();
-    for (const std::uint32_t word : tape_) {
-        if (tape_operation(word) == kTapeLiteral) surfaces_.push_back(tape_surface(word));
-    }
-    std::sort(surfaces_.begin(), surfaces_.end());
-    surfaces_.erase(std::unique(surfaces_.begin(), surfaces_.end()), surfaces_.end());
-}
+void LeafFormula::list_surfaces() { tape::list_surfaces(tape_.data(), tape_.size(), surfaces_); }
 
 std::int32_t LeafFormula::value(std::uint32_t choice) const {
     std::array<std::int8_t, kMostSurfaces> signs{};

@@ -66,11 +66,7 @@ class LeafSearch {
         surfaces_.clear();
         if (leaf.tape_length < 3 || tree_.joint_in(leaf.morton) != nullptr) return false;
         const std::uint32_t* words = tree_.tapes.data() + leaf.tape_offset;
-        for (std::uint32_t i = 0; i < leaf.tape_length; ++i) {
-            if (tape_operation(words[i]) == kTapeLiteral) surfaces_.push_back(tape_surface(words[i]));
-        }
-        std::sort(surfaces_.begin(), surfaces_.end());
-        surfaces_.erase(std::unique(surfaces_.begin(), surfaces_.end()), surfaces_.end());
+        tape::list_surfaces(words, leaf.tape_length, surfaces_);
         if (surfaces_.size() > kMostSurfaces) return false;
         words_ = words;
         length_ = leaf.tape_length;

@@ -5,12 +5,11 @@
 #include <cmath>
 #include <optional>
 
+#include "host/common/vec3.hpp"
 #include "host/tape/projection.hpp"
 
 namespace mortise::octree {
 namespace {
-
-using Vec3 = std::array<double, 3>;
 
 // Lengths in edges of the leaf.
 constexpr double kReach = 16;       ///< from the leaf's centre to where two surfaces touch
@@ -27,11 +26,6 @@ constexpr int kSteps = 16;
 constexpr double kAround = 1.5;  ///< samples are taken so far from the leaf's centre, along each axis
 constexpr int kSamples = 7;      ///< along each axis
 constexpr int kMostRewrites = 4;
-
-double dot(const Vec3& a, const Vec3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-Vec3 cross(const Vec3& a, const Vec3& b) {
-    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
 
 /// A choice of sides of two surfaces that does not occur in the leaf, nor in those that touch it.
 struct Excluded {

@@ -57,13 +57,8 @@ std::int8_t LeafProbe::sample_sign(std::uint32_t surface) const {
 }
 
 void LeafProbe::load_tape(const TreeNode& leaf) {
-    surfaces_.clear();
     const std::uint32_t* words = tree_.tapes.data() + leaf.tape_offset;
-    for (std::uint32_t i = 0; i < leaf.tape_length; ++i) {
-        if (tape_operation(words[i]) == kTapeLiteral) surfaces_.push_back(tape_surface(words[i]));
-    }
-    std::sort(surfaces_.begin(), surfaces_.end());
-    surfaces_.erase(std::unique(surfaces_.begin(), surfaces_.end()), surfaces_.end());
+    tape::list_surfaces(words, leaf.tape_length, surfaces_);
     local_tape_.load(words, leaf.tape_length, surfaces_);
 }
 

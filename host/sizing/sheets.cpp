@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/common/vec3.hpp"
 #include "host/sizing/patch_normals.hpp"
+#include "host/tape/local_tape.hpp"
 #include "host/tape/singular_point.hpp"
 #include "host/tape/variation.hpp"
 
@@ -26,8 +28,6 @@ tape::Cell child_of(const tape::Cell& cell, int child) {
 }
 
 }  // namespace
-
-double dot(const Vec3& a, const Vec3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
 Sampled sample_at(const tape::BoundModel& model, std::uint32_t surface, const Vec3& x) {
     constexpr double kStep = 1e-6;
@@ -204,12 +204,7 @@ bool SheetFinder::make_sheet(std::uint32_t surface, const tape::Cell& cell, Shee
 }
 
 void SheetFinder::run(const std::uint32_t* words, std::size_t length, const tape::Cell& cell, bool closely) {
-    surfaces_.clear();
-    for (std::size_t i = 0; i < length; ++i) {
-        if (tape_operation(words[i]) == kTapeLiteral) surfaces_.push_back(tape_surface(words[i]));
-    }
-    std::sort(surfaces_.begin(), surfaces_.end());
-    surfaces_.erase(std::unique(surfaces_.begin(), surfaces_.end()), surfaces_.end());
+    tape::list_surfaces(words, length, surfaces_);
     find_inside(cell, closely ? kBarelyDrawnIn : kDrawnIn);
     add_touching(cell);
 }

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "host/common/vec3.hpp"
 #include "host/tape/compile.hpp"
 #include "host/tape/reference.hpp"
 
@@ -77,7 +78,5 @@ bool project(const tape::BoundModel& model, std::uint32_t surface, double reach,
 
 /// Whether a point lies in the cell, whose half edge is stretched by a factor.
 bool is_within(const Vec3& x, const tape::Cell& cell, double factor);
-
-double dot(const Vec3& a, const Vec3& b);
 
 }  // namespace mortise::sizing

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/common/vec3.hpp"
 #include "host/sizing/arrangement.hpp"
 
 namespace mortise::sizing {
@@ -11,10 +12,6 @@ namespace {
 constexpr double kOn = 1e-9;
 constexpr double kMoreBent = 1.5;   ///< what curved sheets may do between the samples
 constexpr int kMostAtOnePoint = 8;  ///< planes: 256 choices
-
-Vec3 cross(const Vec3& a, const Vec3& b) {
-    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
 
 }  // namespace
 

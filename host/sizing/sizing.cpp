@@ -7,6 +7,7 @@
 #include "host/sizing/hints.hpp"
 #include "host/sizing/thin.hpp"
 #include "host/sizing/topology.hpp"
+#include "host/tape/local_tape.hpp"
 #include "kernels/shared/expression_bounds.h"
 #include "kernels/shared/lattice.h"
 #include "kernels/shared/tape.h"
@@ -106,11 +107,7 @@ bool Sizer::is_too_large(const std::uint32_t* words, std::size_t length, const t
     if (edge > size * (1 + kRounding)) return true;
     if (field_.meetings.empty() && field_.gaps.empty()) return false;
     std::vector<std::uint32_t> here;
-    for (std::size_t i = 0; i < length; ++i) {
-        if (tape_operation(words[i]) == kTapeLiteral) here.push_back(tape_surface(words[i]));
-    }
-    std::sort(here.begin(), here.end());
-    here.erase(std::unique(here.begin(), here.end()), here.end());
+    tape::list_surfaces(words, length, here);
     for (const SizeField::Meeting& meeting : field_.meetings) {
         if (edge > meeting.size * (1 + kRounding) && meet_in(model_, meeting, here, cell)) return true;
     }

@@ -14,6 +14,15 @@ constexpr std::uint64_t kCases[LocalTape::kMaxCases] = {0xaaaaaaaaaaaaaaaaULL, 0
 
 }  // namespace
 
+void list_surfaces(const std::uint32_t* words, std::size_t length, std::vector<std::uint32_t>& surfaces) {
+    surfaces.clear();
+    for (std::size_t i = 0; i < length; ++i) {
+        if (tape_operation(words[i]) == kTapeLiteral) surfaces.push_back(tape_surface(words[i]));
+    }
+    std::sort(surfaces.begin(), surfaces.end());
+    surfaces.erase(std::unique(surfaces.begin(), surfaces.end()), surfaces.end());
+}
+
 void LocalTape::load(const std::uint32_t* words, std::size_t length,
                      const std::vector<std::uint32_t>& surfaces) {
     words_.clear();

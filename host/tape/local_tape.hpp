@@ -6,6 +6,9 @@
 
 namespace mortise::tape {
 
+/// The surfaces that a tape names, ascending.
+void list_surfaces(const std::uint32_t* words, std::size_t length, std::vector<std::uint32_t>& surfaces);
+
 class LocalTape {
   public:
     /// `surfaces`: ascending, holds every surface of the tape.

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "host/common/vec3.hpp"
+
 namespace mortise::tape {
 namespace {
 
@@ -14,10 +16,6 @@ constexpr double kDifference = 1e-4;  ///< step of differences, in reaches
 constexpr double kSaddle = 5e-4;
 constexpr double kCurved = 1e-4;  ///< norm of H times the reach: less is flat
 
-double dot(const Vec3& a, const Vec3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-Vec3 cross(const Vec3& a, const Vec3& b) {
-    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
 Vec3 along(const Vec3& from, double t, const Vec3& direction) {
     return {from[0] + t * direction[0], from[1] + t * direction[1], from[2] + t * direction[2]};
 }

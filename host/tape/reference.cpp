@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/tape/local_tape.hpp"
 #include "kernels/shared/expression_bounds.h"
 #include "kernels/shared/spatial.h"
 
@@ -298,11 +299,7 @@ std::int32_t resolve_signs(const std::uint32_t* tape, std::size_t length, const 
     if (direct != kUnknown) return direct;
     // Only surfaces of this tape matter, and it may name some that are not listed.
     std::vector<std::uint32_t> all;
-    for (std::size_t i = 0; i < length; ++i) {
-        if (tape_operation(tape[i]) == kTapeLiteral) all.push_back(tape_surface(tape[i]));
-    }
-    std::sort(all.begin(), all.end());
-    all.erase(std::unique(all.begin(), all.end()), all.end());
+    list_surfaces(tape, length, all);
     std::vector<std::int8_t> trial(all.size(), 0);
     std::vector<std::size_t> open;
     for (std::size_t i = 0; i < all.size(); ++i) {
