@@ -9,6 +9,7 @@ namespace {
 constexpr double kWord = sizeof(std::uint32_t);
 constexpr double kNode = sizeof(TreeNode);
 constexpr double kCandidate = sizeof(SnioCandidate);
+constexpr double kPoints = sizeof(SnioPoints);
 constexpr double kLeaf = sizeof(SnioLeaf);
 /// An exclusive scan of words: two passes read, one writes.
 constexpr double kScan = 3 * kWord;
@@ -72,20 +73,20 @@ StageBytes stage_bytes(const octree::Octree& tree, const cnio::Extraction& extra
     bytes.descent = parents * kNode + tapes + undecided * kNode + cells * kWord + tapes +
                     2 * parents * kWord + undecided * kNode + cells * kWord + 2 * parents * kWord +
                     undecided * kNode + in_nodes;
-    // classify: node, tape; candidate. mark_vertices: node, candidate; near, promoted bits. test_subsets:
-    // node, candidate; candidate. decide: node, candidate; moved.
-    bytes.entities = found * (kNode + kCandidate) + leaf_tapes + found * (kNode + kCandidate + 1) + words +
-                     leaves * (kNode + 2 * kCandidate) + leaves * (kNode + kCandidate + 1);
+    // classify: node, tape; candidate, points. mark_vertices: node, candidate; near, promoted bits.
+    // test_subsets: candidate, points; candidate. decide: node, candidate; moved.
+    bytes.entities = found * (kNode + kCandidate + kPoints) + leaf_tapes + found * (kNode + kCandidate + 1) +
+                     words + leaves * (2 * kCandidate + kPoints) + leaves * (kNode + kCandidate + 1);
     // Scans of the descent (two counts a parent), bitmaps (mark_in, mark_nio on cleared words), their ranks
     // (count and scan), promoted leaves (three bitmaps; two; ranks; old and new leaves with candidates), and
     // the scan that numbers nodes.
     bytes.compaction = 2 * parents * kScan + in_nodes + found * kNode + 4 * words +
                        2 * (2 * words + 3 * words) + 3 * words + 2 * words + 2 * (2 * words + 3 * words) +
-                       4 * words + (found + leaves) * (kNode + kCandidate) + meshed * kScan;
+                       4 * words + (found + leaves) * (kNode + kCandidate + kPoints) + meshed * kScan;
     // own_nodes: tree, masks, extras; owned masks, counts.
     bytes.numbering = 4 * words + 2 * leaves * kWord + 2 * meshed * kWord;
-    // fill: node, candidate, moved; leaf, mask, counts. write_templates: node, leaf, mask, offsets, owned,
-    // base; elements, facets.
+    // fill: node, candidate, moved, points; leaf, mask, counts. write_templates: node, leaf, mask, offsets,
+    // owned, base; elements, facets.
     double template_elements = 0;
     double complex_elements = 0;
     double hexahedra = 0;
@@ -102,7 +103,7 @@ StageBytes stage_bytes(const octree::Octree& tree, const cnio::Extraction& extra
     }
     const double facets = static_cast<double>(before.facets.size());
     const double simple = leaves - complex;
-    bytes.templates = leaves * (kNode + kCandidate + 1 + kLeaf + (2 + kElementTypes) * kWord) +
+    bytes.templates = leaves * (kNode + kCandidate + 1 + kPoints + kLeaf + (2 + kElementTypes) * kWord) +
                       leaves * (kNode + kLeaf + kWord + (1 + kElementTypes) * kWord) + 2 * simple * kWord +
                       template_elements + facets * 4 * kWord;
     const double arenas = arena_bytes(extraction);

@@ -69,6 +69,9 @@ MORTISE_KERNEL void layout(__global uint* out, uint items) {
     OFFSET(SnioLeaf, facet_count)
     OFFSET(SnioLeaf, facets)
     OFFSET(SnioLeaf, point)
+    SIZE(SnioPoints);
+    OFFSET(SnioPoints, moved)
+    OFFSET(SnioPoints, root)
     SIZE(TemplateRow);
     OFFSET(TemplateRow, interior_mean)
     OFFSET(TemplateRow, first_node)

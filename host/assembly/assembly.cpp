@@ -114,16 +114,18 @@ class Assembler {
         const std::size_t meshed = meshed_count();
         used_ = device_.upload(numbering_.used);
         Buffer extra_counts = device_.upload(of_range(extras_.owned_count));
-        owned_ = device_.allocate(meshed * sizeof(std::uint32_t));
-        base_ = device_.allocate((meshed + 1) * sizeof(std::uint32_t));
-        device_.fill_zero(owned_);
-        device_.fill_zero(base_);
+        const auto share = [&](std::vector<std::uint32_t>& values, std::size_t count) {
+            resize_large(values, count, input_.threads);
+            return device_.wrap(values.data(), count * sizeof(std::uint32_t));
+        };
+        owned_ = share(numbering_.owned, meshed);
+        base_ = share(numbering_.base, meshed + 1);
         numbering_.first_rank = static_cast<std::uint32_t>(in_begin_ + nio_begin_);
         launch("own_nodes", word_count_, used_, extra_counts, owned_, base_, piece_range(), first_word());
         nodes_ = device_.exclusive_scan_u32(base_, base_, meshed);
         numbering_.nodes = static_cast<std::uint32_t>(nodes_);
-        numbering_.owned = device_.download<std::uint32_t>(owned_, meshed);
-        numbering_.base = device_.download<std::uint32_t>(base_, meshed + 1);
+        device_.sync_to_host(owned_);
+        device_.sync_to_host(base_);
     }
 
     void make_room() {
@@ -172,6 +174,7 @@ class Assembler {
     }
 
     void finish_fills() {
+        device_.finish();  // a piece without nodes has waited for nothing, and its arrays are the host's
         points_ = Buffer();
         for (Buffer& buffer : connectivity_) buffer = Buffer();
         facet_buffer_ = Buffer();

@@ -11,13 +11,13 @@ CellSet::CellSet(int level, const LeafGrid* leaves) : leaves_(leaves) {
     }
     size_ = (std::int64_t{1} << level) + 2;
     bits_.resize(static_cast<std::size_t>((size_ * size_ * size_ + 63) / 64));
-    bricks_ = size_ / kBrick + 1;
+    bricks_ = brick_at({size_ - 1, 0, 0})[0] + 1;
     near_.resize(brick(0, 0, bricks_));
     holds_.resize(near_.size());
 }
 
 void CellSet::mark_near(const std::array<std::int64_t, 3>& at) {
-    const std::int64_t centre[3] = {at[0] / kBrick, at[1] / kBrick, at[2] / kBrick};
+    const std::array<std::int64_t, 3> centre = brick_at(at);
     std::uint8_t& held = holds_[brick(centre[0], centre[1], centre[2])];
     if (held != 0) return;
     held = 1;
@@ -34,6 +34,21 @@ void CellSet::mark_near(const std::array<std::int64_t, 3>& at) {
             std::fill(row + low[0], row + high[0] + 1, std::uint8_t{1});
         }
     }
+}
+
+std::vector<std::uint64_t> CellSet::near_bricks() const {
+    std::vector<std::uint64_t> codes;
+    for (std::int64_t z = 1; z < bricks_; ++z) {
+        for (std::int64_t y = 1; y < bricks_; ++y) {
+            for (std::int64_t x = 1; x < bricks_; ++x) {
+                if (near_[brick(x, y, z)] == 0) continue;
+                codes.push_back(
+                    morton_encode(static_cast<u32>(x - 1), static_cast<u32>(y - 1), static_cast<u32>(z - 1)));
+            }
+        }
+    }
+    std::sort(codes.begin(), codes.end());
+    return codes;
 }
 
 CellId CellSet::index_graded(const Point& p, CellId hint) const {

@@ -33,9 +33,12 @@ class CellSet {
     }
     /// Uniform trees: false only if all cells of the set are at least kReach cells from p.
     bool is_near(const Point& p) const {
-        const auto at = place(p);
-        return near_[brick(at[0] / kBrick, at[1] / kBrick, at[2] / kBrick)] != 0;
+        const auto at = brick_at(place(p));
+        return near_[brick(at[0], at[1], at[2])] != 0;
     }
+    /// Uniform trees: Morton codes, ascending, of the bricks in the root box that hold such points: cubes of
+    /// 2^kBrickLevels cells along an edge.
+    std::vector<std::uint64_t> near_bricks() const;
     bool test(CellId i) const {
         if (is_outside(i)) return test_outside(i);
         return ((bits_[i >> 6] >> (i & 63)) & 1) != 0;
@@ -65,9 +68,10 @@ class CellSet {
     static bool is_outside(CellId i) { return (i & kOutside) != 0; }
 
     static constexpr std::int64_t kReach = 8;
+    static constexpr int kBrickLevels = 2;
 
   private:
-    static constexpr std::int64_t kBrick = 4;  ///< edge of the bricks of near_
+    static constexpr std::int64_t kBrick = std::int64_t{1} << kBrickLevels;  ///< edge of the bricks of near_
     static constexpr CellId kOutside = CellId{1} << 63;
     static constexpr int kClassBits = 5;
 
@@ -85,6 +89,10 @@ class CellSet {
         for (std::size_t j = 0; j < 3; ++j)
             at[j] = std::clamp<std::int64_t>(static_cast<std::int64_t>(p[j] + 1), 0, size_ - 1);
         return at;
+    }
+    /// The brick of a place. The ring lies in bricks of its own, so that the others are octants.
+    static std::array<std::int64_t, 3> brick_at(const std::array<std::int64_t, 3>& at) {
+        return {(at[0] + kBrick - 1) / kBrick, (at[1] + kBrick - 1) / kBrick, (at[2] + kBrick - 1) / kBrick};
     }
     std::size_t brick(std::int64_t x, std::int64_t y, std::int64_t z) const {
         return static_cast<std::size_t>((z * bricks_ + y) * bricks_ + x);

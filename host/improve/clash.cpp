@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "host/common/parallel.hpp"
+#include "host/common/parallel_sort.hpp"
 #include "host/improve/crossing.hpp"
 
 namespace mortise::improve {
@@ -49,25 +51,52 @@ struct SharedFace {
     std::uint32_t block;
     bool even;
 
-    bool operator<(const SharedFace& other) const { return node < other.node; }
+    bool operator<(const SharedFace& other) const {
+        return std::tie(node, block, even) < std::tie(other.node, other.block, other.even);
+    }
 };
 
-void find_crowded_faces(const PassResult& pass, std::vector<std::uint32_t>& clashing) {
-    std::vector<SharedFace> faces;
-    for (std::uint32_t block = 0; block + 1 < pass.first.size(); ++block) {
+/// What `list(block, result)` appends for each block, in order.
+template <class Value, class List>
+std::vector<Value> list_by_block(const PassResult& pass, int threads, const List& list) {
+    constexpr std::size_t kBlocks = 16;
+    std::vector<std::vector<Value>> found(chunk_count(pass.changed.size(), kBlocks));
+    parallel_chunks(pass.changed.size(), kBlocks, threads, [&](std::size_t begin, std::size_t end, int) {
+        for (std::size_t block = begin; block < end; ++block)
+            list(static_cast<std::uint32_t>(block), found[begin / kBlocks]);
+    });
+    std::vector<Value> all;
+    for (const auto& part : found) all.insert(all.end(), part.begin(), part.end());
+    return all;
+}
+
+/// Shared nodes that changed blocks have: other faces are as they were.
+std::vector<std::uint8_t> find_touched(const PassResult& pass) {
+    std::vector<std::uint8_t> touched(pass.owner.size(), 0);
+    for (std::size_t block = 0; block < pass.changed.size(); ++block) {
+        if (pass.changed[block] == 0) continue;
         for (std::size_t i = pass.first[block]; i < pass.first[block + 1]; ++i) {
-            const Tetrahedron& t = pass.tetrahedra[i];
-            for (const auto& o : kOpposite) {
-                std::array<ZoneNode, 3> n = {t.node[o[0]], t.node[o[1]], t.node[o[2]]};
-                if (pass.owner[n[0]] < pass.shared || pass.owner[n[1]] < pass.shared ||
-                    pass.owner[n[2]] < pass.shared)
-                    continue;
-                const bool even = sort_three(n);
-                faces.push_back({n, block, even});
-            }
+            for (const ZoneNode n : pass.tetrahedra[i].node) touched[n] = pass.owner[n] >= pass.shared;
         }
     }
-    std::sort(faces.begin(), faces.end());
+    return touched;
+}
+
+void find_crowded_faces(const PassResult& pass, int threads, std::vector<std::uint32_t>& clashing) {
+    const std::vector<std::uint8_t> touched = find_touched(pass);
+    std::vector<SharedFace> faces =
+        list_by_block<SharedFace>(pass, threads, [&](std::uint32_t block, std::vector<SharedFace>& list) {
+            for (std::size_t i = pass.first[block]; i < pass.first[block + 1]; ++i) {
+                const Tetrahedron& t = pass.tetrahedra[i];
+                for (const auto& o : kOpposite) {
+                    std::array<ZoneNode, 3> n = {t.node[o[0]], t.node[o[1]], t.node[o[2]]};
+                    if (touched[n[0]] == 0 || touched[n[1]] == 0 || touched[n[2]] == 0) continue;
+                    const bool even = sort_three(n);
+                    list.push_back({n, block, even});
+                }
+            }
+        });
+    parallel_sort(faces, threads);
     for (std::size_t i = 0; i < faces.size();) {
         std::size_t end = i + 1;
         while (end < faces.size() && faces[end].node == faces[i].node) ++end;
@@ -92,41 +121,44 @@ void include(Bounds& all, const Bounds& one) {
     }
 }
 
-/// Outer facets within the bounds of another block's.
-std::vector<OuterFacet> facets_near_others(const PassResult& pass) {
+/// Outer facets within the bounds of another block's, one of the two changed.
+std::vector<OuterFacet> facets_near_others(const PassResult& pass, int threads) {
     const std::size_t blocks = pass.changed.size();
-    const auto for_facets = [&](const auto& visit) {
-        for (std::uint32_t block = 0; block < blocks; ++block) {
-            for (std::size_t i = pass.first[block]; i < pass.first[block + 1]; ++i) {
-                const Tetrahedron& t = pass.tetrahedra[i];
-                for (std::size_t f = 0; f < 4; ++f) {
-                    if (!is_outer(t.tag[f])) continue;
-                    const std::array<ZoneNode, 3> n = face_nodes(t, f);
-                    visit(block, n, bounds({pass.after[n[0]], pass.after[n[1]], pass.after[n[2]]}));
-                }
+    const auto for_facets = [&](std::uint32_t block, const auto& visit) {
+        for (std::size_t i = pass.first[block]; i < pass.first[block + 1]; ++i) {
+            const Tetrahedron& t = pass.tetrahedra[i];
+            for (std::size_t f = 0; f < 4; ++f) {
+                if (!is_outer(t.tag[f])) continue;
+                const std::array<ZoneNode, 3> n = face_nodes(t, f);
+                visit(n, bounds({pass.after[n[0]], pass.after[n[1]], pass.after[n[2]]}));
             }
         }
     };
+    const std::vector<Bounds> of_block =
+        list_by_block<Bounds>(pass, threads, [&](std::uint32_t block, std::vector<Bounds>& list) {
+            list.push_back(kNothing);
+            for_facets(block, [&](const auto&, const Bounds& at) { include(list.back(), at); });
+        });
     Bounds all = kNothing;
-    std::vector<Bounds> of_block(blocks, kNothing);
-    for_facets([&](std::uint32_t block, const auto&, const Bounds& at) { include(of_block[block], at); });
     for (const Bounds& one : of_block) include(all, one);
     FacetGrid grid;
     grid.reset(all, blocks);
     for (std::uint32_t block = 0; block < blocks; ++block) {
         if (of_block[block].low[0] <= of_block[block].high[0]) grid.add(of_block[block], block, 0);
     }
-    std::vector<OuterFacet> result;
-    for_facets([&](std::uint32_t block, const auto& node, const Bounds& at) {
-        if (grid.any(at, [&](std::uint32_t other, std::uint32_t) { return other != block; }))
-            result.push_back({node, block});
+    return list_by_block<OuterFacet>(pass, threads, [&](std::uint32_t block, std::vector<OuterFacet>& list) {
+        for_facets(block, [&](const auto& node, const Bounds& at) {
+            if (grid.any(at, [&](std::uint32_t other, std::uint32_t) {
+                    return other != block && (pass.changed[block] | pass.changed[other]) != 0;
+                }))
+                list.push_back({node, block});
+        });
     });
-    return result;
 }
 
 /// Those of one block have been looked at with the block.
 void find_crossing(const PassResult& pass, int threads, std::vector<std::uint32_t>& clashing) {
-    const std::vector<OuterFacet> facets = facets_near_others(pass);
+    const std::vector<OuterFacet> facets = facets_near_others(pass, threads);
     const auto triangle = [&](const OuterFacet& f) -> Triangle {
         return {pass.after[f.node[0]], pass.after[f.node[1]], pass.after[f.node[2]]};
     };
@@ -162,7 +194,7 @@ void find_crossing(const PassResult& pass, int threads, std::vector<std::uint32_
 std::vector<std::uint32_t> find_clashes(const PassResult& pass, int threads) {
     std::vector<std::uint32_t> clashing;
     find_coincident(pass, threads, clashing);
-    find_crowded_faces(pass, clashing);
+    find_crowded_faces(pass, threads, clashing);
     find_crossing(pass, threads, clashing);
     std::sort(clashing.begin(), clashing.end());
     clashing.erase(std::unique(clashing.begin(), clashing.end()), clashing.end());

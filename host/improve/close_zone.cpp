@@ -96,7 +96,8 @@ void remove_nodes(const std::vector<NodeId>& unused, int threads, Mesh& mesh, Tr
 
 }  // namespace
 
-Mesh close_zone(Mesh mesh, const CellFrame& frame, const Zone& zone, int threads, Trace* trace) {
+Mesh close_zone(Mesh mesh, const CellFrame& frame, const Zone& zone, int threads, Trace* trace,
+                Known& known) {
     Mesh result = std::move(mesh);
     std::vector<NodeId> unused;
     const std::vector<NodeId> node = number_nodes(zone, result.node_count(), &unused);
@@ -115,7 +116,9 @@ Mesh close_zone(Mesh mesh, const CellFrame& frame, const Zone& zone, int threads
         keep(block.region, zone.taken[type], 1, threads);
         keep(block.kind, zone.taken[type], 1, threads);
         if (trace != nullptr) keep(trace->element[type], zone.taken[type], 1, threads);
+        known.old[type] = block.size();
     }
+    known.poor = zone.left_poor;
     ElementBlock& pyramids = result.block(ElementType::kPyramid);
     for (const Pyramid& p : zone.pyramids) {
         for (const ZoneNode n : p.node) pyramids.nodes.push_back(node[n]);

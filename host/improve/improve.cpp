@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "host/common/parallel.hpp"
+#include "host/common/parallel_sort.hpp"
 #include "host/improve/clash.hpp"
 
 namespace mortise::improve {
@@ -264,7 +265,7 @@ class Improver {
                             static_cast<std::uint32_t>(i)};
             }
         });
-        std::sort(order.begin(), order.end());
+        parallel_sort(order, options_.threads);
         groups_.clear();
         std::vector<std::uint8_t> waits(zone_.points.size(), 0);
         for (const auto& tip : zone_.tips) waits[tip.first] = is_unplaced(tip) ? 1 : 0;
@@ -351,8 +352,9 @@ Mesh improve(Mesh mesh, const tape::BoundModel& model, const Options& options, C
     const std::vector<Tip> tips =
         find_tips(model, options.poles != nullptr ? *options.poles : none, options.level);
     Counters local;
+    Known known;
     for (int run = 0; run < kRuns; ++run) {
-        Zone zone = open_zone(mesh, frame, surfaces, tips, options.held, options.threads);
+        Zone zone = open_zone(mesh, frame, surfaces, tips, options.held, options.threads, known);
         if (zone.tetrahedra.empty()) break;
         if (options.is_open != nullptr && holds_open(zone, *options.is_open, *trace)) {
             local.reached_open = true;
@@ -367,7 +369,7 @@ Mesh improve(Mesh mesh, const tape::BoundModel& model, const Options& options, C
         // After the first run features may be merged, which may leave room.
         const bool may_help = run == 0 && options.merge_distance > 0;
         const bool done = improver.is_done() || (improver.is_hopeless() && !may_help);
-        mesh = close_zone(std::move(mesh), frame, zone, options.threads, trace);
+        mesh = close_zone(std::move(mesh), frame, zone, options.threads, trace, known);
         if (done) break;
         frame.on_lattice = false;
     }

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "host/common/parallel_sort.hpp"
+
 namespace mortise::improve {
 namespace {
 
@@ -45,7 +47,7 @@ std::vector<QuadKey> held_quads(const Mesh& mesh, const std::vector<std::uint8_t
 }
 
 void mark_kept_quads(const Mesh& mesh, const std::vector<QuadKey>& outer, const std::vector<QuadKey>& held,
-                     std::vector<ElementRef>& elements) {
+                     int threads, std::vector<ElementRef>& elements) {
     std::vector<QuadUse> uses;
     for (std::size_t i = 0; i < elements.size(); ++i) {
         elements[i].kept = 0;
@@ -61,7 +63,7 @@ void mark_kept_quads(const Mesh& mesh, const std::vector<QuadKey>& outer, const 
                 {quad_key(node), static_cast<std::uint32_t>(8 * i) + static_cast<std::uint32_t>(f)});
         }
     }
-    std::sort(uses.begin(), uses.end());
+    parallel_sort(uses, threads);
     for (std::size_t i = 0; i < uses.size();) {
         std::size_t end = i + 1;
         while (end < uses.size() && uses[end].key == uses[i].key) ++end;

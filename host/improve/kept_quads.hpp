@@ -29,6 +29,6 @@ std::vector<QuadKey> held_quads(const Mesh& mesh, const std::vector<std::uint8_t
 /// Marks the quadrilaterals that stay whole: held ones, and those that an element outside also has. `outer`
 /// and `held` from the functions above.
 void mark_kept_quads(const Mesh& mesh, const std::vector<QuadKey>& outer, const std::vector<QuadKey>& held,
-                     std::vector<ElementRef>& elements);
+                     int threads, std::vector<ElementRef>& elements);
 
 }  // namespace mortise::improve

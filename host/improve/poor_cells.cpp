@@ -9,11 +9,33 @@ namespace mortise::improve {
 namespace {
 
 constexpr std::size_t kChunk = 4096;
+/// Hexahedra of IN cells of which first and last tell that none is near the zone.
+constexpr std::size_t kRow = 64;
 /// A hexahedron, wedge or pyramid with an edge shorter than this, in edges of the smallest leaf at its ends,
 /// counts as poor: it may have right angles and still make its neighbours flat.
 constexpr double kShortestEdge = 0.35;
 /// Up to this level positions are certain to kVolumeRounding of a finest cell.
 constexpr int kCertainLevel = 11;
+
+bool is_cube(const ElementBlock& block, int type, std::size_t i) {
+    return type == 0 && block.kind[i] == static_cast<std::uint8_t>(ElementKind::kIn);
+}
+
+/// Whether no cube among hexahedra `begin` to `end` of a uniform tree lies in one of these bricks.
+bool are_cubes_far(const Mesh& mesh, const CellFrame& frame, const std::vector<std::uint64_t>& bricks,
+                   std::size_t begin, std::size_t end) {
+    const ElementBlock& block = mesh.elements[0];
+    while (begin < end && !is_cube(block, 0, begin)) ++begin;
+    while (begin < end && !is_cube(block, 0, end - 1)) --end;
+    if (begin == end) return true;
+    const auto brick_of = [&](std::size_t i) {
+        const Point p = place_of(mesh, frame, 0, i);
+        return morton_encode(static_cast<u32>(p[0]), static_cast<u32>(p[1]), static_cast<u32>(p[2])) >>
+               (3 * CellSet::kBrickLevels);
+    };
+    const auto next = std::lower_bound(bricks.begin(), bricks.end(), brick_of(begin));
+    return next == bricks.end() || *next > brick_of(end - 1);
+}
 
 double element_quality(const Mesh& mesh, const CellFrame& frame, const Element& e, double rounding) {
     std::array<Point, 8> p;
@@ -78,7 +100,7 @@ Point centroid(const Mesh& mesh, const CellFrame& frame, const Element& e) {
 
 Point place_of(const Mesh& mesh, const CellFrame& frame, int type, std::size_t i) {
     const ElementBlock& block = mesh.elements[static_cast<std::size_t>(type)];
-    if (type == 0 && block.kind[i] == static_cast<std::uint8_t>(ElementKind::kIn)) {
+    if (is_cube(block, type, i)) {
         const Point low = in_cells(mesh, frame, block.nodes[8 * i]);
         if (frame.leaves == nullptr) return low + Point{0.5, 0.5, 0.5};
         return 0.5 * (low + in_cells(mesh, frame, block.nodes[8 * i + 6]));
@@ -98,6 +120,8 @@ void find_cells(const Mesh& mesh, const CellFrame& frame, const CellSet& cells, 
         std::vector<std::uint32_t> element;
         std::vector<std::uint32_t> cell;
     };
+    std::vector<std::uint64_t> bricks;
+    if (!cells.is_graded()) bricks = cells.near_bricks();
     for (int t = 0; t < kElementTypes; ++t) {
         const auto type = static_cast<std::size_t>(t);
         const std::size_t count = mesh.elements[type].size();
@@ -105,7 +129,11 @@ void find_cells(const Mesh& mesh, const CellFrame& frame, const CellSet& cells, 
         parallel_chunks(count, kChunk, threads, [&](std::size_t begin, std::size_t end, int) {
             Found& list = found[begin / kChunk];
             CellId at = 0;
+            bool cubes_are_far = false;
             for (std::size_t i = begin; i < end; ++i) {
+                if (t == 0 && !cells.is_graded() && i % kRow == 0)
+                    cubes_are_far = are_cubes_far(mesh, frame, bricks, i, std::min(end, i + kRow));
+                if (cubes_are_far && is_cube(mesh.elements[type], t, i)) continue;
                 const Point place = place_of(mesh, frame, t, i);
                 if (!cells.is_graded() && !cells.is_near(place)) continue;
                 at = cells.index(place, at);
@@ -149,16 +177,18 @@ void find_size_classes(const Mesh& mesh, const CellFrame& frame, const CellSet& 
 }
 
 std::vector<CellId> poor_cells(const Mesh& mesh, const CellFrame& frame, const CellSet& cells,
-                               const Places& places, double rounding, int threads) {
+                               const Places& places, double rounding, int threads,
+                               const std::array<std::size_t, kElementTypes>& first) {
     std::vector<CellId> poor;
     for (int t = 0; t < kElementTypes; ++t) {
         const ElementBlock& block = mesh.elements[static_cast<std::size_t>(t)];
-        std::vector<std::vector<CellId>> found(chunk_count(block.size(), kChunk));
-        parallel_chunks(block.size(), kChunk, threads, [&](std::size_t begin, std::size_t end, int) {
+        const std::size_t before = first[static_cast<std::size_t>(t)];
+        const std::size_t count = block.size() - before;
+        std::vector<std::vector<CellId>> found(chunk_count(count, kChunk));
+        parallel_chunks(count, kChunk, threads, [&](std::size_t begin, std::size_t end, int) {
             std::vector<CellId>& list = found[begin / kChunk];
-            for (std::size_t i = begin; i < end; ++i) {
-                // Hexahedra of IN cells are cubes.
-                if (t == 0 && block.kind[i] == static_cast<std::uint8_t>(ElementKind::kIn)) continue;
+            for (std::size_t i = before + begin; i < before + end; ++i) {
+                if (is_cube(block, t, i)) continue;
                 const Element e = element(mesh, t, i);
                 if (element_quality(mesh, frame, e, rounding) < kPoorQuality ||
                     (t < 3 && is_flat(mesh, frame, places, e)))

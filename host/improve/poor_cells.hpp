@@ -64,16 +64,19 @@ struct Places {
                 std::size_t i) const;
 };
 
-/// Fills `element` and `cell_of`; of a uniform tree with the elements near the set. `threads` host threads,
-/// here and below; results do not depend on them.
+/// Fills `element` and `cell_of`; of a uniform tree with the elements near the set, where hexahedra of IN
+/// cells must be in the order of the cells' Morton codes. `threads` host threads, here and below; results do
+/// not depend on them.
 void find_cells(const Mesh& mesh, const CellFrame& frame, const CellSet& cells, int threads, Places& places);
 
 /// Fills Places::node_class, from cell_of.
 void find_size_classes(const Mesh& mesh, const CellFrame& frame, const CellSet& cells, int threads,
                        Places& places);
 
-/// Cells of the elements that are not good enough, ascending. Of `places` only node_class is used.
+/// Cells of the elements that are not good enough, ascending; of each type those from `first` on are looked
+/// at. Of `places` only node_class is used.
 std::vector<CellId> poor_cells(const Mesh& mesh, const CellFrame& frame, const CellSet& cells,
-                               const Places& places, double rounding, int threads);
+                               const Places& places, double rounding, int threads,
+                               const std::array<std::size_t, kElementTypes>& first = {});
 
 }  // namespace mortise::improve

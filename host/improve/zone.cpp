@@ -7,6 +7,7 @@
 #include "host/common/parallel.hpp"
 #include "host/improve/kept_quads.hpp"
 #include "host/improve/poor_cells.hpp"
+#include "host/improve/split_elements.hpp"
 #include "host/improve/tips.hpp"
 #include "host/improve/zone_facets.hpp"
 
@@ -21,19 +22,18 @@ static_assert(2 * (kGrowths - 1) + 3 < CellSet::kReach);
 constexpr double kSameDistance = 2e-5;  ///< cells
 constexpr double kLessTurned = 0.1;
 constexpr double kFar = 1.5;  ///< cells: of a surface that has no value there
-/// A split into tetrahedra that is flatter than this is replaced by a cone from the element's centre.
-constexpr double kLowestSplit = 0.02;
 
 class Opener {
   public:
     Opener(const Mesh& mesh, const CellFrame& frame, const Surfaces& surfaces, const std::vector<Tip>& tips,
-           const std::vector<std::uint8_t>* held, int threads)
+           const std::vector<std::uint8_t>* held, int threads, const Known& known)
         : mesh_(mesh),
           frame_(frame),
           surfaces_(surfaces),
           tips_(tips),
           held_(held),
           threads_(threads),
+          known_(known),
           cells_(frame.level, frame.leaves) {}
 
     Zone open() {
@@ -43,7 +43,9 @@ class Opener {
             find_size_classes(mesh_, frame_, cells_, threads_, places_);
         }
         rounding_ = volume_rounding(frame_, unit_class_);
-        std::vector<CellId> poor = poor_cells(mesh_, frame_, cells_, places_, rounding_, threads_);
+        std::vector<CellId> poor =
+            poor_cells(mesh_, frame_, cells_, places_, rounding_, threads_, known_.old);
+        poor.insert(poor.end(), known_.poor.begin(), known_.poor.end());
         for (const Tip& tip : tips_) poor.push_back(cells_.index(tip.point));
         if (poor.empty()) return {};
         for (const CellId cell : poor) cells_.set_ring(cell);
@@ -53,9 +55,8 @@ class Opener {
         place_.assign(mesh_.node_count(), kNone);
         for (int round = 0; round < kGrowths; ++round) {
             collect();
-            // An element that cannot be split leaves the zone with its cell, and the others see its faces
-            // whole.
-            while (!split_elements()) collect();
+            // The others see the faces of an element that has left the zone whole.
+            while (!split()) collect();
             if (!grow()) break;
         }
         finish_nodes();
@@ -66,6 +67,9 @@ class Opener {
         if (assign_tips(tips_, surfaces_, zone_)) find_strata();
         for (Tetrahedron& t : zone_.tetrahedra) {
             t.quality = quality(t);
+        }
+        for (const CellId cell : poor) {
+            if (!cells_.test(cell)) zone_.left_poor.push_back(cell);
         }
         return std::move(zone_);
     }
@@ -96,7 +100,7 @@ class Opener {
             });
             for (const auto& list : found) elements_.insert(elements_.end(), list.begin(), list.end());
         }
-        mark_kept_quads(mesh_, outer_quads_, held_quads_, elements_);
+        mark_kept_quads(mesh_, outer_quads_, held_quads_, threads_, elements_);
         number_nodes();
     }
 
@@ -121,88 +125,12 @@ class Opener {
         }
     }
 
-    /// Cones from one node of the element, or from its centre; false if that is too flat.
-    bool cone(const ElementRef& r, ZoneNode apex, double floor) {
-        const Element e = element(mesh_, r.type, r.index);
-        const ElementBlock& block = mesh_.elements[r.type];
-        const LocalFaces faces = local_faces(e.type);
-        for (int f = 0; f < faces.count; ++f) {
-            const LocalFace& face = faces.faces[f];
-            const std::size_t count = face[3] < 0 ? 3 : 4;
-            NodeId node[4] = {};
-            bool holds = false;
-            for (std::size_t k = 0; k < count; ++k) {
-                node[k] = e.node[face[k]];
-                holds = holds || place_[node[k]] == apex;
-            }
-            if (holds) continue;
-            if (count == 4 && ((r.kept >> f) & 1) != 0) {
-                Pyramid p;
-                for (std::size_t k = 0; k < 4; ++k) p.node[k] = place_[node[3 - k]];
-                p.node[4] = apex;
-                p.region = block.region[r.index];
-                p.kind = block.kind[r.index];
-                if (!(pyramid_quality(corners(p)) > floor)) return false;
-                zone_.pyramids.push_back(p);
-                continue;
-            }
-            std::array<std::array<NodeId, 3>, 2> triangles = {{{node[0], node[1], node[2]}, {}}};
-            if (count == 4) triangles = halves(node);
-            for (std::size_t k = 0; k < count - 2; ++k) {
-                Tetrahedron t;
-                t.node = {place_[triangles[k][0]], place_[triangles[k][2]], place_[triangles[k][1]], apex};
-                t.region = block.region[r.index];
-                t.kind = block.kind[r.index];
-                if (!(quality(t) > floor)) return false;
-                zone_.tetrahedra.push_back(t);
-            }
-        }
-        return true;
-    }
-
-    bool split_elements() {
-        bool whole = true;
-        for (const ElementRef& r : elements_) {
-            const Element e = element(mesh_, r.type, r.index);
-            const ElementBlock& block = mesh_.elements[r.type];
-            if (e.type == ElementType::kTetrahedron) {
-                Tetrahedron t;
-                for (std::size_t k = 0; k < 4; ++k) t.node[k] = place_[e.node[k]];
-                t.region = block.region[r.index];
-                t.kind = block.kind[r.index];
-                zone_.tetrahedra.push_back(t);
-                continue;
-            }
-            if (e.type == ElementType::kPyramid && r.kept != 0) {
-                Pyramid p;
-                for (std::size_t k = 0; k < 5; ++k) p.node[k] = place_[e.node[k]];
-                p.region = block.region[r.index];
-                p.kind = block.kind[r.index];
-                zone_.pyramids.push_back(p);
-                continue;
-            }
-            const std::size_t tetrahedra = zone_.tetrahedra.size();
-            const std::size_t pyramids = zone_.pyramids.size();
-            const auto undo = [&] {
-                zone_.tetrahedra.resize(tetrahedra);
-                zone_.pyramids.resize(pyramids);
-            };
-            if (r.kept == 0 && cone(r, place_[*std::min_element(e.node, e.node + e.count)], kLowestSplit))
-                continue;
-            undo();
-            zone_.points.push_back(centroid_of(e));
-            zone_.size_class.push_back(static_cast<std::uint8_t>(cells_.size_class(r.cell)));
-            zone_.mesh_node.push_back(kNone);
-            if (cone(r, static_cast<ZoneNode>(zone_.points.size() - 1), 0)) continue;
-            undo();
-            zone_.points.pop_back();
-            zone_.size_class.pop_back();
-            zone_.mesh_node.pop_back();
-            if (r.kept == 0 && cone(r, place_[*std::min_element(e.node, e.node + e.count)], 0)) continue;
-            cells_.reset(r.cell);
-            whole = false;
-        }
-        return whole;
+    /// False if an element cannot be split: it leaves the zone with its cell.
+    bool split() {
+        const std::vector<CellId> refused =
+            split_elements(mesh_, frame_, cells_, elements_, place_, threads_, zone_);
+        for (const CellId cell : refused) cells_.reset(cell);
+        return refused.empty();
     }
 
     /// Where a pyramid at the zone's border is poor, the zone takes one more ring.
@@ -347,7 +275,6 @@ class Opener {
     }
     /// Edge of the smallest leaf around a node.
     double size_at(ZoneNode n) const { return edge_of(zone_.size_class[n]); }
-    Point centroid_of(const Element& e) const { return centroid(mesh_, frame_, e); }
 
     const Mesh& mesh_;
     const CellFrame& frame_;
@@ -355,6 +282,7 @@ class Opener {
     const std::vector<Tip>& tips_;
     const std::vector<std::uint8_t>* held_;
     int threads_;
+    const Known& known_;
     CellSet cells_;
     Zone zone_;
     Places places_;
@@ -368,8 +296,9 @@ class Opener {
 }  // namespace
 
 Zone open_zone(const Mesh& mesh, const CellFrame& frame, const Surfaces& surfaces,
-               const std::vector<Tip>& tips, const std::vector<std::uint8_t>* held, int threads) {
-    return Opener(mesh, frame, surfaces, tips, held, threads).open();
+               const std::vector<Tip>& tips, const std::vector<std::uint8_t>* held, int threads,
+               const Known& known) {
+    return Opener(mesh, frame, surfaces, tips, held, threads, known).open();
 }
 
 }  // namespace mortise::improve

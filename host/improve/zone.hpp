@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "host/common/leaf_grid.hpp"
+#include "host/improve/cell_set.hpp"
 #include "host/improve/quality.hpp"
 #include "host/improve/stratum.hpp"
 #include "mortise/mesh.hpp"
@@ -105,6 +105,13 @@ struct Zone {
     std::vector<Point> original;    ///< points as they were, to tell which nodes moved
     std::array<std::vector<std::uint8_t>, kElementTypes> taken;  ///< per element of the mesh: in the zone
     std::vector<std::uint8_t> facet_taken;                       ///< per facet: made anew from tags
+    std::vector<CellId> left_poor;  ///< cells with poor elements that could not be taken
+};
+
+/// What is known of a mesh whose zone has been closed: elements that were not taken are as they were.
+struct Known {
+    std::array<std::size_t, kElementTypes> old{};  ///< per type: elements from here on are new
+    std::vector<CellId> poor;                      ///< cells of old elements that are poor
 };
 
 /// Where cells lie in model coordinates.
@@ -131,10 +138,11 @@ struct Trace {
 /// Collects the zone; cells of tips count as poor. `held` as Options::held. `threads` host threads; the
 /// result does not depend on them.
 Zone open_zone(const Mesh& mesh, const CellFrame& frame, const Surfaces& surfaces,
-               const std::vector<Tip>& tips, const std::vector<std::uint8_t>* held, int threads);
+               const std::vector<Tip>& tips, const std::vector<std::uint8_t>* held, int threads,
+               const Known& known);
 
 /// Puts the zone's elements, facets and moved nodes in place of those that were taken. `trace` may be null;
-/// it is brought up to date.
-Mesh close_zone(Mesh mesh, const CellFrame& frame, const Zone& zone, int threads, Trace* trace);
+/// it is brought up to date. Tells in `known` what needs no second look.
+Mesh close_zone(Mesh mesh, const CellFrame& frame, const Zone& zone, int threads, Trace* trace, Known& known);
 
 }  // namespace mortise::improve

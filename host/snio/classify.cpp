@@ -18,8 +18,9 @@ class Classifier {
     Classification run(bool templates) {
         if (!templates && !on_device_.local_formulas) return all_complex();
         candidates_ = device_.allocate(count() * sizeof(SnioCandidate));
+        points_ = device_.allocate(count() * sizeof(SnioPoints));
         launch("snio/classify.cl", "classify", count(), on_device_.nio, on_device_.tapes, on_device_.surfaces,
-               on_device_.ops, candidates_, snap_);
+               on_device_.ops, candidates_, points_, snap_);
         if (!complex_.empty()) {
             const Buffer leaves = device_.upload(complex_);
             device_.launch(device_.kernel("snio/classify.cl", "leave_to_certificate"), complex_.size(),
@@ -29,8 +30,7 @@ class Classifier {
         if (snap_ != 0 || on_device_.local_formulas) promote();
         if (!templates) return all_complex();
         if (on_device_.local_formulas) drop_misfits();  // promoted leaves, too
-        launch("snio/snap.cl", "test_subsets", count(), on_device_.nio, on_device_.surfaces, on_device_.ops,
-               candidates_, snap_);
+        device_.launch(device_.kernel("snio/snap.cl", "test_subsets"), count(), points_, candidates_, snap_);
         moved_ = device_.allocate(count() * sizeof(std::uint8_t));
         launch("snio/snap.cl", "decide", count(), on_device_.nio, candidates_, moved_);
         return fill();
@@ -71,8 +71,9 @@ class Classifier {
         const std::uint64_t all = octree::make_rank(device_, nio_bits, words, nio_rank);
         Buffer nio = device_.allocate(all * sizeof(TreeNode));
         Buffer candidates = device_.allocate(all * sizeof(SnioCandidate));
-        launch("snio/snap.cl", "promote_leaves", words, nio_bits, nio_rank, on_device_.nio, candidates_, near,
-               nio, candidates);
+        Buffer points = device_.allocate(all * sizeof(SnioPoints));
+        launch("snio/snap.cl", "promote_leaves", words, nio_bits, nio_rank, on_device_.nio, candidates_,
+               points_, near, nio, candidates, points);
         device_.finish();
         on_device_.nio = std::move(nio);
         on_device_.in_bits = std::move(in_bits);
@@ -80,6 +81,7 @@ class Classifier {
         on_device_.in_rank = std::move(in_rank);
         on_device_.nio_rank = std::move(nio_rank);
         candidates_ = std::move(candidates);
+        points_ = std::move(points);
         tree_.nio = device_.download<TreeNode>(on_device_.nio, all);
         tree_.in_bits = device_.download<std::uint32_t>(on_device_.in_bits, words);
         tree_.nio_bits = device_.download<std::uint32_t>(on_device_.nio_bits, words);
@@ -105,8 +107,8 @@ class Classifier {
         Buffer used = device_.allocate(count() * sizeof(std::uint32_t));
         Buffer counts = device_.allocate(kElementTypes * count() * sizeof(std::uint32_t));
         Buffer facets = device_.allocate(count() * sizeof(std::uint32_t));
-        launch("snio/fill.cl", "fill", count(), on_device_.nio, candidates_, moved_, on_device_.surfaces,
-               on_device_.ops, leaves, used, counts, facets, static_cast<std::uint32_t>(count()), snap_);
+        launch("snio/fill.cl", "fill", count(), on_device_.nio, candidates_, moved_, points_, leaves, used,
+               counts, facets, static_cast<std::uint32_t>(count()), snap_);
         result.leaves = device_.download<SnioLeaf>(leaves, count());
         result.used = device_.download<std::uint32_t>(used, count());
         result.facets = device_.download<std::uint32_t>(facets, count());
@@ -122,6 +124,7 @@ class Classifier {
     const std::vector<std::uint32_t>& complex_;
     std::int32_t snap_;
     Buffer candidates_;
+    Buffer points_;
     Buffer moved_;
 };
 

@@ -14,6 +14,7 @@
 #include "shared/snio.h"
 #include "shared/template_table.h"
 #include "shared/tree.h"
+#include "shared/tree_blocks.h"
 
 // The corner of a hexahedron's i-th node, and the reverse.
 __constant uchar kHexahedronCorner[8] = {0, 1, 3, 2, 4, 5, 7, 6};
@@ -58,12 +59,21 @@ MORTISE_KERNEL void own_nodes(TREE_PARAMETERS, __global const uint* used, __glob
         uint rest = in | nio_bits[word];
         uint nio = nio_rank[word];
         uint rank = in_rank[word] + nio;
+        uint inner = 0;
+        if (!shape.graded && in != 0) {
+            TreeBlock block;
+            make_block(&tree, word, &block);
+            inner = inner_cells(&block);
+        }
         while (rest != 0) {
             const uint bit = popcount((rest & -rest) - 1u);
             const int is_in = (in >> bit) & 1;
             const int level = shape.graded ? leaf_levels[rank] : shape.level;
-            const uint mask =
-                owned_mask(&tree, used, word_code(&tree, word) | bit, level, is_in ? 0xffu : used[nio]);
+            uint mask = 0x80;
+            if (((inner >> bit) & 1) == 0) {
+                mask =
+                    owned_mask(&tree, used, word_code(&tree, word) | bit, level, is_in ? 0xffu : used[nio]);
+            }
             owned[rank - range.first_in - range.first_nio] = mask;
             counts[rank - range.first_in - range.first_nio] =
                 popcount(mask) + (is_in ? 0 : extra_counts[nio - range.first_nio]);
@@ -183,6 +193,31 @@ uint corner_id(const Tree* tree, __global const uint* used, __global const uint*
     return node_id(tree, owned, base, foreign, range, owner, bit);
 }
 
+// Numbers of the last corners of IN cells in a block and of those behind it, x first; index 0 is behind.
+void block_ids(const Tree* tree, const TreeBlock* block, __global const uint* base, PieceRange range,
+               uint* ids) {
+    uint rank[8];
+    for (uint a = 0; a < 8; ++a) {
+        const uint word = block->word[a];
+        rank[a] = word != kNoWord ? tree->in_rank[word] + tree->nio_rank[word] : 0;
+        rank[a] -= range.first_in + range.first_nio;
+    }
+    for (uint z = 0; z < 3; ++z) {
+        for (uint y = 0; y < 5; ++y) {
+            for (uint x = 0; x < 5; ++x) {
+                const uint a = (x == 0) | ((y == 0) << 1) | ((z == 0) << 2);
+                const uint place = place_in_block((x + 3) & 3, (y + 3) & 3, (z + 1) & 1);
+                uint id = 0;
+                if ((block->in[a] >> place) & 1) {
+                    // An IN cell's last corner is the last of its nodes.
+                    id = base[rank[a] + popcount(block->meshed[a] & ((1u << place) - 1u)) + 1] - 1;
+                }
+                ids[(z * 5 + y) * 5 + x] = id;
+            }
+        }
+    }
+}
+
 // Hexahedra of IN leaves, eight node numbers each, in Morton order among the hexahedra of NIO leaves.
 //
 // Reads the tree, used, owned, base, hexahedron_offsets (scan of hexahedra per NIO leaf); writes hexahedra.
@@ -197,6 +232,17 @@ MORTISE_KERNEL void write_hexahedra(TREE_PARAMETERS, __global const uint* used, 
         const Tree tree = TREE_OF_PARAMETERS;
         uint rest = in_bits[word];
         uint rank = in_rank[word];
+        uint inner = 0;
+        uint ids[kBlockReach];
+        if (!shape.graded && rest != 0) {
+            TreeBlock block;
+            make_block(&tree, word, &block);
+            // Blocks behind come first in Morton order, the one behind along all axes before all others.
+            if (block.word[7] != kNoWord && (ulong)block.word[7] << 5 >= range.begin) {
+                inner = inner_cells(&block);
+            }
+            if (inner != 0) block_ids(&tree, &block, base, range, ids);
+        }
         for (; rest != 0; rest &= rest - 1, ++rank) {
             const uint bit = popcount((rest & -rest) - 1u);
             const ulong morton = word_code(&tree, word) | bit;
@@ -207,6 +253,14 @@ MORTISE_KERNEL void write_hexahedra(TREE_PARAMETERS, __global const uint* used, 
             const uint z = gather_bits(morton >> 2);
             __global uint* out =
                 hexahedra + 8 * (ulong)(rank - range.first_in + hexahedron_offsets[nio - range.first_nio]);
+            if ((inner >> bit) & 1) {
+                const uint* low = ids + ((z & 1) * 5 + (y & 3)) * 5 + (x & 3);
+                for (uint i = 0; i < 8; ++i) {
+                    const uint c = kHexahedronCorner[i];
+                    out[i] = low[(c & 1) + 5 * ((c >> 1) & 1) + 25 * (c >> 2)];
+                }
+                continue;
+            }
             for (uint i = 0; i < 8; ++i) {
                 const uint c = kHexahedronCorner[i];
                 out[i] = corner_id(&tree, used, owned, base, foreign, range, morton, x, y, z, edge, c);

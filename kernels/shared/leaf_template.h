@@ -3,7 +3,6 @@
 #define MORTISE_SHARED_LEAF_TEMPLATE_H
 
 #include "cone.h"
-#include "snap.h"
 #include "snio.h"
 #include "template_table.h"
 #include "tree.h"
@@ -18,41 +17,21 @@ typedef struct LeafTemplate {
     Cone cone;  // kMethodCone; kMethodWedge: apex is the axis
 } LeafTemplate;
 
-// Node positions in cell edges, from the leaf's minimum corner: corners, those in `near` displaced in
-// displaced[c] (lattice units), and cuts of the edges in `cuts`. Exact: multiples of the lattice step.
-MORTISE_FUNCTION void leaf_positions(MORTISE_GLOBAL Surface* surface, MORTISE_GLOBAL ExpressionOp* ops, u32 x,
-                                     u32 y, u32 z, double cell, u32 cuts, double (*p)[3]) {
+// Node positions in cell edges, from the leaf's minimum corner: corners, those in `displaced` moved, and cuts
+// of the edges in `cuts`. Exact: multiples of the lattice step.
+MORTISE_FUNCTION void leaf_positions(MORTISE_GLOBAL SnioPoints* points, u32 displaced, u32 cuts,
+                                     double (*p)[3]) {
     for (int c = 0; c < 8; ++c) {
-        p[c][0] = c & 1;
-        p[c][1] = (c >> 1) & 1;
-        p[c][2] = c >> 2;
+        for (int j = 0; j < 3; ++j) {
+            p[c][j] = (c >> j) & 1;
+            if ((displaced >> c) & 1) p[c][j] += (double)points->moved[c][j] / (double)kCellUnits;
+        }
     }
     for (int e = 0; e < 12; ++e) {
         const int low = kEdgeCorners[e][0];
-        for (int j = 0; j < 3; ++j) p[8 + e][j] = p[low][j];
-        if ((cuts >> e) & 1) {
-            double a[3];
-            double b[3];
-            a[0] = (x + (low & 1)) * cell;
-            a[1] = (y + ((low >> 1) & 1)) * cell;
-            a[2] = (z + (low >> 2)) * cell;
-            for (int j = 0; j < 3; ++j) b[j] = a[j] + (e / 4 == j ? cell : 0);
-            p[8 + e][e / 4] = (double)edge_root(surface, ops, a, b) / (double)kCellUnits;
-        }
+        for (int j = 0; j < 3; ++j) p[8 + e][j] = (low >> j) & 1;
+        if ((cuts >> e) & 1) p[8 + e][e / 4] = (double)points->root[e] / (double)kCellUnits;
     }
-}
-
-// Edges between an inside and an outside corner.
-MORTISE_FUNCTION u32 cut_edges(u32 inside, u32 on) {
-    u32 cuts = 0;
-    for (int e = 0; e < 12; ++e) {
-        const int a = kEdgeCorners[e][0];
-        const int b = kEdgeCorners[e][1];
-        if (((on >> a) & 1) == 0 && ((on >> b) & 1) == 0 && (((inside >> a) ^ (inside >> b)) & 1) != 0) {
-            cuts |= 1u << e;
-        }
-    }
-    return cuts;
 }
 
 // Corner i of an element of a type: its local nodes and the ends of its three edges, right-handed.

@@ -2,7 +2,7 @@
 #ifndef MORTISE_SHARED_SNIO_H
 #define MORTISE_SHARED_SNIO_H
 
-#include "platform.h"
+#include "lattice.h"
 
 #define kPatternCnio 256  // SnioLeaf::pattern of a leaf that the certificate meshes
 
@@ -40,8 +40,27 @@ typedef struct SnioCandidate {
     u8 padding[2];
 } SnioCandidate;
 
+// Where a simple leaf meets its surface. What is neither near nor cut is undefined.
+typedef struct SnioPoints {
+    i32 moved[8][3];  // displacement of corner c, if it is near, in lattice units
+    i32 root[12];     // on edge e, if it is cut, in lattice units from the edge's low corner
+} SnioPoints;
+
 #define kCandidateSimple 1    // one surface, and a template for the corners as they are
 #define kCandidateSafe 2      // a template whichever of the `near` corners are moved
 #define kCandidatePromoted 4  // was an IN leaf
+
+// Edges between an inside and an outside corner.
+MORTISE_FUNCTION u32 cut_edges(u32 inside, u32 on) {
+    u32 cuts = 0;
+    for (int e = 0; e < 12; ++e) {
+        const int a = kEdgeCorners[e][0];
+        const int b = kEdgeCorners[e][1];
+        if (((on >> a) & 1) == 0 && ((on >> b) & 1) == 0 && (((inside >> a) ^ (inside >> b)) & 1) != 0) {
+            cuts |= 1u << e;
+        }
+    }
+    return cuts;
+}
 
 #endif

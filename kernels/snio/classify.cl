@@ -57,11 +57,13 @@ int face_is_simple(uint inside, uint zero, int f) {
 }
 
 // Reads   the tree, nio (leaves), tapes, surfaces, ops.
-// Writes  candidates[i]; `near` only if `snap` is set, and corners of sign 0 make a leaf complex if it is
-// not. One work-item handles one leaf.
+// Writes  candidates[i], and points[i] of simple leaves; `near` only if `snap` is set, and corners of sign 0
+//         make a leaf complex if it is not.
+// One work-item handles one leaf.
 MORTISE_KERNEL void classify(TREE_PARAMETERS, __global const TreeNode* nio, __global const uint* tapes,
                              __global const Surface* surfaces, __global const ExpressionOp* ops,
-                             __global SnioCandidate* candidates, int snap, uint items) {
+                             __global SnioCandidate* candidates, __global SnioPoints* points, int snap,
+                             uint items) {
     const uint item = get_global_id(0);
     if (item >= items) return;
     {
@@ -137,7 +139,23 @@ MORTISE_KERNEL void classify(TREE_PARAMETERS, __global const TreeNode* nio, __gl
                 corner[0] = x + (c & 1) * cell;
                 corner[1] = y + ((c >> 1) & 1) * cell;
                 corner[2] = z + (c >> 2) * cell;
-                if (snap_displacement(surface, ops, corner, cell, displacement)) near |= 1u << c;
+                if (!snap_displacement(surface, ops, corner, cell, displacement)) continue;
+                near |= 1u << c;
+                for (int j = 0; j < 3; ++j) points[item].moved[c][j] = displacement[j];
+            }
+        }
+        if (simple) {
+            const uint cuts = cut_edges(inside, zero);
+            for (int e = 0; e < 12; ++e) {
+                const int low = kEdgeCorners[e][0];
+                double a[3];
+                double b[3];
+                if (((cuts >> e) & 1) == 0) continue;
+                a[0] = x + (low & 1) * cell;
+                a[1] = y + ((low >> 1) & 1) * cell;
+                a[2] = z + (low >> 2) * cell;
+                for (int j = 0; j < 3; ++j) b[j] = a[j] + (e / 4 == j ? cell : 0);
+                points[item].root[e] = edge_root(surface, ops, a, b);
             }
         }
         candidate.region = (ushort)(value_inside != 0 ? value_inside : value_outside);

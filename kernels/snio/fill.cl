@@ -20,13 +20,12 @@ int has_volume(const Tree* tree, __global const SnioCandidate* candidates, __glo
     }
 }
 
-// Reads the tree, nio, candidates, moved, surfaces, ops; writes leaves[i], used[i] (the node mask of
+// Reads the tree, nio, candidates, moved, points; writes leaves[i], used[i] (the node mask of
 // shared/tree.h), counts[t * stride + i] elements of type t and facet_counts[i], all zero for CNIO leaves.
 // One work-item handles one leaf.
 MORTISE_KERNEL void fill(TREE_PARAMETERS, __global const TreeNode* nio,
                          __global const SnioCandidate* candidates, __global const uchar* moved,
-                         __global const Surface* surfaces, __global const ExpressionOp* ops,
-                         __global SnioLeaf* leaves, __global uint* used, __global uint* counts,
+                         __global const SnioPoints* points, __global SnioLeaf* leaves, __global uint* used, __global uint* counts,
                          __global uint* facet_counts, uint stride, int snap, uint items) {
     const uint item = get_global_id(0);
     if (item >= items) return;
@@ -35,11 +34,6 @@ MORTISE_KERNEL void fill(TREE_PARAMETERS, __global const TreeNode* nio,
         const SnioCandidate candidate = candidates[item];
         const ulong morton = nio[item].morton;
         const int level = leaf_level(&tree, morton);
-        const uint edge = leaf_edge(&tree, level);
-        const uint x = gather_bits(morton) / edge;
-        const uint y = gather_bits(morton >> 1) / edge;
-        const uint z = gather_bits(morton >> 2) / edge;
-        const double cell = 1.0 / (double)(1u << level);
         const uint displaced = moved[item];
         const uint on = candidate.zero | displaced;
         const uint inside = candidate.inside & ~on;
@@ -91,17 +85,7 @@ MORTISE_KERNEL void fill(TREE_PARAMETERS, __global const TreeNode* nio,
         } else {
             double p[kCellNodes][3];
             LeafTemplate found;
-            leaf_positions(surfaces + candidate.surface, ops, x, y, z, cell, cut_edges(inside, on), p);
-            for (int c = 0; c < 8; ++c) {
-                double corner[3];
-                int displacement[3];
-                if (((displaced >> c) & 1) == 0) continue;
-                corner[0] = (x + (c & 1)) * cell;
-                corner[1] = (y + ((c >> 1) & 1)) * cell;
-                corner[2] = (z + (c >> 2)) * cell;
-                snap_displacement(surfaces + candidate.surface, ops, corner, cell, displacement);
-                for (int j = 0; j < 3; ++j) p[c][j] += (double)displacement[j] / (double)kCellUnits;
-            }
+            leaf_positions(points + item, displaced, cut_edges(inside, on), p);
             choose_template(inside, on, p, facing, !snap, &found);
             leaf.method = (uchar)found.method;
             if (found.method == kMethodRow) {

@@ -72,14 +72,15 @@ MORTISE_KERNEL void promote_words(__global const uint* in_bits, __global const u
 // Leaves and candidates of the new NIO bitmap, in Morton order.
 //
 // Reads the tree as it was (its NIO bitmap and rank; IN leaves are not looked at), the new bitmap and rank,
-// the old lists and `near`; writes new_nio and new_candidates. A promoted leaf takes surface, region and the
-// states of its corners from the old leaves around it; if these are not of one surface it is not simple, and
+// the old lists and `near`; writes new_nio, new_candidates and new_points. A promoted leaf takes surface,
+// region and its corners from the old leaves around it; if these are not of one surface it is not simple, and
 // keeps its corners. One work-item handles one word.
 MORTISE_KERNEL void promote_leaves(TREE_PARAMETERS, __global const uint* new_nio_bits,
                                    __global const uint* new_nio_rank, __global const TreeNode* nio,
-                                   __global const SnioCandidate* candidates, __global const uchar* near,
+                                   __global const SnioCandidate* candidates,
+                                   __global const SnioPoints* points, __global const uchar* near,
                                    __global TreeNode* new_nio, __global SnioCandidate* new_candidates,
-                                   uint items) {
+                                   __global SnioPoints* new_points, uint items) {
     const uint word = get_global_id(0);
     if (word >= items) return;
     {
@@ -96,6 +97,7 @@ MORTISE_KERNEL void promote_leaves(TREE_PARAMETERS, __global const uint* new_nio
                 node = nio[from];
                 candidate = candidates[from];
                 candidate.near = near[from];
+                if (candidate.flags & kCandidateSimple) new_points[to] = points[from];
             } else {
                 const uint edge = leaf_edge(&tree, leaf_level(&tree, own));
                 node.morton = own;
@@ -125,7 +127,11 @@ MORTISE_KERNEL void promote_leaves(TREE_PARAMETERS, __global const uint* new_nio
                         }
                         if (candidate.surface != other.surface) mixed = 1;
                         candidate.zero |= ((other.zero >> (7 - d)) & 1u) << c;
-                        candidate.near |= ((near[leaf.index] >> (7 - d)) & 1u) << c;
+                        if (((near[leaf.index] >> (7 - d)) & 1) == 0) continue;
+                        candidate.near |= 1u << c;
+                        for (int j = 0; j < 3; ++j) {
+                            new_points[to].moved[c][j] = points[leaf.index].moved[7 - d][j];
+                        }
                     }
                 }
                 candidate.inside = (uchar)(0xff & ~candidate.zero);
@@ -138,41 +144,22 @@ MORTISE_KERNEL void promote_leaves(TREE_PARAMETERS, __global const uint* new_nio
 }
 
 // Whether a leaf has a template as it is (kCandidateSimple stays), and whichever of its near corners move
-// (kCandidateSafe). One work-item handles one leaf.
-MORTISE_KERNEL void test_subsets(TREE_PARAMETERS, __global const TreeNode* nio,
-                                 __global const Surface* surfaces, __global const ExpressionOp* ops,
-                                 __global SnioCandidate* candidates, int snap, uint items) {
+// (kCandidateSafe). Reads points; reads and writes candidates. One work-item handles one leaf.
+MORTISE_KERNEL void test_subsets(__global const SnioPoints* points, __global SnioCandidate* candidates,
+                                 int snap, uint items) {
     const uint item = get_global_id(0);
     if (item >= items) return;
     {
-        const Tree tree = TREE_OF_PARAMETERS;
         const SnioCandidate candidate = candidates[item];
-        const ulong morton = nio[item].morton;
-        const int level = leaf_level(&tree, morton);
-        const uint edge = leaf_edge(&tree, level);
-        const uint x = gather_bits(morton) / edge;
-        const uint y = gather_bits(morton >> 1) / edge;
-        const uint z = gather_bits(morton >> 2) / edge;
-        const double cell = 1.0 / (double)(1u << level);
         const uint near = candidate.near;
         double p[kCellNodes][3];
         double moved[8][3];
         uint subset = 0;
         int valid = 1;
         if ((candidate.flags & kCandidateSimple) == 0) return;
-        leaf_positions(surfaces + candidate.surface, ops, x, y, z, cell,
-                       cut_edges(candidate.inside, candidate.zero), p);
+        leaf_positions(points + item, near, cut_edges(candidate.inside, candidate.zero), p);
         for (uint c = 0; c < 8; ++c) {
             for (int j = 0; j < 3; ++j) moved[c][j] = p[c][j];
-            if ((near >> c) & 1) {
-                double corner[3];
-                int displacement[3];
-                corner[0] = (x + (c & 1)) * cell;
-                corner[1] = (y + ((c >> 1) & 1)) * cell;
-                corner[2] = (z + (c >> 2)) * cell;
-                snap_displacement(surfaces + candidate.surface, ops, corner, cell, displacement);
-                for (int j = 0; j < 3; ++j) moved[c][j] += (double)displacement[j] / (double)kCellUnits;
-            }
         }
         // All subsets of `near`, the empty one first.
         do {

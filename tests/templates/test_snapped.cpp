@@ -10,6 +10,7 @@
 
 #include "host/templates/measure.hpp"
 #include "kernels/shared/leaf_template.h"
+#include "kernels/shared/snap.h"
 #include "tests/templates/table_access.hpp"
 
 using namespace mortise::templates;

@@ -1,0 +1,101 @@
+// Which cells are near a set, against distances.
+#include "host/improve/cell_set.hpp"
+
+#include <doctest/doctest.h>
+
+#include <set>
+
+#include "host/common/parallel_sort.hpp"
+#include "host/improve/poor_cells.hpp"
+#include "tests/mesher/random_source.hpp"
+
+using namespace mortise;
+using mortise::test::RandomSource;
+
+TEST_CASE("bricks near a set of cells hold all points within reach of it") {
+    RandomSource random(5);
+    for (const int level : {2, 4, 5}) {
+        improve::CellSet cells(level, nullptr);
+        const double side = std::ldexp(1.0, level);
+        std::vector<improve::Point> centres;
+        for (int k = 0; k < 3; ++k) {
+            // Also in the ring around the root box.
+            const improve::Point p = {random.uniform(-1, side + 1), random.uniform(-1, side + 1),
+                                      random.uniform(-1, side + 1)};
+            centres.push_back(p);
+            cells.set_ring(cells.index(p));
+        }
+        const std::vector<std::uint64_t> bricks = cells.near_bricks();
+        CHECK(std::is_sorted(bricks.begin(), bricks.end()));
+        for (int i = 0; i < 4000; ++i) {
+            const improve::Point p = {random.uniform(0, side), random.uniform(0, side),
+                                      random.uniform(0, side)};
+            const std::uint64_t code =
+                morton_encode(static_cast<u32>(p[0]), static_cast<u32>(p[1]), static_cast<u32>(p[2])) >>
+                (3 * improve::CellSet::kBrickLevels);
+            const bool listed = std::binary_search(bricks.begin(), bricks.end(), code);
+            CHECK(listed == cells.is_near(p));
+            for (const improve::Point& centre : centres) {
+                double distance = 0;
+                for (std::size_t j = 0; j < 3; ++j)
+                    distance = std::max(distance, std::fabs(p[j] - centre[j]));
+                if (distance < static_cast<double>(improve::CellSet::kReach)) CHECK(listed);
+            }
+        }
+    }
+}
+
+TEST_CASE("elements near the zone are found whether rows of cubes are skipped or not") {
+    RandomSource random(6);
+    const int level = 5;
+    // Cubes in Morton order, with gaps, and displaced hexahedra among them.
+    Mesh mesh;
+    ElementBlock& block = mesh.block(ElementType::kHexahedron);
+    for (std::uint64_t code = 0; code < std::uint64_t{1} << (3 * level); ++code) {
+        if (random.chance(0.2)) continue;
+        const bool is_cube = random.chance(0.9);
+        const double low[3] = {static_cast<double>(gather_bits(code)),
+                               static_cast<double>(gather_bits(code >> 1)),
+                               static_cast<double>(gather_bits(code >> 2))};
+        const int corner[8] = {0, 1, 3, 2, 4, 5, 7, 6};
+        for (const int c : corner) {
+            block.nodes.push_back(static_cast<NodeId>(mesh.node_count()));
+            for (std::size_t j = 0; j < 3; ++j)
+                mesh.points.push_back(low[j] + ((c >> j) & 1) + (is_cube ? 0 : random.uniform(-0.3, 0.3)));
+        }
+        block.region.push_back(1);
+        block.kind.push_back(static_cast<std::uint8_t>(is_cube ? ElementKind::kIn : ElementKind::kSnio));
+    }
+    improve::CellFrame frame{};
+    frame.cell = frame.per_cell = 1;
+    frame.level = level;
+    frame.on_lattice = false;
+    improve::CellSet cells(level, nullptr);
+    cells.set_ring(cells.index({3.5, 4.5, 30.5}));
+    cells.set_ring(cells.index({20.5, 31.9, 7.5}));
+    improve::Places places;
+    improve::find_cells(mesh, frame, cells, 2, places);
+    std::vector<std::uint32_t> expected;
+    for (std::size_t i = 0; i < block.size(); ++i) {
+        if (cells.is_near(improve::place_of(mesh, frame, 0, i)))
+            expected.push_back(static_cast<std::uint32_t>(i));
+    }
+    CHECK(expected.size() > 1000);
+    CHECK(expected.size() < block.size() / 2);
+    CHECK(places.element[0] == expected);
+}
+
+TEST_CASE("sorting on threads sorts, whatever their number") {
+    RandomSource random(7);
+    for (const std::size_t count : {0u, 1u, 5000u, 100000u, 262145u}) {
+        std::vector<std::uint64_t> values(count);
+        for (auto& value : values) value = random.next() >> 50;
+        std::vector<std::uint64_t> expected = values;
+        std::sort(expected.begin(), expected.end());
+        for (const int threads : {1, 2, 3, 8}) {
+            std::vector<std::uint64_t> sorted = values;
+            parallel_sort(sorted, threads);
+            CHECK(sorted == expected);
+        }
+    }
+}

@@ -1,0 +1,88 @@
+// Blocks of 32 cells against their cells one by one.
+#include <doctest/doctest.h>
+
+#include <vector>
+
+#include "kernels/shared/tree_blocks.h"
+#include "tests/mesher/random_source.hpp"
+
+using mortise::test::RandomSource;
+
+namespace {
+
+/// A uniform tree most of whose cells are IN.
+struct MostlyIn {
+    std::vector<u32> in, nio, in_rank, nio_rank, used;
+    i32 level;
+    u32 size;
+
+    MostlyIn(RandomSource& random, i32 at_level) : level(at_level), size(1u << at_level) {
+        const std::size_t cells = std::size_t{size} * size * size;
+        in.resize((cells + 31) / 32);
+        nio.resize(in.size());
+        u32 in_count = 0, nio_count = 0;
+        for (std::size_t word = 0; word < in.size(); ++word) {
+            in_rank.push_back(in_count);
+            nio_rank.push_back(nio_count);
+            for (std::size_t bit = 0; bit < 32 && 32 * word + bit < cells; ++bit) {
+                const int kind = random.chance(0.95) ? 0 : random.integer(0, 2);
+                if (kind == 0) ++in_count, in[word] |= 1u << bit;
+                if (kind != 1) continue;
+                ++nio_count;
+                nio[word] |= 1u << bit;
+                used.push_back(static_cast<u32>(random.next()) & 0x1fffffu);
+            }
+        }
+    }
+    Tree tree() const {
+        return make_tree(in.data(), nio.data(), in_rank.data(), nio_rank.data(), nullptr, nullptr, nullptr,
+                         {level, 0, static_cast<u32>(in.size()), 0});
+    }
+    bool is_in(i64 x, i64 y, i64 z) const {
+        if (x < 0 || y < 0 || z < 0) return false;
+        return test_bit(in.data(),
+                        morton_encode(static_cast<u32>(x), static_cast<u32>(y), static_cast<u32>(z))) != 0;
+    }
+};
+
+}  // namespace
+
+TEST_CASE("inner cells of a block are those between IN cells, and own their last corner only") {
+    RandomSource random(11);
+    std::size_t inner_count = 0;
+    for (int trial = 0; trial < 12; ++trial) {
+        const MostlyIn leaves(random, 1 + trial % 4);
+        const Tree tree = leaves.tree();
+        for (u32 word = 0; word < leaves.in.size(); ++word) {
+            TreeBlock block;
+            make_block(&tree, word, &block);
+            const u32 inner = inner_cells(&block);
+            for (u32 bit = 0; bit < 32; ++bit) {
+                const u64 code = u64{word} << 5 | bit;
+                const u32 x = gather_bits(code), y = gather_bits(code >> 1), z = gather_bits(code >> 2);
+                if (x >= leaves.size || y >= leaves.size || z >= leaves.size) {
+                    REQUIRE(((inner >> bit) & 1) == 0);
+                    continue;
+                }
+                REQUIRE(place_in_block(x & 3, y & 3, z & 1) == bit);
+                bool expected = true;
+                for (u32 c = 0; c < 8; ++c) {
+                    expected = expected &&
+                               leaves.is_in(i64{x} - (c & 1), i64{y} - ((c >> 1) & 1), i64{z} - (c >> 2));
+                }
+                REQUIRE(((inner >> bit) & 1) == (expected ? 1u : 0u));
+                for (u32 c = 0; c < 8 && expected; ++c) {
+                    u32 owned_bit = 0;
+                    const u64 owner = vertex_owner(&tree, leaves.used.data(), x + (c & 1), y + ((c >> 1) & 1),
+                                                   z + (c >> 2), &owned_bit);
+                    REQUIRE(owned_bit == 7);
+                    REQUIRE((owner == code) == (c == 7));
+                    REQUIRE(
+                        leaves.is_in(gather_bits(owner), gather_bits(owner >> 1), gather_bits(owner >> 2)));
+                    ++inner_count;
+                }
+            }
+        }
+    }
+    CHECK(inner_count > 1000);
+}
