@@ -42,7 +42,7 @@ class LeafSimplifier {
             centre_[j] = gather_bits(leaf.morton >> j) * tree_.finest_edge() + 0.5 * edge_;
         bool changed = false;
         while (drop_one()) changed = true;
-        const LeafBox box = {{centre_[0], centre_[1], centre_[2]}, edge_};
+        const LeafBox box = {centre_, edge_};
         changed = join_tangent(model_, box, formula_, joint_) || changed;
         joint_.morton = leaf.morton;
         if (!changed) return std::nullopt;

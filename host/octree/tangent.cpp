@@ -20,22 +20,43 @@ constexpr double kParallel = 1e-6;  ///< sine between their normals there
 constexpr double kCrossing = 0.1;   ///< sine between surfaces that cross
 constexpr double kNear = 0.75;      ///< from the leaf's centre, along each axis
 constexpr double kFilm = 1e-5;      ///< what is thinner is no part of the solid
+constexpr double kStep = 1e-3;      ///< lower ones, at the end of an overlap, are not meshed
 constexpr double kDifference = 1e-3;
-constexpr double kDamping = 1e-6;
+constexpr double kDamping = 1e-6;       ///< of steps towards the contact
+constexpr double kLeastDamping = 1e-9;  ///< where they touch already, but for their normals
+constexpr double kAlmost = 1e-3;        ///< sine between these
 constexpr int kSteps = 16;
 constexpr double kAround = 1.5;  ///< samples are taken so far from the leaf's centre, along each axis
 constexpr int kSamples = 7;      ///< along each axis
 constexpr int kMostRewrites = 4;
 
-/// A choice of sides of two surfaces that does not occur in the leaf, nor in those that touch it.
-struct Excluded {
+/// Two surfaces that touch each other.
+struct Contact {
     std::size_t a;
     std::size_t b;
+    bool negated;  ///< they have opposite insides
+    /// Whether the choice that has b's other side with this one of a does not occur in the leaf, nor in those
+    /// that touch it.
+    bool excludes;
     bool inside_a;
-    bool inside_b;
 
-    bool holds(std::uint32_t choice) const {
-        return (((choice >> a) & 1u) != 0) == inside_a && (((choice >> b) & 1u) != 0) == inside_b;
+    bool rules_out(std::uint32_t choice) const {
+        const bool is_inside_a = ((choice >> a) & 1u) != 0, is_inside_b = ((choice >> b) & 1u) != 0;
+        return excludes && is_inside_a == inside_a && is_inside_b == (inside_a == negated);
+    }
+};
+
+/// Two parallel planes between which two surfaces are one, but for a film: parts made to overlap by a little.
+struct Overlap {
+    Contact planes;
+    Contact surfaces;
+
+    bool rules_out(std::uint32_t choice) const {
+        const auto side = [choice](std::size_t s) { return ((choice >> s) & 1u) != 0; };
+        // Between the planes is where no side is the one that is ruled out.
+        const bool is_between =
+            side(planes.a) != planes.inside_a && side(planes.b) != (planes.inside_a == planes.negated);
+        return is_between && (side(surfaces.a) == side(surfaces.b)) == surfaces.negated;
     }
 };
 
@@ -44,8 +65,8 @@ class TangentFinder {
     TangentFinder(const tape::BoundModel& model, const LeafBox& leaf, const LeafFormula& formula)
         : model_(model), leaf_(leaf), formula_(formula) {}
 
-    /// What two surfaces that touch each other leave out.
-    std::optional<Excluded> find(std::size_t a, std::size_t b) const {
+    /// Whether two surfaces touch each other, and what that leaves out.
+    std::optional<Contact> find(std::size_t a, std::size_t b) const {
         const std::int32_t kinds[2] = {surface(a).kind, surface(b).kind};
         if (kinds[0] == kSurfacePlane && kinds[1] == kSurfacePlane) return std::nullopt;
         // Formulas may have kinks, and patches end somewhere: samples do not tell.
@@ -55,6 +76,8 @@ class TangentFinder {
         double scale_a = 0;
         double scale_b = 0;
         if (!find_contact(a, b, scale_a, scale_b)) return std::nullopt;
+        const bool negated = scale_b < 0;
+        const Contact touching = {a, b, negated, false, false};
         // Normalised at the contact, the two differ by terms of second order, which have one sign or not; in
         // the leaves around, too: there it may be the other surface that changes nothing, and an edge between
         // would be left without either. Where the two are one in the leaf itself, leaves on both sides of it
@@ -63,30 +86,59 @@ class TangentFinder {
         double high = -kMortiseInfinity;
         double inside = 0;  // the largest difference in the leaf
         for (int i = 0; i < kSamples * kSamples * kSamples; ++i) {
-            const int step[3] = {i % kSamples, i / kSamples % kSamples, i / (kSamples * kSamples)};
-            Vec3 x;
-            for (std::size_t j = 0; j < 3; ++j)
-                x[j] = leaf_.centre[j] + kAround * leaf_.edge * (2 * step[j] / (kSamples - 1.0) - 1);
+            const Vec3 x = sample_point(i);
             const double difference = (scale_a * value(a, x) - scale_b * value(b, x)) / leaf_.edge;
             low = std::min(low, difference);
             high = std::max(high, difference);
             bool within = true;
-            for (const int k : step) within = within && std::abs(2 * k - (kSamples - 1)) <= kSamples / 3;
+            for (const int k : sample_place(i))
+                within = within && std::abs(2 * k - (kSamples - 1)) <= kSamples / 3;
             if (within) inside = std::max(inside, std::fabs(difference));
         }
-        const bool same_way = scale_b > 0;
         if (inside <= kFilm) {
             // A plane that touches a convex solid has all of it on one side: that holds for every leaf.
             const bool a_rounded = kinds[0] == kSurfaceRounded;
             if (!(a_rounded && kinds[1] == kSurfacePlane) &&
                 !(kinds[0] == kSurfacePlane && kinds[1] == kSurfaceRounded))
-                return std::nullopt;
-            if (a_rounded || !same_way) return Excluded{a, b, true, !same_way};
-            return Excluded{a, b, false, same_way};
+                return touching;
+            return Contact{a, b, negated, true, a_rounded || negated};
         }
-        if (low >= -kFilm && high > kFilm) return Excluded{a, b, true, !same_way};
-        if (high <= kFilm && low < -kFilm) return Excluded{a, b, false, same_way};
-        return std::nullopt;
+        if (low >= -kFilm && high > kFilm) return Contact{a, b, negated, true, true};
+        if (high <= kFilm && low < -kFilm) return Contact{a, b, negated, true, false};
+        return touching;
+    }
+
+    /// What two parallel planes leave out.
+    std::optional<Contact> find_parallel(std::size_t a, std::size_t b) const {
+        if (surface(a).kind != kSurfacePlane || surface(b).kind != kSurfacePlane) return std::nullopt;
+        Sample at_a;
+        Sample at_b;
+        if (!sample(a, leaf_.centre, at_a) || !sample(b, leaf_.centre, at_b)) return std::nullopt;
+        const Vec3 turn = cross(at_a.normal, at_b.normal);
+        const bool negated = dot(at_a.normal, at_b.normal) < 0;
+        const double apart = at_a.distance - (negated ? -at_b.distance : at_b.distance);
+        if (!(std::sqrt(dot(turn, turn)) * kReach < std::fabs(apart))) return std::nullopt;
+        return Contact{a, b, negated, true, apart > 0};
+    }
+
+    /// Whether two surfaces that touch are one between two parallel planes, in the leaf and around it.
+    bool are_one_between(const Contact& planes, const Contact& surfaces) const {
+        double scale_a = 0;
+        double scale_b = 0;
+        if (!find_contact(surfaces.a, surfaces.b, scale_a, scale_b)) return false;
+        for (const std::size_t plane : {planes.a, planes.b}) {
+            Sample centre;
+            if (!sample(plane, leaf_.centre, centre) || std::fabs(centre.distance) > kFarApart) return false;
+            for (int i = 0; i < kSamples * kSamples * kSamples; ++i) {
+                Vec3 x = sample_point(i);
+                Sample at;
+                if (!sample(plane, x, at)) return false;
+                for (std::size_t j = 0; j < 3; ++j) x[j] -= at.distance * leaf_.edge * at.normal[j];
+                const double difference = scale_a * value(surfaces.a, x) - scale_b * value(surfaces.b, x);
+                if (!(std::fabs(difference) <= kStep * leaf_.edge)) return false;
+            }
+        }
+        return true;
     }
 
     /// Whether the solid's boundary passes the chooser from one surface of a joint to the other: there, both
@@ -102,13 +154,13 @@ class TangentFinder {
             Sample a;
             Sample b;
             if (foot({chooser}, at) && sample(inside, at, a) && sample(outside, at, b)) {
-                const bool certain = std::min(std::fabs(a.distance), std::fabs(b.distance)) > kFilm;
+                const bool certain = std::min(std::fabs(a.distance), std::fabs(b.distance)) > kStep;
                 if (certain && ((a.distance < 0) != (b.distance < 0)) != negated) return false;
             }
             for (const bool first : {true, false}) {
                 at = start;
                 if (!foot({chooser, first ? inside : outside}, at)) continue;
-                if (!sample(first ? outside : inside, at, b) || std::fabs(b.distance) > kFilm) return false;
+                if (!sample(first ? outside : inside, at, b) || std::fabs(b.distance) > kStep) return false;
             }
         }
         return true;
@@ -125,6 +177,18 @@ class TangentFinder {
         for (std::size_t j = 0; j < 3; ++j)
             near = near && std::fabs(x[j] - leaf_.centre[j]) < kNear * leaf_.edge;
         return near;
+    }
+
+    /// Samples in the leaf and around it.
+    static std::array<int, 3> sample_place(int i) {
+        return {i % kSamples, i / kSamples % kSamples, i / (kSamples * kSamples)};
+    }
+    Vec3 sample_point(int i) const {
+        const std::array<int, 3> place = sample_place(i);
+        Vec3 x;
+        for (std::size_t j = 0; j < 3; ++j)
+            x[j] = leaf_.centre[j] + kAround * leaf_.edge * (2 * place[j] / (kSamples - 1.0) - 1);
+        return x;
     }
 
     const Surface& surface(std::size_t s) const { return model_.surfaces[formula_.surfaces()[s]]; }
@@ -161,16 +225,20 @@ class TangentFinder {
     /// Finds where two surfaces touch by Gauss and Newton's method, from the foot of the leaf's centre; and
     /// factors that make both gradients there the same unit vector.
     bool find_contact(std::size_t a, std::size_t b, double& scale_a, double& scale_b) const {
-        Vec3 x = {leaf_.centre[0], leaf_.centre[1], leaf_.centre[2]};
+        Vec3 x = leaf_.centre;
         const std::uint32_t first = formula_.surfaces()[a];
         const tape::ProjectionLimits limits = {kFarApart * leaf_.edge, 0.5, 1e-6 * leaf_.edge};
         if (!tape::project(model_, &first, 1, limits, x.data())) return false;
         Residual now;
         if (!residual(a, b, x, now)) return false;
         if (std::fabs(now[1]) > kFarApart || sine(now) > kSteep) return false;
-        for (int i = 0; i < kSteps && !touches(now); ++i) {
+        for (int i = 0; i < 2 * kSteps && !touches(now); ++i) {
+            // Where the surfaces bend away from each other ever less (the top of a bent pipe), the usual
+            // damping leaves little of the steps.
+            if (i == kSteps && !(std::fabs(now[0]) + std::fabs(now[1]) < kTouch && sine(now) < kAlmost))
+                return false;
             Vec3 move;
-            if (!gauss_step(a, b, x, now, move)) return false;
+            if (!gauss_step(a, b, x, now, i < kSteps ? kDamping : kLeastDamping, move)) return false;
             for (std::size_t j = 0; j < 3; ++j) {
                 x[j] += leaf_.edge * move[j];
                 if (!(std::fabs(x[j] - leaf_.centre[j]) < kReach * leaf_.edge)) return false;
@@ -191,7 +259,8 @@ class TangentFinder {
     }
 
     /// The step of least length, in edges, that makes the linearised residual least.
-    bool gauss_step(std::size_t a, std::size_t b, const Vec3& x, const Residual& now, Vec3& move) const {
+    bool gauss_step(std::size_t a, std::size_t b, const Vec3& x, const Residual& now, double damping,
+                    Vec3& move) const {
         double rows[5][3];
         for (std::size_t j = 0; j < 3; ++j) {
             Vec3 beside = x;
@@ -205,7 +274,7 @@ class TangentFinder {
             for (std::size_t k = 0; k < 3; ++k) {
                 for (const auto& row : rows) m[j][k] += row[j] * row[k];
             }
-            m[j][j] += kDamping;
+            m[j][j] += damping;
             for (std::size_t i = 0; i < 5; ++i) m[j][3] -= rows[i][j] * now[i];
         }
         // Positive definite: no pivoting.
@@ -230,61 +299,92 @@ class TangentFinder {
 };
 
 /// The two ways to let one of a pair stand for both.
-std::array<LeafFormula::Substitution, 2> substitutions(const Excluded& pair) {
-    const bool negated = pair.inside_a == pair.inside_b;
-    return {{{pair.a, pair.b, negated}, {pair.b, pair.a, negated}}};
+std::array<LeafFormula::Substitution, 2> substitutions(const Contact& pair) {
+    return {{{pair.a, pair.b, pair.negated}, {pair.b, pair.a, pair.negated}}};
 }
 
-using Pairs = std::vector<Excluded>;
+/// What is known of the surfaces of a leaf.
+struct Relations {
+    std::vector<Contact> contacts;  ///< of surfaces that touch
+    std::vector<Contact> planes;    ///< parallel ones
+    std::vector<Overlap> overlaps;
 
-bool occurs(const Pairs& excluded, std::uint32_t choice) {
-    return std::none_of(excluded.begin(), excluded.end(),
-                        [choice](const Excluded& pair) { return pair.holds(choice); });
+    bool occurs(std::uint32_t choice) const {
+        const auto rules_out = [choice](const auto& relation) { return relation.rules_out(choice); };
+        return std::none_of(contacts.begin(), contacts.end(), rules_out) &&
+               std::none_of(planes.begin(), planes.end(), rules_out) &&
+               std::none_of(overlaps.begin(), overlaps.end(), rules_out);
+    }
+};
+
+Relations find_relations(const TangentFinder& finder, std::size_t count) {
+    Relations found;
+    for (std::size_t a = 0; a < count; ++a) {
+        for (std::size_t b = a + 1; b < count; ++b) {
+            if (const auto contact = finder.find(a, b)) found.contacts.push_back(*contact);
+            if (const auto planes = finder.find_parallel(a, b)) found.planes.push_back(*planes);
+        }
+    }
+    for (const Contact& planes : found.planes) {
+        for (const Contact& surfaces : found.contacts) {
+            if (finder.are_one_between(planes, surfaces)) found.overlaps.push_back({planes, surfaces});
+        }
+    }
+    return found;
 }
 
 /// Lets one surface stand for another in the whole leaf, if there is such a pair.
-bool replace_one(LeafFormula& formula, const Pairs& pairs) {
-    for (const Excluded& pair : pairs) {
+bool replace_one(LeafFormula& formula, const Relations& known) {
+    const auto replaces = [&](const Contact& pair) {
         for (const auto& s : substitutions(pair)) {
-            if (!formula.allows(s, [&](std::uint32_t choice) { return occurs(pairs, choice); })) continue;
+            if (!pair.excludes ||
+                !formula.allows(s, [&](std::uint32_t choice) { return known.occurs(choice); }))
+                continue;
             formula.substitute(s);
             return true;
         }
-    }
-    return false;
+        return false;
+    };
+    return std::any_of(known.contacts.begin(), known.contacts.end(), replaces) ||
+           std::any_of(known.planes.begin(), known.planes.end(), replaces);
 }
 
-/// The same on one side of a chooser, and the other way round beyond it. The joint names surfaces by their
-/// number in the model, as places in the formula change.
-bool choose_by(LeafFormula& formula, const Pairs& pairs, const Excluded& pair, std::size_t chooser,
-               Joint& joint) {
+/// Calls visit(inside, outside) where one surface may stand for the other inside a chooser, and the other way
+/// round outside, until it returns true.
+template <class Visit>
+bool any_choice(const LeafFormula& formula, const Relations& known, const Contact& pair, std::size_t chooser,
+                const Visit& visit) {
+    if (chooser == pair.a || chooser == pair.b) return false;
     const auto allows = [&](const LeafFormula::Substitution& s, bool inside) {
         return formula.allows(s, [&](std::uint32_t choice) {
-            return (((choice >> chooser) & 1u) != 0) == inside && occurs(pairs, choice);
+            return (((choice >> chooser) & 1u) != 0) == inside && known.occurs(choice);
         });
     };
     const auto ways = substitutions(pair);
     for (const std::size_t first : {0, 1}) {
         const auto& inside = ways[first];
         const auto& outside = ways[1 - first];
-        if (!allows(inside, true) || !allows(outside, false)) continue;
-        const auto& surface = formula.surfaces();
-        joint = {surface[chooser], surface[inside.by], surface[outside.by], inside.negated};
-        if (formula.choose(chooser, inside, outside)) return true;
+        if (allows(inside, true) && allows(outside, false) && visit(inside, outside)) return true;
     }
     return false;
 }
 
-/// Makes one change, if there is one.
-bool rewrite(LeafFormula& formula, const Pairs& pairs, std::vector<Joint>& joints) {
-    if (replace_one(formula, pairs)) return true;
-    for (const Excluded& pair : pairs) {
+/// Makes one change, if there is one. Joints name surfaces by their number in the model, as places in the
+/// formula change.
+bool rewrite(LeafFormula& formula, const Relations& known, std::vector<Joint>& joints) {
+    if (replace_one(formula, known)) return true;
+    for (const Contact& pair : known.contacts) {
         for (std::size_t chooser = 0; chooser < formula.count(); ++chooser) {
-            Joint joint{};
-            if (chooser == pair.a || chooser == pair.b) continue;
-            if (!choose_by(formula, pairs, pair, chooser, joint)) continue;
-            joints.push_back(joint);
-            return true;
+            const auto choose = [&](const auto& inside, const auto& outside) {
+                const auto& surface = formula.surfaces();
+                const Joint joint = {surface[chooser], surface[inside.by], surface[outside.by],
+                                     inside.negated};
+                const bool is_known = std::find(joints.begin(), joints.end(), joint) != joints.end();
+                if (!is_known) joints.push_back(joint);
+                // Where the formula is like that already, the joint may still be one.
+                return pair.excludes && formula.choose(chooser, inside, outside);
+            };
+            if (any_choice(formula, known, pair, chooser, choose)) return true;
         }
     }
     return false;
@@ -298,13 +398,8 @@ bool join_tangent(const tape::BoundModel& model, const LeafBox& leaf, LeafFormul
     std::vector<Joint> joints;
     for (int i = 0; i < kMostRewrites; ++i) {
         const TangentFinder finder(model, leaf, formula);
-        Pairs pairs;
-        for (std::size_t a = 0; a < formula.count(); ++a) {
-            for (std::size_t b = a + 1; b < formula.count(); ++b) {
-                if (const auto pair = finder.find(a, b)) pairs.push_back(*pair);
-            }
-        }
-        if (pairs.empty() || !rewrite(formula, pairs, joints)) break;
+        const Relations known = find_relations(finder, formula.count());
+        if (known.contacts.empty() || !rewrite(formula, known, joints)) break;
         changed = true;
     }
     const auto place = [&formula](std::uint32_t surface) {
@@ -321,7 +416,7 @@ bool join_tangent(const tape::BoundModel& model, const LeafBox& leaf, LeafFormul
         joint.tape = formula.joined(s, chooser, kJointSurface);
         if (!joint.tape.empty()) break;
     }
-    return changed;
+    return changed || !joint.tape.empty();
 }
 
 }  // namespace mortise::octree

@@ -9,6 +9,7 @@
 
 #include <cstdint>
 
+#include "host/common/vec3.hpp"
 #include "host/octree/joint.hpp"
 #include "host/octree/leaf_formula.hpp"
 #include "host/tape/compile.hpp"
@@ -17,7 +18,7 @@ namespace mortise::octree {
 
 /// A leaf of the tree, box-local.
 struct LeafBox {
-    double centre[3];
+    Vec3 centre;
     double edge;
 };
 
@@ -25,7 +26,8 @@ struct LeafBox {
 /// nothing: one takes the place of the other, everywhere or on one side of a third surface (the end of the
 /// box that lies in the cylinder). The solid stays the same but for films thinner than 1e-5 of a cell.
 /// Where the third surface has no other role, the two are one surface of the leaf: `joint` tells; its tape is
-/// empty where there is none. A function of the leaf alone. Returns whether the formula changed.
+/// empty where there is none. A function of the leaf alone. Returns whether the formula changed or there is
+/// a joint.
 bool join_tangent(const tape::BoundModel& model, const LeafBox& leaf, LeafFormula& formula, LeafJoint& joint);
 
 }  // namespace mortise::octree

@@ -79,6 +79,39 @@ TEST_CASE("parts that meet tangentially are one smooth surface") {
     }
 }
 
+TEST_CASE("a bent pipe and the straight ones at its ends are one smooth surface") {
+    const auto leg = [](const char* pose, double overlap) {
+        return "multmatrix(" + std::string(pose) + ") { multmatrix([[1,0,0,0],[0,1,0,0],[0,0,1," +
+               std::to_string(-overlap) + "],[0,0,0,1]]) { cylinder(h = " + std::to_string(25 + overlap) +
+               ", r1 = 10, r2 = 10); } }";
+    };
+    // Ends that meet; that overlap by a hundredth and a tenth of a cell, as people make them to be sure.
+    for (const double overlap : {0.0, 0.01, 0.1}) {
+        const std::string pipe =
+            "rotate_extrude(angle = 90) { multmatrix([[1,0,0,30],[0,1,0,0],[0,0,1,0],[0,0,0,1]]) "
+            "{ circle(r = 10); } }" +
+            leg("[[1,0,0,30],[0,0,-1,0],[0,1,0,0],[0,0,0,1]]", overlap) +
+            leg("[[0,0,-1,0],[0,1,0,30],[1,0,0,0],[0,0,0,1]]", overlap);
+        for (const char* pose : {"[[1,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,1]]",
+                                 "[[0.8,-0.6,0,1],[0.48,0.64,-0.6,2],[0.36,0.48,0.8,3],[0,0,0,1]]"}) {
+            CAPTURE(overlap);
+            CAPTURE(pose);
+            const Meshed result = mesh_and_check(
+                parse_model("multmatrix(" + std::string(pose) + ") { " + pipe + " }", "csg", "bend.csg"), 6);
+            CHECK(result.defects == "");
+            CHECK(result.check.volume == doctest::Approx(100 * kPi * (15 * kPi + 50)).epsilon(0.006));
+            double length = 0;
+            for (const FeatureCurve& curve : result.report.features.curves) length += curve.length;
+            CHECK(length == doctest::Approx(2 * 20 * kPi).epsilon(0.002));
+            CHECK(result.report.features.corners.empty());
+            CHECK(result.report.warnings.empty());
+            CHECK(result.report.merged_nodes <= 1);
+            const auto& jacobians = result.report.scaled_jacobians;
+            CHECK(*std::min_element(jacobians.begin(), jacobians.end()) > 0.19f);
+        }
+    }
+}
+
 TEST_CASE("the hull of two balls is exact and smooth") {
     const auto ball_at = [](double x, double y, double z, double r) {
         return "multmatrix([[1,0,0," + std::to_string(x) + "],[0,1,0," + std::to_string(y) + "],[0,0,1," +

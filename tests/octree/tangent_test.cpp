@@ -118,6 +118,59 @@ TEST_CASE("where the chooser shows, there is no joint") {
     CHECK(join(model, leaf, slot()).joint.tape.empty());
 }
 
+namespace {
+
+/// Pipes of radius 1: straight, along y at x = 3, where y < overlap; bent, around the z axis, where y > 0.
+/// The bent one's surface crosses the straight one's on its top and bottom.
+tape::BoundModel bend(double overlap) {
+    tape::BoundModel model;
+    Surface straight{};
+    straight.kind = kSurfaceQuadric;
+    straight.map[0] = 1;
+    straight.map[3] = -3;
+    straight.map[6] = 1;
+    straight.form[0] = straight.form[1] = 1;
+    straight.form[3] = -1;
+    Surface bent{};
+    bent.kind = kSurfaceTorus;
+    bent.map[0] = bent.map[5] = bent.map[10] = 1;
+    bent.form[0] = 3;
+    bent.form[3] = -1;
+    model.surfaces = {plane(0, 1, 0), plane(0, 1, overlap), straight, bent};
+    return model;
+}
+
+}  // namespace
+
+TEST_CASE("a bent pipe goes on from a straight one, also where neither is inside the other") {
+    const std::vector<std::uint32_t> tape = {literal(0, true), literal(3), both(),   literal(0),
+                                             literal(2),       both(),     either(), region()};
+    const std::vector<std::uint32_t> joined = {literal(octree::kJointSurface), region()};
+    for (const Vec3& centre : {Vec3{3.02, 0.03, 1.01}, Vec3{2.97, -0.04, -0.98}, Vec3{3.7, 0.02, 0.7}}) {
+        const Joined result = join(bend(0), {centre, 0.1}, tape);
+        CHECK(result.changed);
+        CHECK(result.joint.tape == joined);
+        CHECK(result.joint.joint == octree::Joint{0, 2, 3, false});
+    }
+}
+
+TEST_CASE("parts that overlap by a little are one surface, but for steps") {
+    const std::vector<std::uint32_t> tape = {literal(0, true), literal(3), both(),   literal(1),
+                                             literal(2),       both(),     either(), region()};
+    const std::vector<std::uint32_t> joined = {literal(octree::kJointSurface), region()};
+    // On the top, outside, where the straight pipe sticks out, and inside: leaves drop the same plane.
+    std::vector<octree::Joint> joints;
+    for (const Vec3& centre : {Vec3{3.02, 0.03, 1.01}, Vec3{3.7, 0.02, 0.7}, Vec3{2.3, 0.03, 0.7}}) {
+        const Joined result = join(bend(0.01), {centre, 0.1}, tape);
+        CHECK(result.joint.tape == joined);
+        joints.push_back(result.joint.joint);
+    }
+    CHECK(joints[0] == joints[1]);
+    CHECK(joints[0] == joints[2]);
+    // By half a leaf and more the step at the end counts.
+    CHECK(join(bend(0.06), {{3.7, 0.06, 0.7}, 0.1}, tape).joint.tape.empty());
+}
+
 TEST_CASE("two cylinders of one radius: neither is inside the other around their poles") {
     tape::BoundModel model;
     model.surfaces = {cylinder(0, 2), cylinder(0, 2)};
