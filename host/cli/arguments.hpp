@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "mortise/io.hpp"
 #include "mortise/mesher.hpp"
 
 namespace mortise::cli {
@@ -24,6 +25,7 @@ struct Arguments {
     bool check = false;
     bool quality = false;       ///< print the quality report
     bool in_parts = false;      ///< within MeshOptions::memory, part by part
+    MeshFileOptions file_options;
     double quality_floor = -1;  ///< smallest scaled Jacobian that is good enough; negative: any
     ReadOptions read;
     MeshOptions options;

@@ -93,7 +93,7 @@ Json mesh_one(Mesher& mesher, const Arguments& arguments, const MeshOptions& opt
         document["warnings"] = report.warnings;
         refuse_inverted(figures);
         if (arguments.check) refuse_defects(check_mesh(mesh));
-        write_mesh(mesh, item.output, report.scaled_jacobians);
+        write_mesh(mesh, item.output, report.scaled_jacobians, arguments.file_options);
         if (arguments.json) document.update(mesh_document(report, figures));
         document["outputs"] = Json::array({item.output});
         outcome["line"] = item.model + ": " + std::to_string(mesh.element_count()) + " elements, " +

@@ -130,7 +130,8 @@ Outcome mesh_whole(const Arguments& arguments, const Model& model, const MeshOpt
     }
     progress.show("write", kWriting);
     timed("write", stages, mesh.element_count(), [&] {
-        for (const std::string& path : arguments.outputs) write_mesh(mesh, path, report.scaled_jacobians);
+        for (const std::string& path : arguments.outputs)
+            write_mesh(mesh, path, report.scaled_jacobians, arguments.file_options);
     });
     if (!arguments.features.empty()) {
         timed("write features", stages, report.features.curves.size(),
@@ -146,8 +147,10 @@ Outcome mesh_whole(const Arguments& arguments, const Model& model, const MeshOpt
 /// Counts what passes on its way into the files.
 class CountingSink : public MeshSink {
   public:
-    CountingSink(const std::vector<std::string>& paths, double floor) : floor_(floor) {
-        for (const std::string& path : paths) files_.push_back(std::make_unique<MeshFileStream>(path));
+    CountingSink(const std::vector<std::string>& paths, const MeshFileOptions& options, double floor)
+        : floor_(floor) {
+        for (const std::string& path : paths)
+            files_.push_back(std::make_unique<MeshFileStream>(path, options));
     }
 
     void begin(const MeshTotals& totals, const Mesh& outline) override {
@@ -174,7 +177,7 @@ class CountingSink : public MeshSink {
 Outcome mesh_in_parts(const Arguments& arguments, const Model& model, const MeshOptions& options,
                       Progress& progress) {
     Outcome out;
-    CountingSink sink(arguments.outputs, arguments.quality_floor);
+    CountingSink sink(arguments.outputs, arguments.file_options, arguments.quality_floor);
     Mesher(options.device, options.work_group_size).stream(model, options, sink, &out.report);
     for (const std::string& warning : out.report.warnings) progress.warn(warning);
     out.figures = sink.figures;

@@ -53,8 +53,8 @@ void Spool::fail(const char* action, int error) const {
                 "cannot " + std::string(action) + " '" + path_ + "': " + std::strerror(error));
 }
 
-SpooledArray::SpooledArray(Spool& spool, std::vector<std::uint64_t> begins)
-    : spool_(spool), size_(begins.back()), blocks_(block_header(size_).size() - kHeaderWords) {
+SpooledArray::SpooledArray(Spool& spool, std::vector<std::uint64_t> begins, Packing packing)
+    : spool_(spool), packing_(packing), size_(begins.back()), blocks_(block_count(size_)) {
     for (std::size_t r = 0; r + 1 < begins.size(); ++r) runs_.push_back({begins[r], {}});
 }
 
@@ -65,7 +65,7 @@ void SpooledArray::add(std::size_t index, std::size_t size, const ByteSource& so
         done = std::min<std::size_t>(size, kBlockSize - static_cast<std::size_t>(run.at % kBlockSize));
         add_partial(run, 0, done, source);
     }
-    // Whole blocks are compressed from where they are.
+    // Whole blocks are packed from where they are.
     const std::size_t whole = (size - done) / kBlockSize;
     std::uint64_t block = run.at / kBlockSize;
     const std::size_t shift = done;
@@ -74,7 +74,7 @@ void SpooledArray::add(std::size_t index, std::size_t size, const ByteSource& so
         [&](std::size_t begin, std::size_t end, char* space) {
             return source(shift + begin, shift + end, space);
         },
-        [&](const void* packed, std::size_t packed_size) { store(block++, packed, packed_size); });
+        packing_, [&](const void* packed, std::size_t packed_size) { store(block++, packed, packed_size); });
     run.at += whole * kBlockSize;
     done += whole * kBlockSize;
     if (done < size) add_partial(run, done, size - done, source);
@@ -95,7 +95,7 @@ void SpooledArray::add_fragment(Run& run) {
     run.partial = {};
     auto& pieces = fragments_[begin / kBlockSize];
     if (pieces.begin()->second.size() < kBlockSize) return;
-    pack_blocks(0, 1, kBlockSize, memory_source(pieces.begin()->second.data()),
+    pack_blocks(0, 1, kBlockSize, memory_source(pieces.begin()->second.data()), packing_,
                 [&](const void* packed, std::size_t size) { store(begin / kBlockSize, packed, size); });
     fragments_.erase(begin / kBlockSize);
 }
@@ -110,12 +110,13 @@ void SpooledArray::write(TemporaryFile& file) {
         std::vector<char> bytes;
         for (const auto& [place, piece] : pieces) bytes.insert(bytes.end(), piece.begin(), piece.end());
         const std::uint64_t number = block;
-        pack_blocks(0, 1, bytes.size(), memory_source(bytes.data()),
+        pack_blocks(0, 1, bytes.size(), memory_source(bytes.data()), packing_,
                     [&](const void* packed, std::size_t size) { store(number, packed, size); });
     }
     fragments_.clear();
-    std::vector<std::uint64_t> header = block_header(size_);
-    for (std::size_t b = 0; b < blocks_.size(); ++b) header[kHeaderWords + b] = blocks_[b].size;
+    std::vector<std::uint64_t> sizes;
+    for (const Block& block : blocks_) sizes.push_back(block.size);
+    const std::vector<std::uint64_t> header = array_header(size_, packing_, sizes);
     file.write(header.data(), header.size() * sizeof header[0]);
     for (const Block& block : blocks_)
         spool_.move_to(file, block.offset, static_cast<std::size_t>(block.size));

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "host/io/compressed_array.hpp"
+#include "host/io/stored_array.hpp"
 
 namespace mortise::io {
 
@@ -34,14 +34,14 @@ class Spool {
     std::vector<char> buffer_;
 };
 
-/// One array in the layout of compressed_array.hpp, made of runs that are filled side by side, each from its
+/// One array in the layout of stored_array.hpp, made of runs that are filled side by side, each from its
 /// begin to its end. What is kept in memory: a block or two for each run.
 class SpooledArray {
   public:
     /// Run r has the bytes [begins[r], begins[r + 1]) of the array.
-    SpooledArray(Spool& spool, std::vector<std::uint64_t> begins);
+    SpooledArray(Spool& spool, std::vector<std::uint64_t> begins, Packing packing);
 
-    /// The next `size` bytes of a run; `source` as in write_compressed, with 0 for the first of them.
+    /// The next `size` bytes of a run; `source` as in write_array, with 0 for the first of them.
     void add(std::size_t run, std::size_t size, const ByteSource& source);
 
     /// Appends the whole array to the file. All runs must be full.
@@ -63,6 +63,7 @@ class SpooledArray {
     void add_fragment(Run& run);
 
     Spool& spool_;
+    Packing packing_;
     std::uint64_t size_;
     std::vector<Run> runs_;
     std::vector<Block> blocks_;

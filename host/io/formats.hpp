@@ -4,13 +4,19 @@
 #pragma once
 
 #include "host/io/file_reader.hpp"
+#include "host/io/stored_array.hpp"
 #include "host/io/temporary_file.hpp"
+#include "mortise/io.hpp"
 #include "mortise/mesh.hpp"
 
 namespace mortise::io {
 
+inline Packing packing_of(const MeshFileOptions& options) {
+    return options.compress ? Packing::kZlib : Packing::kPlain;
+}
+
 /// `jacobians`: scaled_jacobians(mesh), or empty: they are computed.
-void write_vtu(const Mesh& mesh, const std::vector<float>& jacobians, TemporaryFile& file);
+void write_vtu(const Mesh& mesh, const std::vector<float>& jacobians, Packing packing, TemporaryFile& file);
 Mesh read_vtu(const FileReader& file);
 
 void write_msh(const Mesh& mesh, TemporaryFile& file);

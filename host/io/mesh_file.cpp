@@ -71,7 +71,8 @@ std::string io::find_range_error(const Mesh& mesh) {
     return {};
 }
 
-void write_mesh(const Mesh& mesh, const std::string& path, const std::vector<float>& jacobians) {
+void write_mesh(const Mesh& mesh, const std::string& path, const std::vector<float>& jacobians,
+                const MeshFileOptions& options) {
     const Format format = format_of(path);
     std::string error = io::find_range_error(mesh);
     if (error.empty() && !jacobians.empty() && jacobians.size() != mesh.element_count())
@@ -80,7 +81,8 @@ void write_mesh(const Mesh& mesh, const std::string& path, const std::vector<flo
         throw Error(ExitCode::kMeshing,
                     "cannot write '" + path + "': invalid mesh: " + error + "; see check_mesh");
     io::TemporaryFile file(path);
-    format == Format::kVtu ? io::write_vtu(mesh, jacobians, file) : io::write_msh(mesh, file);
+    format == Format::kVtu ? io::write_vtu(mesh, jacobians, io::packing_of(options), file)
+                           : io::write_msh(mesh, file);
     file.commit();
 }
 

@@ -28,17 +28,17 @@ io::ArrayWriter joined(SpooledArray& array) {
 
 /// What is known once the totals are.
 struct MeshFileStream::Implementation {
-    Implementation(const std::string& path) : file(path), spool(path) {}
+    Implementation(const std::string& path, io::Packing pack) : file(path), spool(path), packing(pack) {}
 
     struct Arrays {
-        Arrays(io::Spool& spool, const MeshTotals& totals)
+        Arrays(io::Spool& spool, const MeshTotals& totals, io::Packing packing)
             : runs(totals),
-              points(spool, {0, 3 * sizeof(double) * totals.nodes}),
-              model_dimension(spool, {0, totals.nodes}),
-              connectivity(spool, scaled(runs.nodes, io::index_bytes(totals))),
-              region(spool, scaled(runs.elements, sizeof(std::int32_t))),
-              kind(spool, scaled(runs.elements, 1)),
-              scaled_jacobian(spool, scaled(runs.elements, sizeof(float))) {}
+              points(spool, {0, 3 * sizeof(double) * totals.nodes}, packing),
+              model_dimension(spool, {0, totals.nodes}, packing),
+              connectivity(spool, scaled(runs.nodes, io::index_bytes(totals)), packing),
+              region(spool, scaled(runs.elements, sizeof(std::int32_t)), packing),
+              kind(spool, scaled(runs.elements, 1), packing),
+              scaled_jacobian(spool, scaled(runs.elements, sizeof(float)), packing) {}
 
         io::TypeRuns runs;
         SpooledArray points, model_dimension, connectivity, region, kind, scaled_jacobian;
@@ -55,12 +55,13 @@ struct MeshFileStream::Implementation {
 
     io::TemporaryFile file;
     io::Spool spool;
+    io::Packing packing;
     MeshTotals totals;
     Mesh outline;
     std::optional<Arrays> arrays;
 };
 
-MeshFileStream::MeshFileStream(const std::string& path) {
+MeshFileStream::MeshFileStream(const std::string& path, const MeshFileOptions& options) {
     check_writable(path);
     constexpr const char* kExtension = ".vtu";
     const std::size_t length = std::string(kExtension).size();
@@ -68,7 +69,7 @@ MeshFileStream::MeshFileStream(const std::string& path) {
         throw Error(ExitCode::kUsage,
                     "'" + path + "': a mesh in parts (--memory) can be written as .vtu only");
     }
-    implementation_ = std::make_unique<Implementation>(path);
+    implementation_ = std::make_unique<Implementation>(path, io::packing_of(options));
 }
 
 MeshFileStream::~MeshFileStream() = default;
@@ -76,7 +77,7 @@ MeshFileStream::~MeshFileStream() = default;
 void MeshFileStream::begin(const MeshTotals& totals, const Mesh& outline) {
     implementation_->totals = totals;
     implementation_->outline = outline;
-    implementation_->arrays.emplace(implementation_->spool, totals);
+    implementation_->arrays.emplace(implementation_->spool, totals, implementation_->packing);
 }
 
 void MeshFileStream::add(const Mesh& part, const std::vector<float>& scaled_jacobians) {
@@ -113,7 +114,7 @@ void MeshFileStream::commit() {
     arrays.region = joined(all.arrays->region);
     arrays.kind = joined(all.arrays->kind);
     arrays.scaled_jacobian = joined(all.arrays->scaled_jacobian);
-    io::write_vtu_file(all.totals, all.outline, arrays, all.file);
+    io::write_vtu_file(all.totals, all.outline, arrays, all.packing, all.file);
     all.file.commit();
 }
 

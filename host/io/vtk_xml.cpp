@@ -17,11 +17,12 @@ bool is_little_endian() {
 
 }  // namespace
 
-VtkXmlWriter::VtkXmlWriter(TemporaryFile& file, const std::string& type) : file_(file) {
+VtkXmlWriter::VtkXmlWriter(TemporaryFile& file, const std::string& type, Packing packing)
+    : file_(file), packing_(packing) {
     text("<?xml version=\"1.0\"?>");
     text("<VTKFile type=\"" + type + "\" version=\"1.0\" byte_order=\"" +
-         std::string(is_little_endian() ? "LittleEndian" : "BigEndian") +
-         "\" header_type=\"UInt64\" compressor=\"vtkZLibDataCompressor\">");
+         std::string(is_little_endian() ? "LittleEndian" : "BigEndian") + "\" header_type=\"UInt64\"" +
+         (packing == Packing::kZlib ? " compressor=\"vtkZLibDataCompressor\"" : "") + ">");
 }
 
 void VtkXmlWriter::array(const std::string& type, const std::string& name, const std::string& attributes,

@@ -1,11 +1,11 @@
-// Writes VTK's XML files: a header that announces arrays, then the arrays, appended raw and compressed.
+// Writes VTK's XML files: a header that announces arrays, then the arrays, appended raw.
 #pragma once
 
 #include <functional>
 #include <string>
 #include <vector>
 
-#include "host/io/compressed_array.hpp"
+#include "host/io/stored_array.hpp"
 #include "host/io/temporary_file.hpp"
 
 namespace mortise::io {
@@ -14,15 +14,15 @@ namespace mortise::io {
 using ArrayWriter = std::function<void(TemporaryFile& file)>;
 
 /// The array of `size` bytes that `source` gives.
-inline ArrayWriter compressed(std::size_t size, const ByteSource& source) {
-    return [size, source](TemporaryFile& file) { write_compressed(file, size, source); };
+inline ArrayWriter stored(std::size_t size, const ByteSource& source, Packing packing) {
+    return [size, source, packing](TemporaryFile& file) { write_array(file, size, source, packing); };
 }
 
 /// Collects the header's text and the arrays that it announces. Sources must live until finish().
 class VtkXmlWriter {
   public:
-    /// `type`: of the data set, such as UnstructuredGrid.
-    VtkXmlWriter(TemporaryFile& file, const std::string& type);
+    /// `type`: of the data set, such as UnstructuredGrid. All arrays are packed alike.
+    VtkXmlWriter(TemporaryFile& file, const std::string& type, Packing packing);
 
     void text(const std::string& line) { header_ += line + "\n"; }
 
@@ -30,7 +30,7 @@ class VtkXmlWriter {
                const ArrayWriter& write);
     void array(const std::string& type, const std::string& name, const std::string& attributes,
                std::size_t size, const ByteSource& source) {
-        array(type, name, attributes, compressed(size, source));
+        array(type, name, attributes, stored(size, source, packing_));
     }
 
     /// An array in memory, for FieldData: with the number of its tuples.
@@ -56,6 +56,7 @@ class VtkXmlWriter {
     };
 
     TemporaryFile& file_;
+    Packing packing_;
     std::string header_;
     std::vector<ArrayToWrite> arrays_;
 };

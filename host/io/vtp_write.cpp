@@ -99,7 +99,7 @@ void add_cells(const char* name, const std::vector<std::int64_t>& points,
 void write_features(const Mesh& mesh, const Features& features, const std::string& path) {
     const FeatureArrays arrays = arrays_of(mesh, features);
     io::TemporaryFile file(path);
-    io::VtkXmlWriter writer(file, "PolyData");
+    io::VtkXmlWriter writer(file, "PolyData", io::Packing::kZlib);
     writer.text("<PolyData>");
     writer.text("<FieldData>");
     writer.names("surface_names", mesh.surface_names);

@@ -54,8 +54,8 @@ struct VtuArrays {
 /// 4 or 8: of connectivity and offsets.
 std::size_t index_bytes(const MeshTotals& totals);
 
-/// Writes the file; `outline` has facets and names.
-void write_vtu_file(const MeshTotals& totals, const Mesh& outline, const VtuArrays& arrays,
+/// Writes the file; `outline` has facets and names. `arrays` must be packed so, too.
+void write_vtu_file(const MeshTotals& totals, const Mesh& outline, const VtuArrays& arrays, Packing packing,
                     TemporaryFile& file);
 
 }  // namespace mortise::io

@@ -8,9 +8,9 @@
 #include <pugixml.hpp>
 #include <string>
 
-#include "host/io/compressed_array.hpp"
 #include "host/io/element_table.hpp"
 #include "host/io/formats.hpp"
+#include "host/io/stored_array.hpp"
 
 namespace mortise::io {
 namespace {
@@ -30,7 +30,11 @@ class VtuReader {
         std::memcpy(&low, &one, 1);
         expect_attribute(root, "byte_order", low == 1 ? "LittleEndian" : "BigEndian");
         expect_attribute(root, "header_type", "UInt64");
-        expect_attribute(root, "compressor", "vtkZLibDataCompressor");
+        if (root.attribute("compressor")) {
+            expect_attribute(root, "compressor", "vtkZLibDataCompressor");
+        } else {
+            packing_ = Packing::kPlain;
+        }
         grid_ = root.child("UnstructuredGrid");
         piece_ = grid_.child("Piece");
         if (!piece_) file_.damaged("no Piece in it");
@@ -52,7 +56,7 @@ class VtuReader {
         const std::uint64_t at = offset.as_ullong(std::numeric_limits<std::uint64_t>::max());
         if (!offset || at > file_.size() - data_start_)
             file_.damaged(std::string("array '") + name + "': bad offset");
-        const std::vector<char> bytes = read_compressed(file_, data_start_ + at);
+        const std::vector<char> bytes = read_array(file_, data_start_ + at, packing_);
         if (bytes.size() % sizeof(Value) != 0)
             file_.damaged(std::string("array '") + name + "' ends inside a value");
         std::vector<Value> values(bytes.size() / sizeof(Value));
@@ -133,6 +137,7 @@ class VtuReader {
     pugi::xml_document document_;
     pugi::xml_node grid_, piece_;
     std::uint64_t data_start_ = 0;
+    Packing packing_ = Packing::kZlib;
 };
 
 /// Sizes the blocks by the cell types, which must come in the order of ElementType.

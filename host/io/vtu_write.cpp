@@ -1,4 +1,4 @@
-// Writes .vtu: VTK XML UnstructuredGrid, arrays appended raw, zlib-compressed blocks, UInt64 headers.
+// Writes .vtu: VTK XML UnstructuredGrid, arrays appended raw, compressed or not, UInt64 headers.
 //
 // Elements come by type, in the order of ElementType. Connectivity and offsets are Int32 where all their
 // values fit and Int64 otherwise: half the bytes to compress, and every reader takes both. Cell arrays:
@@ -70,11 +70,11 @@ std::size_t index_bytes(const MeshTotals& totals) {
                                                                           : sizeof(std::int64_t);
 }
 
-void write_vtu_file(const MeshTotals& totals, const Mesh& outline, const VtuArrays& arrays,
+void write_vtu_file(const MeshTotals& totals, const Mesh& outline, const VtuArrays& arrays, Packing packing,
                     TemporaryFile& file) {
     const TypeRuns runs(totals);
     const std::uint64_t elements = runs.elements.back();
-    VtkXmlWriter writer(file, "UnstructuredGrid");
+    VtkXmlWriter writer(file, "UnstructuredGrid", packing);
     writer.text("<UnstructuredGrid>");
     writer.text("<FieldData>");
     writer.names("region_names", outline.region_names);
@@ -118,7 +118,7 @@ void write_vtu_file(const MeshTotals& totals, const Mesh& outline, const VtuArra
     writer.finish();
 }
 
-void write_vtu(const Mesh& mesh, const std::vector<float>& jacobians, TemporaryFile& file) {
+void write_vtu(const Mesh& mesh, const std::vector<float>& jacobians, Packing packing, TemporaryFile& file) {
     MeshTotals totals;
     totals.nodes = mesh.node_count();
     for (std::size_t t = 0; t < kElementTypes; ++t) totals.elements[t] = mesh.elements[t].size();
@@ -127,21 +127,24 @@ void write_vtu(const Mesh& mesh, const std::vector<float>& jacobians, TemporaryF
     const std::size_t index = index_bytes(totals);
     const std::vector<float> computed = jacobians.empty() ? scaled_jacobians(mesh) : std::vector<float>{};
     const std::vector<float>& quality = jacobians.empty() ? computed : jacobians;
+    const auto store = [packing](std::size_t size, const ByteSource& source) {
+        return stored(size, source, packing);
+    };
     VtuArrays arrays;
-    arrays.points = compressed(mesh.points.size() * sizeof(double), memory_source(mesh.points.data()));
+    arrays.points = store(mesh.points.size() * sizeof(double), memory_source(mesh.points.data()));
     if (!mesh.model_dimension.empty()) {
         arrays.model_dimension =
-            compressed(mesh.model_dimension.size(), memory_source(mesh.model_dimension.data()));
+            store(mesh.model_dimension.size(), memory_source(mesh.model_dimension.data()));
     }
     arrays.connectivity =
-        compressed(runs.nodes.back() * index, index == sizeof(std::int64_t)
-                                                  ? connectivity_source<std::int64_t>(mesh, runs)
-                                                  : connectivity_source<std::int32_t>(mesh, runs));
-    arrays.region = compressed(elements * sizeof(std::int32_t),
-                               element_source<std::int32_t>(mesh, runs, &ElementBlock::region));
-    arrays.kind = compressed(elements, element_source<std::uint8_t>(mesh, runs, &ElementBlock::kind));
-    arrays.scaled_jacobian = compressed(quality.size() * sizeof(float), memory_source(quality.data()));
-    write_vtu_file(totals, mesh, arrays, file);
+        store(runs.nodes.back() * index, index == sizeof(std::int64_t)
+                                             ? connectivity_source<std::int64_t>(mesh, runs)
+                                             : connectivity_source<std::int32_t>(mesh, runs));
+    arrays.region = store(elements * sizeof(std::int32_t),
+                          element_source<std::int32_t>(mesh, runs, &ElementBlock::region));
+    arrays.kind = store(elements, element_source<std::uint8_t>(mesh, runs, &ElementBlock::kind));
+    arrays.scaled_jacobian = store(quality.size() * sizeof(float), memory_source(quality.data()));
+    write_vtu_file(totals, mesh, arrays, packing, file);
 }
 
 }  // namespace mortise::io

@@ -72,7 +72,11 @@ Mesh three_regions() {
     return grid(4, 3, 3, 3, [](int i, int j, int) { return i == 3 ? 2 : j == 1 ? 3 : 1; });
 }
 
-const char* const kFormats[] = {".vtu", ".msh"};
+struct FileKind {
+    std::string extension;
+    MeshFileOptions options;
+};
+const FileKind kKinds[] = {{".vtu", {}}, {".vtu", {false}}, {".msh", {}}};
 
 }  // namespace
 
@@ -85,28 +89,29 @@ TEST_CASE("round trips are exact: all types, several regions, nothing at all") {
     no_facets.points[0] = -0.0;
     meshes.push_back(no_facets);
     for (const Mesh& mesh : meshes) {
-        for (const std::string format : kFormats) {
+        for (const auto& [format, options] : kKinds) {
             CAPTURE(format);
+            CAPTURE(options.compress);
             const std::string path = folder.file("mesh" + format);
-            write_mesh(mesh, path);
+            write_mesh(mesh, path, {}, options);
             check_equal(mesh, read_mesh(path), format == ".vtu");
         }
     }
     CHECK(folder.entries() == 2);
 }
 
-TEST_CASE("round trip of arrays longer than one compressed block, and of incompressible ones") {
+TEST_CASE("round trip of arrays longer than one block, and of incompressible ones") {
     const Folder folder;
     Mesh mesh = grid(40, 40, 40, 2, [](int i, int j, int k) { return (i + j + k) % 2 + 1; });
     std::mt19937_64 random(3);
     std::uniform_real_distribution<double> shift(-0.2, 0.2);
     for (std::size_t i = mesh.points.size() / 2; i < mesh.points.size(); ++i) mesh.points[i] += shift(random);
-    for (const std::string format : kFormats) {
+    for (const auto& [format, options] : kKinds) {
         const std::string path = folder.file("large" + format);
-        write_mesh(mesh, path);
+        write_mesh(mesh, path, {}, options);
         check_equal(mesh, read_mesh(path), true);
         const std::string first = read_bytes(path);
-        write_mesh(mesh, path);
+        write_mesh(mesh, path, {}, options);
         CHECK(read_bytes(path) == first);
     }
 }
@@ -116,9 +121,9 @@ TEST_CASE("names of any kind survive") {
     Mesh mesh = mixed();
     mesh.region_names = {"steel \"A\"", "100% \xc3\xa9t\xc3\xa9\nnext <&>"};
     mesh.surface_names = {"", "outer:wall|1", "name 2"};
-    for (const std::string format : kFormats) {
+    for (const auto& [format, options] : kKinds) {
         const std::string path = folder.file("names" + format);
-        write_mesh(mesh, path);
+        write_mesh(mesh, path, {}, options);
         check_equal(mesh, read_mesh(path), false);
     }
 }
@@ -192,7 +197,7 @@ TEST_CASE("unknown extensions are usage errors") {
 
 TEST_CASE("missing and unwritable folders") {
     const Folder folder;
-    for (const std::string format : kFormats) {
+    for (const auto& [format, options] : kKinds) {
         const std::string missing = folder.file("none/mesh" + format);
         for (const Error& error :
              {error_of([&] { write_mesh(mixed(), missing); }), error_of([&] { check_writable(missing); }),
@@ -225,13 +230,13 @@ TEST_CASE("a full disk: an error with the cause, the old file whole, the tempora
     rlimit before;
     REQUIRE(getrlimit(RLIMIT_FSIZE, &before) == 0);
     const auto handler = std::signal(SIGXFSZ, SIG_IGN);
-    for (const std::string format : kFormats) {
+    for (const auto& [format, options] : kKinds) {
         const std::string path = folder.file("mesh" + format);
         write_bytes(path, "old");
         rlimit small = before;
         small.rlim_cur = 40000;
         REQUIRE(setrlimit(RLIMIT_FSIZE, &small) == 0);
-        const Error error = error_of([&] { write_mesh(mesh, path); });
+        const Error error = error_of([&] { write_mesh(mesh, path, {}, options); });
         REQUIRE(setrlimit(RLIMIT_FSIZE, &before) == 0);
         CHECK(error.code() == ExitCode::kFiles);
         CHECK(std::string(error.what()) == "cannot write '" + path + "': " + std::strerror(EFBIG));
@@ -288,10 +293,11 @@ TEST_CASE("meshes with indices out of range are refused before anything is writt
 
 TEST_CASE("truncated files are refused at every length") {
     const Folder folder;
-    for (const std::string format : kFormats) {
+    for (const auto& [format, options] : kKinds) {
         CAPTURE(format);
+        CAPTURE(options.compress);
         const std::string path = folder.file("whole" + format), cut = folder.file("cut" + format);
-        write_mesh(mixed(), path);
+        write_mesh(mixed(), path, {}, options);
         const std::string bytes = read_bytes(path);
         for (std::size_t size = 0; size < bytes.size(); size += size < 200 ? 1 : 7) {
             CAPTURE(size);
@@ -306,9 +312,9 @@ TEST_CASE("truncated files are refused at every length") {
 TEST_CASE("damaged bytes give an error or a mesh in range, never a crash") {
     const Folder folder;
     std::mt19937 random(7);
-    for (const std::string format : kFormats) {
+    for (const auto& [format, options] : kKinds) {
         const std::string path = folder.file("whole" + format), bad = folder.file("bad" + format);
-        write_mesh(mixed(), path);
+        write_mesh(mixed(), path, {}, options);
         const std::string bytes = read_bytes(path);
         int refused = 0;
         for (int trial = 0; trial < 3000; ++trial) {

@@ -59,7 +59,7 @@ std::vector<T> slice(const std::vector<T>& values, std::size_t begin, std::size_
 
 /// Writes a mesh in parts that end at random places, or are empty.
 void write_in_parts(const Mesh& mesh, const std::vector<float>& jacobians, const std::string& path,
-                    std::size_t parts, std::mt19937& random) {
+                    const MeshFileOptions& options, std::size_t parts, std::mt19937& random) {
     MeshTotals totals;
     totals.nodes = mesh.node_count();
     std::array<std::vector<std::size_t>, kElementTypes + 1> cuts;
@@ -79,7 +79,7 @@ void write_in_parts(const Mesh& mesh, const std::vector<float>& jacobians, const
     outline.facets = mesh.facets;
     outline.region_names = mesh.region_names;
     outline.surface_names = mesh.surface_names;
-    MeshFileStream file(path);
+    MeshFileStream file(path, options);
     file.begin(totals, outline);
     outline = {};
     for (std::size_t p = 0; p < parts; ++p) {
@@ -112,12 +112,15 @@ TEST_CASE("a mesh in parts gives the bytes of the whole") {
     std::vector<float> jacobians;
     for (std::size_t i = 0; i < mesh.element_count(); ++i)
         jacobians.push_back(1e-3f * static_cast<float>(random() % 1000));
-    write_mesh(mesh, folder.path / "whole.vtu", jacobians);
-    const std::string whole = bytes_of(folder.path / "whole.vtu");
-    for (const std::size_t parts : {1u, 2u, 5u, 60u}) {
-        CAPTURE(parts);
-        write_in_parts(mesh, jacobians, folder.path / "parts.vtu", parts, random);
-        CHECK((bytes_of(folder.path / "parts.vtu") == whole));
+    for (const bool compress : {true, false}) {
+        write_mesh(mesh, folder.path / "whole.vtu", jacobians, {compress});
+        const std::string whole = bytes_of(folder.path / "whole.vtu");
+        for (const std::size_t parts : {1u, 2u, 5u, 60u}) {
+            CAPTURE(compress);
+            CAPTURE(parts);
+            write_in_parts(mesh, jacobians, folder.path / "parts.vtu", {compress}, parts, random);
+            CHECK((bytes_of(folder.path / "parts.vtu") == whole));
+        }
     }
 }
 
@@ -127,10 +130,12 @@ TEST_CASE("small meshes, whose arrays share one block") {
     for (Mesh mesh : {samples::mixed(), samples::unit_element(ElementType::kTetrahedron)}) {
         mesh.model_dimension.assign(mesh.node_count(), 3);
         const std::vector<float> jacobians = scaled_jacobians(mesh);
-        write_mesh(mesh, folder.path / "whole.vtu", jacobians);
-        for (const std::size_t parts : {1u, 3u, 10u}) {
-            write_in_parts(mesh, jacobians, folder.path / "parts.vtu", parts, random);
-            CHECK((bytes_of(folder.path / "parts.vtu") == bytes_of(folder.path / "whole.vtu")));
+        for (const bool compress : {true, false}) {
+            write_mesh(mesh, folder.path / "whole.vtu", jacobians, {compress});
+            for (const std::size_t parts : {1u, 3u, 10u}) {
+                write_in_parts(mesh, jacobians, folder.path / "parts.vtu", {compress}, parts, random);
+                CHECK((bytes_of(folder.path / "parts.vtu") == bytes_of(folder.path / "whole.vtu")));
+            }
         }
     }
 }

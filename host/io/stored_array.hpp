@@ -1,8 +1,10 @@
-// Arrays in VTK's compressed binary layout: a header of UInt64, then zlib streams of equal uncompressed size.
+// Arrays in VTK's binary layouts, made block by block.
 //
-// Header: number of blocks, uncompressed block size, uncompressed size of the last block if it is shorter
-// (else 0), compressed size of each block. Blocks are made and compressed by all cores and written in order,
-// so the bytes do not depend on the number of threads. Source: VTK file formats, "compressed appended data".
+// Compressed: a header of UInt64, then zlib streams of equal uncompressed size. Header: number of blocks,
+// uncompressed block size, uncompressed size of the last block if it is shorter (else 0), compressed size of
+// each block. Plain: the number of bytes as UInt64, then the bytes. Blocks are made and compressed by all
+// cores and written in order, so the bytes do not depend on the number of threads. Source: VTK file formats,
+// "appended data".
 #pragma once
 
 #include <cstddef>
@@ -15,6 +17,8 @@
 
 namespace mortise::io {
 
+enum class Packing { kZlib, kPlain };
+
 inline constexpr std::size_t kBlockSize = std::size_t{1} << 20;
 
 /// Gives the bytes [begin, end) of an array; both are multiples of the value size (a power of two) or the
@@ -22,23 +26,28 @@ inline constexpr std::size_t kBlockSize = std::size_t{1} << 20;
 /// pointer to bytes that exist already. Called from several threads at once.
 using ByteSource = std::function<const char*(std::size_t begin, std::size_t end, char* space)>;
 
-/// Compresses the blocks first … first + count - 1 of what `source` gives (block i is its bytes from
+/// Packs the blocks first … first + count - 1 of what `source` gives (block i is its bytes from
 /// i * kBlockSize on, up to `size`) on all cores, and hands them to `take` in order.
 void pack_blocks(std::size_t first, std::size_t count, std::size_t size, const ByteSource& source,
+                 Packing packing,
                  const std::function<void(const void* packed, std::size_t packed_size)>& take);
 
-/// The header of an array of `size` bytes; sizes of its blocks follow at `kHeaderWords`.
-inline constexpr std::size_t kHeaderWords = 3;
-std::vector<std::uint64_t> block_header(std::uint64_t size);
+inline std::size_t block_count(std::uint64_t size) {
+    return static_cast<std::size_t>((size + kBlockSize - 1) / kBlockSize);
+}
+
+/// The header of an array of `size` bytes, whose blocks have these sizes when packed.
+std::vector<std::uint64_t> array_header(std::uint64_t size, Packing packing,
+                                        const std::vector<std::uint64_t>& packed_sizes);
 
 /// Appends an array of `size` bytes to the file.
-void write_compressed(TemporaryFile& file, std::size_t size, const ByteSource& source);
+void write_array(TemporaryFile& file, std::size_t size, const ByteSource& source, Packing packing);
 
 /// Source of an array that lies in memory as it is to be stored.
 ByteSource memory_source(const void* data);
 
 /// Reads an array that starts at `offset`. Throws Error(kInput) for anything that does not fit together;
 /// never allocates more than about a thousand times what the file holds (the most that zlib can expand).
-std::vector<char> read_compressed(const FileReader& file, std::uint64_t offset);
+std::vector<char> read_array(const FileReader& file, std::uint64_t offset, Packing packing);
 
 }  // namespace mortise::io

@@ -1,5 +1,5 @@
-// Block-wise compression in zlib's format, and back, on all cores. libdeflate takes half of zlib's time.
-#include "host/io/compressed_array.hpp"
+// Compression in zlib's format by libdeflate, which takes half of zlib's time.
+#include "host/io/stored_array.hpp"
 
 #include <libdeflate.h>
 
@@ -38,15 +38,19 @@ Compressor make_compressor(int level) {
 }
 
 struct Scratch {
-    Scratch() : space(kBlockSize / sizeof(std::uint64_t)) {
+    Scratch() : space(kBlockSize / sizeof(std::uint64_t)) {}
+    void prepare_to_compress() {
         packed.resize(libdeflate_zlib_compress_bound(nullptr, kBlockSize));
+        fastest = make_compressor(kFastest);
+        stored = make_compressor(kStored);
     }
     char* bytes() { return reinterpret_cast<char*>(space.data()); }
     std::vector<std::uint64_t> space;  ///< 64-bit for alignment
     std::vector<unsigned char> packed;
-    std::size_t packed_size = 0;
-    Compressor fastest = make_compressor(kFastest);
-    Compressor stored = make_compressor(kStored);
+    const void* result = nullptr;  ///< what the block becomes
+    std::size_t result_size = 0;
+    Compressor fastest;
+    Compressor stored;
 };
 
 std::size_t pack(libdeflate_compressor* compressor, const char* data, std::size_t size, Scratch& scratch) {
@@ -60,7 +64,22 @@ void compress_block(const char* data, std::size_t size, Scratch& scratch) {
         const std::size_t sample = pack(compressor, data + size / 2, kSampleSize, scratch);
         if (sample * 100 > kSampleSize * (100 - kWorthPercent)) compressor = scratch.stored.get();
     }
-    scratch.packed_size = pack(compressor, data, size, scratch);
+    scratch.result_size = pack(compressor, data, size, scratch);
+    scratch.result = scratch.packed.data();
+}
+
+std::vector<char> read_plain(const FileReader& file, std::uint64_t offset) {
+    std::uint64_t size = 0;
+    file.read_at(offset, &size, sizeof size);
+    if (size > file.size() - offset - sizeof size) file.damaged("an array ends too late");
+    std::vector<char> bytes(static_cast<std::size_t>(size));
+    const std::size_t blocks = block_count(size);
+    parallel_chunks(blocks, 1, [&](std::size_t i, std::size_t, std::size_t) {
+        const std::size_t begin = i * kBlockSize;
+        file.read_at(offset + sizeof size + begin, bytes.data() + begin,
+                     std::min(kBlockSize, bytes.size() - begin));
+    });
+    return bytes;
 }
 
 }  // namespace
@@ -71,43 +90,55 @@ ByteSource memory_source(const void* data) {
 }
 
 void pack_blocks(std::size_t first, std::size_t count, std::size_t size, const ByteSource& source,
+                 Packing packing,
                  const std::function<void(const void* packed, std::size_t packed_size)>& take) {
     const std::size_t wave = 4 * std::max(1u, std::thread::hardware_concurrency());
     std::vector<Scratch> scratch(std::min(wave, count));
+    for (Scratch& s : scratch) {
+        if (packing == Packing::kZlib) s.prepare_to_compress();
+    }
     const std::size_t last = first + count;
     for (; first < last; first += wave) {
         const std::size_t together = std::min(wave, last - first);
         parallel_chunks(together, 1, [&](std::size_t i, std::size_t, std::size_t) {
             const std::size_t begin = (first + i) * kBlockSize, end = std::min(size, begin + kBlockSize);
-            compress_block(source(begin, end, scratch[i].bytes()), end - begin, scratch[i]);
+            const char* const bytes = source(begin, end, scratch[i].bytes());
+            if (packing == Packing::kZlib) {
+                compress_block(bytes, end - begin, scratch[i]);
+            } else {
+                scratch[i].result = bytes;
+                scratch[i].result_size = end - begin;
+            }
         });
-        for (std::size_t i = 0; i < together; ++i) take(scratch[i].packed.data(), scratch[i].packed_size);
+        for (std::size_t i = 0; i < together; ++i) take(scratch[i].result, scratch[i].result_size);
     }
 }
 
-std::vector<std::uint64_t> block_header(std::uint64_t size) {
-    const std::uint64_t blocks = (size + kBlockSize - 1) / kBlockSize;
-    std::vector<std::uint64_t> header(kHeaderWords + static_cast<std::size_t>(blocks), 0);
-    header[0] = blocks;
-    header[1] = kBlockSize;
-    header[2] = size % kBlockSize;
+std::vector<std::uint64_t> array_header(std::uint64_t size, Packing packing,
+                                        const std::vector<std::uint64_t>& packed_sizes) {
+    if (packing == Packing::kPlain) return {size};
+    std::vector<std::uint64_t> header = {block_count(size), kBlockSize, size % kBlockSize};
+    header.insert(header.end(), packed_sizes.begin(), packed_sizes.end());
     return header;
 }
 
-void write_compressed(TemporaryFile& file, std::size_t size, const ByteSource& source) {
-    std::vector<std::uint64_t> header = block_header(size);
+void write_array(TemporaryFile& file, std::size_t size, const ByteSource& source, Packing packing) {
+    std::vector<std::uint64_t> sizes(block_count(size), 0);
     const std::uint64_t header_at = file.size();
-    file.write(header.data(), header.size() * sizeof header[0]);  // sizes follow at the end
-    std::size_t next = kHeaderWords;
-    pack_blocks(0, header.size() - kHeaderWords, size, source,
-                [&](const void* packed, std::size_t packed_size) {
-                    file.write(packed, packed_size);
-                    header[next++] = packed_size;
-                });
-    if (next > kHeaderWords) file.write_at(header_at, header.data(), header.size() * sizeof header[0]);
+    const auto header = [&] { return array_header(size, packing, sizes); };
+    const std::vector<std::uint64_t> empty = header();
+    file.write(empty.data(), empty.size() * sizeof empty[0]);  // sizes follow at the end
+    std::size_t next = 0;
+    pack_blocks(0, sizes.size(), size, source, packing, [&](const void* packed, std::size_t packed_size) {
+        file.write(packed, packed_size);
+        sizes[next++] = packed_size;
+    });
+    const std::vector<std::uint64_t> full = header();
+    if (full != empty) file.write_at(header_at, full.data(), full.size() * sizeof full[0]);
 }
 
-std::vector<char> read_compressed(const FileReader& file, std::uint64_t offset) {
+std::vector<char> read_array(const FileReader& file, std::uint64_t offset, Packing packing) {
+    if (packing == Packing::kPlain) return read_plain(file, offset);
     std::uint64_t head[3];
     file.read_at(offset, head, sizeof head);
     const std::uint64_t blocks = head[0], block_size = head[1], last_size = head[2];
