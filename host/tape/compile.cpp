@@ -314,7 +314,8 @@ class Compiler {
 
     std::uint32_t formula(const Primitive& p, const Surface& frame, const std::string& base,
                           const Frame& at) {
-        const Formula parsed = parse_formula(p.expression, model_.source, model_.nodes[at.node].where);
+        const Formula parsed =
+            split_absolutes(parse_formula(p.expression, model_.source, model_.nodes[at.node].where));
         const FormulaSet set = formula_set(parsed);
         std::vector<std::uint32_t> terms;
         std::map<std::pair<std::uint32_t, bool>, std::uint32_t> surfaces;  // of a function, or its negative

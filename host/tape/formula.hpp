@@ -41,6 +41,10 @@ class Formula {
     std::unordered_map<Node, std::uint32_t, Hash, Equal> places_;
 };
 
+/// The same function, to the last bit, with |a| as max(a, -a) where that can come before all sums and
+/// multiples by constants, so that formula_set() tells the two sides of a sheet |a| <= t apart.
+Formula split_absolutes(const Formula& formula);
+
 /// What a formula is as a set { f <= 0 }: min and max that are reached from the root through each other and
 /// through changes of sign are unions and intersections of surfaces.
 struct FormulaSet {

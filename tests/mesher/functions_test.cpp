@@ -56,6 +56,30 @@ TEST_CASE("assets: a formula and a periodic sheet") {
     CHECK(sheet < 0.6 * box);
 }
 
+TEST_CASE("a sheet |f| < t has both its sides where it is about a cell thick") {
+    // Cells are 0.42 wide, the sheet is 0.46 thick where f is steepest.
+    const char* const kBox = "bounds -6.28 -6.28 -6.28 6.28 6.28 6.28\n";
+    const auto mesh_of = [&](const char* text) {
+        const Meshed meshed =
+            mesh_and_check(parse_model(std::string("g = cos(x)+cos(y)+cos(z); ") + text + "\n" + kBox,
+                                       "formula", "m.formula"),
+                           5);
+        CAPTURE(text);
+        CHECK(meshed.defects == "");
+        const auto& jacobians = meshed.report.scaled_jacobians;
+        CHECK(*std::min_element(jacobians.begin(), jacobians.end()) > 0.18f);
+        return meshed;
+    };
+    const Meshed sheet = mesh_of("abs(g) - 0.4");
+    const Meshed two = mesh_of("max(g - 0.4, -g - 0.4)");
+    CHECK(sheet.check.euler_characteristic == -64);
+    CHECK(two.check.euler_characteristic == -64);
+    CHECK(enclosed_volume(sheet.mesh, 1) == doctest::Approx(enclosed_volume(two.mesh, 1)).epsilon(1e-9));
+    // Graded, and as a difference.
+    CHECK(mesh_of("0.02*x + 0.4 - abs(g)").check.euler_characteristic ==
+          mesh_of("min(0.02*x + 0.4 - g, 0.02*x + 0.4 + g)").check.euler_characteristic);
+}
+
 TEST_CASE("operations in formulas: volumes known on paper") {
     CHECK(formula_volume("hypot(hypot(x, y), z) - 1", 5) == doctest::Approx(4 * kPi / 3).epsilon(0.01));
     CHECK(formula_volume("max(hypot(x, y) - 1, abs(z) - 1)", 5) == doctest::Approx(2 * kPi).epsilon(0.01));

@@ -208,6 +208,45 @@ TEST_CASE("what is not a number is outside of a set and of its mirror image") {
     }
 }
 
+TEST_CASE("absolute values become two surfaces where nothing but sums and multiples is above them") {
+    const auto surfaces = [](const std::string& formula) {
+        return bind_model(formula_model(formula, 1), 4).surfaces.size() - 6;  // without those of the box
+    };
+    CHECK(surfaces("abs(sin(x)+y*z)-0.4") == 2);
+    CHECK(surfaces("0.2-abs(x*y)/-2") == 2);
+    CHECK(surfaces("x^2+3*abs(x*y-z)*2-(0.3+z)") == 2);
+    CHECK(surfaces("abs(x)+abs(y)+abs(z)-0.7") == 8);
+    CHECK(surfaces("abs(abs(x*z)-0.3)-0.1") == 4);
+    CHECK(surfaces("max(abs(x*y), abs(z*x))-0.1") == 1);  // a sum over another's max stays
+    CHECK(surfaces("min(max(abs(x*y), z), x-y)") == 3);   // x*y and its negative are one
+    CHECK(surfaces("sqrt(abs(x*y))-0.3") == 1);
+    CHECK(surfaces("abs(x)+abs(y)+abs(z)+abs(x-y)+abs(y-z)-0.7") < 20);  // bounded
+    RandomSource random(64);
+    for (const char* formula :
+         {"abs(sin(x)+y*z)-0.4", "0.2-abs(x*y)/-2", "x^2+3*abs(x*y-z)*2-(0.3+z)", "abs(x)+abs(y)+abs(z)-0.7",
+          "abs(abs(x*z)-0.3)-0.1", "-2*(0.1-abs(z))*0.7-abs(x)/3", "abs(min(x,y))-0.2",
+          "abs(sqrt(x)-0.5)-0.2", "abs(x)+abs(y)+abs(z)+abs(x-y)+abs(y-z)-0.7", "abs(x)*abs(y)-0.1",
+          "-abs(x)", "abs(1/x)-3"}) {
+        CAPTURE(formula);
+        const tape::Formula parsed = tape::parse_formula(formula);
+        const tape::Formula split = tape::split_absolutes(parsed);
+        std::vector<ExpressionOp> before, after;
+        const std::uint32_t count_before = tape::emit_formula(parsed, parsed.root, before);
+        const std::uint32_t count_after = tape::emit_formula(split, split.root, after);
+        const tape::BoundModel model = bind_model(formula_model(formula, 1), 4);
+        for (int i = 0; i < 500; ++i) {
+            const Vec3 local = {random.uniform(0, 1), random.uniform(0, 1), random.uniform(0, 1)};
+            const Vec3 at = to_model(model, local);
+            const double value = expression_value(before.data(), count_before, at.data());
+            const double same = expression_value(after.data(), count_after, at.data());
+            CHECK((value == same || (value != value && same != same)));
+            bool inside = value <= 0;
+            for (const double x : at) inside = inside && std::fabs(x) <= 1;
+            CHECK(tape::region_at(model, local[0], local[1], local[2]) == (inside ? 1 : 0));
+        }
+    }
+}
+
 TEST_CASE("min, max and neg above the other operations become set operations") {
     const auto surfaces = [](const std::string& formula) {
         return bind_model(formula_model(formula, 1), 4).surfaces.size() - 6;  // without those of the box

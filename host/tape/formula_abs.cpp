@@ -1,0 +1,110 @@
+// Absolute values as the greater of a function and its negative.
+//
+// { |g| - t <= 0 } is a sheet with two sides, { |x| + |y| <= 1 } a prism with edges. As the set of one
+// function with kinks, both sides would be one surface, whose samples in a cell do not see a thin sheet, and
+// edges would be rounded. Sums, differences and multiples by constants are taken into max and min; rounding
+// is monotone, so every value stays the same to the last bit.
+#include <cmath>
+#include <utility>
+
+#include "host/tape/formula.hpp"
+
+namespace mortise::tape {
+namespace {
+
+using Index = std::uint32_t;
+
+constexpr std::uint32_t kMostTerms = 16;  ///< that one sum may become: four absolute values
+
+class AbsoluteSplitter {
+  public:
+    explicit AbsoluteSplitter(const Formula& formula) : nodes_(formula.nodes()) {
+        split_.resize(formula.root + 1);
+        for (Index i = 0; i <= formula.root; ++i) split_[i] = split(nodes_[i]);
+        out_.root = split_[formula.root].whole;
+    }
+    Formula take() { return std::move(out_); }
+
+  private:
+    /// A node of the formula in the new one.
+    struct Split {
+        Index plain = 0;          ///< as it was
+        Index whole = 0;          ///< max and min at its top, as far as these come from absolute values
+        std::uint32_t terms = 1;  ///< of `whole`, if a sum may be taken into it; 1: it may not, or need not
+    };
+
+    Split split(const Formula::Node& n) {
+        if (n.operation == kExprConstant) return leaf(out_.add_constant(n.constant));
+        if (expression_is_leaf(n.operation)) return leaf(out_.add(n.operation));
+        const Split& a = split_[n.a];
+        const Split& b = split_[expression_is_binary(n.operation) != 0 ? n.b : n.a];
+        const Index plain = out_.add(n.operation, a.plain, b.plain);
+        switch (n.operation) {
+            case kExprAbs: return {plain, out_.add(kExprMax, a.whole, negative(a.whole)), 2 * a.terms};
+            case kExprNegate: return {plain, negative(a.whole), a.terms};
+            case kExprMin:
+            case kExprMax: return {plain, out_.add(n.operation, a.whole, b.whole), 1};
+            case kExprAdd:
+            case kExprSubtract: return sum(plain, a, b, n.operation == kExprSubtract);
+            case kExprMultiply:
+                if (is_constant(n.b)) return multiple(plain, a, nodes_[n.b].constant, kExprMultiply);
+                if (is_constant(n.a)) return multiple(plain, b, nodes_[n.a].constant, kExprMultiply);
+                return leaf(plain);
+            case kExprDivide:
+                if (is_constant(n.b)) return multiple(plain, a, nodes_[n.b].constant, kExprDivide);
+                return leaf(plain);
+            default: return leaf(plain);
+        }
+    }
+
+    static Split leaf(Index plain) { return {plain, plain, 1}; }
+    bool is_constant(Index i) const { return nodes_[i].operation == kExprConstant; }
+    Index negative(Index i) { return out_.add(kExprNegate, i); }
+
+    Split sum(Index plain, const Split& a, const Split& b, bool subtracts) {
+        const std::uint32_t terms = a.terms * b.terms;
+        if (terms == 1 || terms > kMostTerms) return leaf(plain);
+        const Index whole = map(a, false, [&](Index p, bool negative_p) {
+            return map(b, subtracts, [&](Index q, bool negative_q) {
+                const Index first = negative_p ? negative(p) : p;
+                return out_.add(negative_q ? kExprSubtract : kExprAdd, first, q);
+            });
+        });
+        return {plain, whole, terms};
+    }
+
+    Split multiple(Index plain, const Split& a, double factor, std::int32_t operation) {
+        if (a.terms == 1 || !std::isfinite(factor) || factor == 0) return leaf(plain);
+        const Index size = out_.add_constant(std::fabs(factor));
+        const Index whole = map(a, factor < 0, [&](Index p, bool is_negative) {
+            const Index scaled = out_.add(operation, p, size);
+            return is_negative ? negative(scaled) : scaled;
+        });
+        return {plain, whole, a.terms};
+    }
+
+    /// The max and min of `a`, or of its negative, over make(term, whether the term's negative is meant).
+    template <class Make>
+    Index map(const Split& a, bool is_negative, const Make& make) {
+        return a.terms == 1 ? make(a.plain, is_negative) : map_node(a.whole, is_negative, make);
+    }
+    template <class Make>
+    Index map_node(Index i, bool is_negative, const Make& make) {
+        const Formula::Node n = out_.nodes()[i];
+        if (n.operation == kExprNegate) return map_node(n.a, !is_negative, make);
+        if (n.operation != kExprMin && n.operation != kExprMax) return make(i, is_negative);
+        const Index first = map_node(n.a, is_negative, make);
+        const Index second = map_node(n.b, is_negative, make);
+        return out_.add((n.operation == kExprMax) != is_negative ? kExprMax : kExprMin, first, second);
+    }
+
+    const std::vector<Formula::Node>& nodes_;
+    std::vector<Split> split_;
+    Formula out_;
+};
+
+}  // namespace
+
+Formula split_absolutes(const Formula& formula) { return AbsoluteSplitter(formula).take(); }
+
+}  // namespace mortise::tape
