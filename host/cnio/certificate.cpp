@@ -87,14 +87,27 @@ void Certificate::fill_whole() {
     }
 }
 
-/// Whether only the centre tells that some surface passes through the cell: the apex stays there then.
+/// Whether the apex must stay in the centre: if that alone tells that some surface passes through the cell,
+/// or if a tube of it leaves the cell within a face (the tip of a cone); from an apex on the tube's side no
+/// simplex would join its ends.
 bool Certificate::hides_surface() const {
     for (std::size_t s = 0; s < cell_.surface_count(); ++s) {
         if (!cell_.is_named(s)) continue;
         const int centre = cell_.pure_sign(s, cell_.centre(), cell_.size());
+        const auto is_other = [&](std::size_t c) {
+            return cell_.sign(static_cast<LocalNode>(c), s) == -centre;
+        };
         bool alone = centre != 0;
-        for (std::size_t c = 0; c < 8 && alone; ++c) alone = cell_.sign(c, s) == -centre;
+        for (std::size_t c = 0; c < 8 && alone; ++c) alone = is_other(c);
         if (alone) return true;
+        for (const auto& corner : kFaceCorners) {
+            if (centre == 0 || !std::all_of(corner, corner + 4, is_other)) continue;
+            const LatticePoint& low = cell_.nodes()[corner[0]].point;
+            const LatticePoint& high = cell_.nodes()[corner[2]].point;
+            LatticePoint middle;
+            for (std::size_t j = 0; j < 3; ++j) middle[j] = low[j] + (high[j] - low[j]) / 2;
+            if (cell_.pure_sign(s, middle, cell_.size()) == centre) return true;
+        }
     }
     return false;
 }

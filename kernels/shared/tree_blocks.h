@@ -34,7 +34,8 @@ MORTISE_FUNCTION u32 inner_cells(const TreeBlock* block) {
     // x is bits 0 and 3 of a cell's place in the word, y bits 1 and 4, z bit 2.
     for (u32 a = 1; a < 8; a += 2) {
         const u32 own = behind[a ^ 1];
-        behind[a] = ((own & 0x55555555u) << 1) | ((own & 0x00aa00aau) << 7) | ((behind[a] & 0xaa00aa00u) >> 9);
+        behind[a] =
+            ((own & 0x55555555u) << 1) | ((own & 0x00aa00aau) << 7) | ((behind[a] & 0xaa00aa00u) >> 9);
     }
     for (u32 a = 2; a < 8; a += (a & 1) ? 3 : 1) {
         const u32 own = behind[a ^ 2];

@@ -25,8 +25,9 @@ int has_volume(const Tree* tree, __global const SnioCandidate* candidates, __glo
 // One work-item handles one leaf.
 MORTISE_KERNEL void fill(TREE_PARAMETERS, __global const TreeNode* nio,
                          __global const SnioCandidate* candidates, __global const uchar* moved,
-                         __global const SnioPoints* points, __global SnioLeaf* leaves, __global uint* used, __global uint* counts,
-                         __global uint* facet_counts, uint stride, int snap, uint items) {
+                         __global const SnioPoints* points, __global SnioLeaf* leaves, __global uint* used,
+                         __global uint* counts, __global uint* facet_counts, uint stride, int snap,
+                         uint items) {
     const uint item = get_global_id(0);
     if (item >= items) return;
     {

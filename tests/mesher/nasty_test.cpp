@@ -82,6 +82,25 @@ TEST_CASE("coplanar faces of a difference leave nothing behind") {
     }
 }
 
+TEST_CASE("the tip of a cone, narrower than a cell, hangs on more than a node") {
+    // Side and height of a box, diameter and height of the cone on it.
+    const double parts[][4] = {{17.8, 11.4, 8, 7.4},  {10.2, 6.2, 3.9, 11.3}, {12.2, 4.7, 4.3, 8.8},
+                               {22, 12.6, 3.4, 11.6}, {11.4, 7.4, 5.3, 11.3}, {15.1, 13.2, 6.3, 6.5},
+                               {19.5, 11.9, 3.9, 7.5}};
+    for (const auto& [side, low, diameter, high] : parts) {
+        CAPTURE(side);
+        const std::string text = "cube(size = [" + std::to_string(side) + ", " + std::to_string(side) + ", " +
+                                 std::to_string(low) + "]); multmatrix([[1,0,0," + std::to_string(side / 2) +
+                                 "],[0,1,0," + std::to_string(side / 2) + "],[0,0,1," + std::to_string(low) +
+                                 "],[0,0,0,1]]) { cylinder(h = " + std::to_string(high) +
+                                 ", r1 = " + std::to_string(diameter / 2) + ", r2 = 0); }";
+        const Meshed result = mesh_and_check(parse_model(text, "csg", "cone.csg"), 5);
+        CHECK(result.defects == "");
+        CHECK(result.check.components == 1);
+        CHECK(result.check.euler_characteristic == 2);
+    }
+}
+
 TEST_CASE("tangent surfaces") {
     const Affine across = rotation({1, 0, 0}, kPi / 2);
     SUBCASE("ball on a plane") {
