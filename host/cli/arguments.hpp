@@ -23,8 +23,8 @@ struct Arguments {
     bool json = false;
     bool quiet = false;
     bool check = false;
-    bool quality = false;       ///< print the quality report
-    bool in_parts = false;      ///< within MeshOptions::memory, part by part
+    bool quality = false;   ///< print the quality report
+    bool in_parts = false;  ///< within MeshOptions::memory, part by part
     MeshFileOptions file_options;
     double quality_floor = -1;  ///< smallest scaled Jacobian that is good enough; negative: any
     ReadOptions read;
