@@ -35,6 +35,11 @@ double value_of(const std::string& text, double x, double y, double z) {
     return expression_value(ops.data(), count, u);
 }
 
+/// Of a formula's set, without those of the box.
+std::size_t surfaces(const std::string& formula) {
+    return bind_model(formula_model(formula, 1), 4).surfaces.size() - 6;
+}
+
 }  // namespace
 
 TEST_CASE("formulas have the usual meaning") {
@@ -209,9 +214,6 @@ TEST_CASE("what is not a number is outside of a set and of its mirror image") {
 }
 
 TEST_CASE("absolute values become two surfaces where nothing but sums and multiples is above them") {
-    const auto surfaces = [](const std::string& formula) {
-        return bind_model(formula_model(formula, 1), 4).surfaces.size() - 6;  // without those of the box
-    };
     CHECK(surfaces("abs(sin(x)+y*z)-0.4") == 2);
     CHECK(surfaces("0.2-abs(x*y)/-2") == 2);
     CHECK(surfaces("x^2+3*abs(x*y-z)*2-(0.3+z)") == 2);
@@ -248,9 +250,6 @@ TEST_CASE("absolute values become two surfaces where nothing but sums and multip
 }
 
 TEST_CASE("min, max and neg above the other operations become set operations") {
-    const auto surfaces = [](const std::string& formula) {
-        return bind_model(formula_model(formula, 1), 4).surfaces.size() - 6;  // without those of the box
-    };
     CHECK(surfaces("x^2+y^2-0.3") == 1);
     CHECK(surfaces("min(x^2+y^2-0.3, z)") == 2);
     CHECK(surfaces("max(x-0.1, neg(min(y, z)), x*y)") == 4);
