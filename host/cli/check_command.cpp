@@ -8,6 +8,13 @@
 namespace mortise::cli {
 namespace {
 
+/// " (2 of them hang on others by an edge or a node only)", or nothing.
+std::string touching_text(const CheckReport& report) {
+    if (report.parts >= report.components) return "";
+    return " (" + std::to_string(report.components - report.parts) +
+           " of them hang on others by an edge or a node only)";
+}
+
 std::string figures_text(const CheckReport& report) {
     std::string text;
     text += "  elements   " + list_elements(report.elements) + "\n";
@@ -15,10 +22,11 @@ std::string figures_text(const CheckReport& report) {
     text += "  volume     " + short_number(report.volume, 9) + "\n";
     text += "  boundary   area " + short_number(report.boundary_area, 9) + ", " +
             std::to_string(report.boundary_facets) + " facets, Euler characteristic " +
-            std::to_string(report.euler_characteristic) + ", " + std::to_string(report.nonmanifold_edges) +
-            " non-manifold edges\n";
-    text += "  inside     components " + std::to_string(report.components) + ", regions " +
-            std::to_string(report.region_volume.size()) + ", interface facets " +
+            std::to_string(report.euler_characteristic) + ", non-manifold " +
+            std::to_string(report.nonmanifold_edges) + " edges, " + std::to_string(report.nonmanifold_nodes) +
+            " nodes\n";
+    text += "  inside     components " + std::to_string(report.components) + touching_text(report) +
+            ", regions " + std::to_string(report.region_volume.size()) + ", interface facets " +
             std::to_string(report.interface_facets) + "\n";
     text += "  worst      scaled Jacobian " + list_jacobians(report.elements, report.min_scaled_jacobian) +
             "; dihedral angles " + short_number(report.min_dihedral) + " to " +

@@ -113,6 +113,7 @@ Json mesh_document(const MeshReport& report, const MeshFigures& figures) {
     json["refused_splits"] = report.refused_splits;
     json["unresolved"] = report.unresolved;
     json["merged_nodes"] = report.merged_nodes;
+    json["crumbs"] = report.crumbs;
     json["dropped_features"] = report.dropped_features;
     json["missed_features"] = missed_document(report.missed);
     json["stages"] = Json::array();
@@ -144,8 +145,10 @@ Json check_document(const CheckReport& report) {
     json["boundary_facets"] = report.boundary_facets;
     json["interface_facets"] = report.interface_facets;
     json["nonmanifold_edges"] = report.nonmanifold_edges;
+    json["nonmanifold_nodes"] = report.nonmanifold_nodes;
     json["euler_characteristic"] = report.euler_characteristic;
     json["components"] = report.components;
+    json["parts"] = report.parts;
     return json;
 }
 

@@ -361,6 +361,7 @@ Mesh improve(Mesh mesh, const tape::BoundModel& model, const Options& options, C
             break;
         }
         local.zone_elements += zone.tetrahedra.size() + zone.pyramids.size();
+        if (run == 0) local.crumbs = remove_crumbs(zone, options.threads);
         Improver improver(zone, surfaces, options);
         const int passes = improver.is_graded() ? 2 * kShifts : kShifts;
         for (int pass = 0; pass < passes && (pass == 0 || !improver.is_done()); ++pass) {
@@ -373,6 +374,7 @@ Mesh improve(Mesh mesh, const tape::BoundModel& model, const Options& options, C
         if (done) break;
         frame.on_lattice = false;
     }
+    if (local.crumbs.first) local.crumbs.first = frame.origin + frame.cell * *local.crumbs.first;
     if (counters != nullptr) *counters = local;
     return mesh;
 }

@@ -4,6 +4,7 @@
 
 #include "host/common/leaf_grid.hpp"
 #include "host/improve/block.hpp"
+#include "host/improve/crumbs.hpp"
 #include "host/tape/compile.hpp"
 #include "mortise/mesh.hpp"
 
@@ -26,6 +27,7 @@ struct Counters {
     std::uint64_t zone_elements = 0;
     bool reached_open = false;  ///< a zone would have held an open node: the result means nothing
     BlockCounters block;
+    Crumbs crumbs;  ///< its place in model coordinates
 };
 
 /// Precondition: the mesh's facets carry surfaces of `model` (indices into BoundModel::surfaces), in model

@@ -119,7 +119,7 @@ Mesh Mesher::generate(const Model& model, const MeshOptions& options, MeshReport
         if (!held.empty()) improve_options.held = &held;
         mesh = improve::improve(std::move(mesh), prepared.bound, improve_options, &counters);
         stages.end(counters.zone_elements);
-        pipeline::report_improvement(counters, options, out);
+        pipeline::report_improvement(counters, options, model.source, out);
     }
     if (mesh.element_count() == 0) pipeline::refuse_empty(model.source);
     mesh.region_names = prepared.compiled.region_names;

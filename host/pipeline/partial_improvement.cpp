@@ -246,7 +246,8 @@ Changes no_changes(const Parts& parts, FacetBlock facets) {
 }
 
 Changes improve_parts(Parts& parts, improve::Scope& scope, FacetBlock facets, const Prepared& prepared,
-                      const MeshOptions& options, Stages& stages, MeshReport& out) {
+                      const MeshOptions& options, const std::string& source, Stages& stages,
+                      MeshReport& out) {
     Changes changes = no_changes(parts, std::move(facets));
     for (int reach = kFirstReach; !scope.is_empty(); reach *= 2) {
         scope.spread(reach);
@@ -260,7 +261,7 @@ Changes improve_parts(Parts& parts, improve::Scope& scope, FacetBlock facets, co
             improve::improve(std::move(selection.mesh), prepared.bound, improve_options, &counters, &trace);
         stages.end(counters.zone_elements);
         if (!counters.reached_open) {
-            report_improvement(counters, options, out);
+            report_improvement(counters, options, source, out);
             return describe(selection, std::move(improved), trace, std::move(changes));
         }
         if (reach >= kLastReach) {

@@ -246,7 +246,18 @@ improve::Options improvement_options(const Prepared& prepared, const MeshOptions
     return result;
 }
 
-void report_improvement(const improve::Counters& counters, const MeshOptions& options, MeshReport& out) {
+void report_improvement(const improve::Counters& counters, const MeshOptions& options,
+                        const std::string& source, MeshReport& out) {
+    out.crumbs = counters.crumbs.count;
+    if (out.crumbs > 0) {
+        const improve::Point& at = *counters.crumbs.first;
+        const std::string text = std::to_string(out.crumbs) +
+                                 (out.crumbs == 1 ? " loose piece was" : " loose pieces were") +
+                                 " left out, of less than 1/20000 of a cell; the first at (" + number(at[0]) +
+                                 ", " + number(at[1]) + ", " + number(at[2]) + ")";
+        if (options.strict) throw Error(ExitCode::kMeshing, source + ": strict: " + text);
+        out.warnings.push_back(text);
+    }
     out.merged_nodes = counters.block.merged;
     if (out.merged_nodes == 0) return;
     out.warnings.push_back(std::to_string(out.merged_nodes) + " nodes of features closer than " +

@@ -47,7 +47,9 @@ Prepared prepare(const std::function<device::Device&()>& open_device, const Mode
 
 /// For all meshes of a run; whoever improves a part of one adds what is open.
 improve::Options improvement_options(const Prepared& prepared, const MeshOptions& options);
-void report_improvement(const improve::Counters& counters, const MeshOptions& options, MeshReport& out);
+/// Throws Error(kMeshing) if something was left out and MeshOptions::strict is set.
+void report_improvement(const improve::Counters& counters, const MeshOptions& options,
+                        const std::string& source, MeshReport& out);
 
 /// What the report tells of leaves and lost features. Throws Error(kMeshing) if the options forbid these.
 void report_cells(const Prepared& prepared, const Extracted& extracted, const Model& model,

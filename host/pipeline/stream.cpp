@@ -61,7 +61,7 @@ class Streamer {
     void run(const Model& model, MeshSink& sink, MeshReport& out) {
         survey();
         if (parts_.totals().nodes == 0) refuse_empty(model.source);
-        find_changes(out);
+        find_changes(model.source, out);
         make_skin();
         begin(sink, out);
         for (std::size_t p = 0; p < parts_.count(); ++p) hand_on(p, sink);
@@ -98,10 +98,10 @@ class Streamer {
         malloc_trim(0);
     }
 
-    void find_changes(MeshReport& out) {
-        changes_ = scope_
-                       ? improve_parts(parts_, *scope_, std::move(facets_), prepared_, options_, stages_, out)
-                       : no_changes(parts_, std::move(facets_));
+    void find_changes(const std::string& source, MeshReport& out) {
+        changes_ = scope_ ? improve_parts(parts_, *scope_, std::move(facets_), prepared_, options_, source,
+                                          stages_, out)
+                          : no_changes(parts_, std::move(facets_));
         scope_.reset();
         malloc_trim(0);
     }

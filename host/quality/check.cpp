@@ -23,6 +23,7 @@ CheckReport check_mesh(const Mesh& mesh) {
         quality::check_elements(mesh, log, report);
         const std::vector<quality::BoundaryFacet> boundary = quality::check_facets(mesh, log, report);
         quality::check_boundary(mesh, boundary, log, report);
+        quality::check_hinges(mesh, boundary, report);
     }
     report.defects = log.defects();
     return report;

@@ -33,4 +33,7 @@ std::vector<BoundaryFacet> check_facets(const Mesh& mesh, DefectLog& log, CheckR
 void check_boundary(const Mesh& mesh, const std::vector<BoundaryFacet>& boundary, DefectLog& log,
                     CheckReport& report);
 
+/// Fills parts and non-manifold nodes of the report.
+void check_hinges(const Mesh& mesh, const std::vector<BoundaryFacet>& boundary, CheckReport& report);
+
 }  // namespace mortise::quality

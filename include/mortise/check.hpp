@@ -26,8 +26,11 @@ struct CheckReport {
     std::uint64_t interface_facets = 0;  ///< facets between two regions
     std::uint64_t nonmanifold_edges =
         0;  ///< boundary edges with other than two boundary facets (not a defect)
+    /// Boundary nodes whose boundary facets, joined by edges, are several fans (not a defect).
+    std::uint64_t nonmanifold_nodes = 0;
     std::int64_t euler_characteristic = 0;  ///< V - E + F of the outer boundary
     std::uint64_t components = 0;           ///< connected components by shared facets
+    std::uint64_t parts = 0;                ///< by shared nodes: fewer if components touch at edges or nodes
     double volume = 0;
     double boundary_area = 0;
     std::vector<double> region_volume;                        ///< by region, index 0 is region 1

@@ -109,6 +109,24 @@ TEST_CASE("ring, cavity, separate parts and touching edges") {
         check_valid(grid(2, 2, 1, 1, [](int i, int j, int) { return i == j ? 1 : 0; }));
     CHECK(touching.components == 2);
     CHECK(touching.nonmanifold_edges == 1);
+    CHECK(touching.parts == 1);
+    CHECK(touching.nonmanifold_nodes == 0);
+    CHECK(parts.parts == 2);
+    CHECK(cavity.parts == 1);
+    const CheckReport hinge =
+        check_valid(grid(2, 2, 2, 1, [](int i, int j, int k) { return i == j && j == k ? 1 : 0; }));
+    CHECK(hinge.components == 2);
+    CHECK(hinge.parts == 1);
+    CHECK(hinge.nonmanifold_nodes == 1);
+    CHECK(hinge.nonmanifold_edges == 0);
+    // Two voids that touch at a node: one solid, its boundary still hangs on that node.
+    const CheckReport voids = check_valid(grid(4, 4, 4, 1, [](int i, int j, int k) {
+        const bool first = i == 1 && j == 1 && k == 1;
+        return first || (i == 2 && j == 2 && k == 2) ? 0 : 1;
+    }));
+    CHECK(voids.components == 1);
+    CHECK(voids.parts == 1);
+    CHECK(voids.nonmanifold_nodes == 1);
 }
 
 TEST_CASE("all element types together") {

@@ -1,0 +1,135 @@
+#include "host/improve/crumbs.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+#include "host/common/parallel.hpp"
+
+namespace mortise::improve {
+namespace {
+
+constexpr std::size_t kChunk = 8192;
+
+struct Face {
+    std::array<ZoneNode, 3> node;  ///< ascending
+    std::uint32_t owner;
+    bool operator<(const Face& other) const { return node < other.node; }
+};
+
+/// In smallest leaves around the tetrahedron.
+double volume(const Zone& zone, const Tetrahedron& t) {
+    const std::array<Point, 4> p = {zone.points[t.node[0]], zone.points[t.node[1]], zone.points[t.node[2]],
+                                    zone.points[t.node[3]]};
+    double edge = edge_of(zone.size_class[t.node[0]]);
+    for (const ZoneNode n : t.node) edge = std::min(edge, edge_of(zone.size_class[n]));
+    return dot(p[1] - p[0], cross(p[2] - p[0], p[3] - p[0])) / (6 * edge * edge * edge);
+}
+
+/// Tetrahedra that are small enough, in order.
+std::vector<std::uint32_t> find_small(const Zone& zone, int threads) {
+    const std::size_t count = zone.tetrahedra.size();
+    std::vector<std::vector<std::uint32_t>> found(chunk_count(count, kChunk));
+    parallel_chunks(count, kChunk, threads, [&](std::size_t begin, std::size_t end, int) {
+        for (std::size_t i = begin; i < end; ++i) {
+            if (volume(zone, zone.tetrahedra[i]) > kCrumbVolume) continue;
+            found[begin / kChunk].push_back(static_cast<std::uint32_t>(i));
+        }
+    });
+    std::vector<std::uint32_t> small;
+    for (const auto& list : found) small.insert(small.end(), list.begin(), list.end());
+    return small;
+}
+
+/// Pieces of small tetrahedra, joined by faces: each known by its first.
+class Pieces {
+  public:
+    Pieces(const Zone& zone, const std::vector<std::uint32_t>& small) : zone_(zone), small_(small) {
+        parent_.resize(small.size());
+        std::iota(parent_.begin(), parent_.end(), 0u);
+        std::vector<std::uint8_t> held(small.size(), 0);
+        join_by_faces(held);
+        attached_.assign(small.size(), 0);
+        volume_.assign(small.size(), 0);
+        for (std::uint32_t i = 0; i < small.size(); ++i) {
+            attached_[root(i)] |= held[i];
+            volume_[root(i)] += volume(zone, zone.tetrahedra[small[i]]);
+        }
+    }
+
+    bool is_crumb(std::uint32_t i) {
+        const std::uint32_t r = root(i);
+        return attached_[r] == 0 && volume_[r] <= kCrumbVolume;
+    }
+    bool is_root(std::uint32_t i) { return root(i) == i; }
+
+  private:
+    /// Sets `held` where a face belongs to something that is not small, or must stay.
+    void join_by_faces(std::vector<std::uint8_t>& held) {
+        std::vector<Face> faces;
+        for (std::uint32_t i = 0; i < small_.size(); ++i) {
+            const Tetrahedron& t = zone_.tetrahedra[small_[i]];
+            for (std::size_t f = 0; f < 4; ++f) {
+                held[i] |= (t.tag[f] & kTagBorder) != 0 ? 1 : 0;
+                if (t.tag[f] != 0 && (t.tag[f] & kTagInterface) == 0) continue;
+                const auto& o = kOpposite[f];
+                Face face{{t.node[o[0]], t.node[o[1]], t.node[o[2]]}, i};
+                sort_three(face.node);
+                faces.push_back(face);
+            }
+        }
+        std::sort(faces.begin(), faces.end());
+        for (std::size_t i = 0; i < faces.size(); ++i) {
+            if (i + 1 < faces.size() && faces[i + 1].node == faces[i].node) {
+                join(faces[i].owner, faces[i + 1].owner);
+                ++i;
+            } else {
+                held[faces[i].owner] = 1;
+            }
+        }
+        for (std::uint32_t i = 0; i < small_.size(); ++i) {
+            const auto& node = zone_.tetrahedra[small_[i]].node;
+            for (const auto& tip : zone_.tips) {
+                if (std::find(node.begin(), node.end(), tip.first) != node.end()) held[i] = 1;
+            }
+        }
+    }
+
+    /// The smaller number becomes the root.
+    void join(std::uint32_t a, std::uint32_t b) {
+        a = root(a);
+        b = root(b);
+        parent_[std::max(a, b)] = std::min(a, b);
+    }
+    std::uint32_t root(std::uint32_t i) {
+        while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
+        return i;
+    }
+
+    const Zone& zone_;
+    const std::vector<std::uint32_t>& small_;
+    std::vector<std::uint32_t> parent_;
+    std::vector<std::uint8_t> attached_;  ///< per root
+    std::vector<double> volume_;          ///< per root
+};
+
+}  // namespace
+
+Crumbs remove_crumbs(Zone& zone, int threads) {
+    Crumbs crumbs;
+    const std::vector<std::uint32_t> small = find_small(zone, threads);
+    if (small.empty()) return crumbs;
+    Pieces pieces(zone, small);
+    std::vector<std::uint32_t> gone;
+    for (std::uint32_t i = 0; i < small.size(); ++i) {
+        if (!pieces.is_crumb(i)) continue;
+        gone.push_back(small[i]);
+        if (!pieces.is_root(i)) continue;
+        if (crumbs.count++ == 0) crumbs.first = zone.points[zone.tetrahedra[small[i]].node[0]];
+    }
+    for (auto i = gone.rbegin(); i != gone.rend(); ++i) {
+        zone.tetrahedra.erase(zone.tetrahedra.begin() + static_cast<std::ptrdiff_t>(*i));
+    }
+    return crumbs;
+}
+
+}  // namespace mortise::improve
