@@ -55,7 +55,8 @@ struct CellCounters {
     std::uint64_t snapped =
         0;  ///< nodes that count as on a surface because a split so close to them was refused
     std::uint64_t refused = 0;      ///< splits that would have made a flat simplex
-    std::uint64_t unresolved = 0;   ///< tetrahedra labelled by their centroid
+    std::uint64_t limited = 0;      ///< times that work was cut short: too many surfaces
+    std::uint64_t unresolved = 0;   ///< simplices labelled by their centroid, part of which lies elsewhere
     std::uint64_t forced_caps = 0;  ///< caps whose signs were assigned
 };
 
@@ -118,6 +119,8 @@ class Cell {
     std::int8_t sign(std::size_t node, std::size_t surface) const {
         return signs_[node * surfaces_.size() + surface];
     }
+    /// Of a node, per surface.
+    const std::int8_t* signs(std::size_t node) const { return signs_.data() + node * surfaces_.size(); }
     void set_sign(std::size_t node, std::size_t surface, int sign) {
         signs_[node * surfaces_.size() + surface] = static_cast<std::int8_t>(sign);
     }
@@ -256,7 +259,8 @@ class Cell {
     void load_patch_tapes(const Patch& patch);
     void order_patch(const std::uint8_t* active);
     bool split_patch(const Patch& patch, std::size_t k, int round);
-    void load_triangle_signs(const std::array<std::uint16_t, 3>& triangle, const std::uint8_t* active);
+    void load_certain_signs(const std::uint16_t* corners, std::size_t count, const std::uint8_t* active);
+    bool ends_crease(std::size_t p, const std::array<std::uint16_t, 2>& edge, const std::uint8_t* active);
     bool matters(std::size_t surface) const;
     bool is_resolved() const;
     void add_polygon(const std::vector<LocalNode>& polygon, const Patch& patch, std::vector<Facet>& facets);
@@ -296,13 +300,13 @@ class Cell {
     std::vector<std::array<std::uint16_t, 3>> fan_;
     std::vector<std::pair<std::uint16_t, std::uint16_t>> mixed_;
     std::vector<std::size_t> patch_order_;         ///< in which the active surfaces cut the face
-    std::vector<std::int8_t> triangle_signs_;      ///< certain signs of the triangle at hand
+    std::vector<std::int8_t> certain_signs_;       ///< of the triangle or edge at hand
     std::vector<std::uint8_t> patch_active_;       ///< per surface of the cell
     const tape::LocalTape* patch_tape_ = nullptr;  ///< of the cell
     tape::LocalTape other_tape_;                   ///< of the cell beyond
     std::vector<std::uint32_t> other_surfaces_;    ///< its active set, ascending
     std::vector<std::size_t> other_to_own_;        ///< places in surfaces_, or the number of them: not there
-    std::vector<std::int8_t> other_signs_;         ///< as triangle_signs_
+    std::vector<std::int8_t> other_signs_;         ///< as certain_signs_
     std::vector<std::size_t> order_;
 };
 

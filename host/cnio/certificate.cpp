@@ -10,6 +10,8 @@ constexpr std::size_t kMostWork = 1u << 19;  ///< simplices times surfaces
 constexpr std::size_t kMostSimplices = 32768;
 constexpr std::size_t kFewestSimplices = 256;
 
+constexpr std::int64_t kSampleWeight = 8;
+
 constexpr int kCapHalvings =
     16;  ///< the last cap is 5e-6 of a cell high: below it no sign changes (kSignTolerance)
 
@@ -252,7 +254,7 @@ bool Certificate::bisect(const std::vector<std::size_t>& order, std::size_t k, i
     for (const auto& [a, b] : mixed_) {
         if (cell_.sign(a, p) * cell_.sign(b, p) >= 0) continue;  // an end was snapped
         if (is_full()) {
-            ++cell_.counters.refused;
+            ++cell_.counters.limited;
             return false;
         }
         const LatticePoint at = cell_.root(p, a, b);
@@ -300,6 +302,46 @@ bool Certificate::bisect(const std::vector<std::size_t>& order, std::size_t k, i
     return any;
 }
 
+/// The region of all corners of a simplex, if they alone tell it. Its edges are mixed then only on faces of
+/// the cell where the surfaces are not active: nothing changes along them.
+std::int32_t Certificate::common_region(const LocalNode* node, std::size_t count) {
+    std::int32_t common = kUnknown;
+    for (std::size_t i = 0; i < count; ++i) {
+        const std::int32_t region = cell_.local_tape().resolve(cell_.signs(node[i]));
+        if (region == kUnknown || (i > 0 && region != common)) return kUnknown;
+        common = region;
+    }
+    return common;
+}
+
+/// Whether the samples inside a simplex all lie in a region.
+bool Certificate::is_filled_by(std::int32_t region, const LocalNode* node, std::size_t count) {
+    const std::size_t n = cell_.surface_count();
+    signs_.resize(n);
+    std::array<std::int64_t, 5> weight{};
+    // All ways to give the corners weights of 1 at least, kSampleWeight in all: 35 for four and for five.
+    const auto visit = [&](const auto& next, std::size_t corner, std::int64_t left) -> bool {
+        if (corner + 1 < count) {
+            const auto others = static_cast<std::int64_t>(count - corner) - 1;
+            for (std::int64_t w = 1; w <= left - others; ++w) {
+                weight[corner] = w;
+                if (!next(next, corner + 1, left - w)) return false;
+            }
+            return true;
+        }
+        weight[corner] = left;
+        LatticePoint at{};
+        for (std::size_t j = 0; j < 3; ++j) {
+            std::int64_t sum = 0;
+            for (std::size_t i = 0; i < count; ++i) sum += weight[i] * cell_.nodes()[node[i]].point[j];
+            at[j] = static_cast<std::int32_t>(sum / kSampleWeight);
+        }
+        for (std::size_t s = 0; s < n; ++s) signs_[s] = static_cast<std::int8_t>(cell_.value_sign(s, at));
+        return cell_.local_tape().resolve(signs_.data()) == region;
+    };
+    return visit(visit, 0, kSampleWeight);
+}
+
 std::int32_t Certificate::label(const LocalNode* node, std::size_t count, std::int8_t* signs) {
     const std::size_t n = cell_.surface_count();
     LatticePoint centroid{};
@@ -315,11 +357,14 @@ std::int32_t Certificate::label(const LocalNode* node, std::size_t count, std::i
     }
     std::int32_t region = cell_.local_tape().resolve(signs);
     if (region != kUnknown) return region;
-    ++cell_.counters.unresolved;
+    region = is_full() ? kUnknown : common_region(node, count);
+    if (region != kUnknown) return region;
     for (std::size_t s = 0; s < n; ++s) {
         if (signs[s] == 0) signs[s] = static_cast<std::int8_t>(cell_.value_sign(s, centroid));
     }
-    return cell_.local_tape().resolve(signs);
+    region = cell_.local_tape().resolve(signs);
+    if (is_full() || !is_filled_by(region, node, count)) ++cell_.counters.unresolved;
+    return region;
 }
 
 }  // namespace mortise::cnio

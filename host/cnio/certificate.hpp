@@ -81,6 +81,7 @@ struct CellRecord {
     /// Patch p (four to a face, Cell::patch): [p] … [p + 1].
     std::array<std::uint32_t, kPatches + 1> first_face_facet{};
     std::uint32_t refused = 0;     ///< as CellCounters, of this cell
+    std::uint32_t limited = 0;     ///< the same
     std::uint32_t unresolved = 0;  ///< the same
 };
 
@@ -123,6 +124,8 @@ class Certificate {
     bool bisect(const std::vector<std::size_t>& order, std::size_t k, int round);
     bool is_resolved(const Simplex& simplex);
     bool locked(LocalNode a, LocalNode b) const;
+    std::int32_t common_region(const LocalNode* node, std::size_t count);
+    bool is_filled_by(std::int32_t region, const LocalNode* node, std::size_t count);
     std::int32_t label(const LocalNode* node, std::size_t count, std::int8_t* signs);
     void collect(CellRecord& record, CellArena& arena);
     void collect_face_facets(CellRecord& record, CellArena& arena);

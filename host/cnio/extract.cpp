@@ -33,12 +33,14 @@ Extraction extract(const tape::BoundModel& model, const octree::Octree& tree,
             result.records[i].arena = static_cast<std::uint32_t>(thread);
             const CellCounters& after = certificate.counters();
             result.records[i].refused = static_cast<std::uint32_t>(after.refused - before.refused);
+            result.records[i].limited = static_cast<std::uint32_t>(after.limited - before.limited);
             result.records[i].unresolved = static_cast<std::uint32_t>(after.unresolved - before.unresolved);
         }
     });
     for (std::size_t t = 0; t < certificates.size(); ++t) {
         if (!certificates[t]) continue;
         result.counters.refused += certificates[t]->counters().refused;
+        result.counters.limited += certificates[t]->counters().limited;
         result.counters.unresolved += certificates[t]->counters().unresolved;
         result.counters.forced_caps += certificates[t]->counters().forced_caps;
     }

@@ -352,33 +352,34 @@ void Cell::order_patch(const std::uint8_t* active) {
                      [&settled](std::size_t a, std::size_t b) { return settled[a] > settled[b]; });
 }
 
-/// The certain signs of a triangle for the face's active surfaces, in the order of both cells' tapes.
-void Cell::load_triangle_signs(const std::array<std::uint16_t, 3>& triangle, const std::uint8_t* active) {
+/// The certain signs of a triangle or an edge for the face's active surfaces, in the order of both cells'
+/// tapes.
+void Cell::load_certain_signs(const std::uint16_t* corners, std::size_t count, const std::uint8_t* active) {
     const std::size_t n = surfaces_.size();
-    triangle_signs_.assign(n, 0);
+    certain_signs_.assign(n, 0);
     for (std::size_t s = 0; s < n; ++s) {
         if (active[s] == 0) continue;
-        Sides corners;
-        for (const std::uint16_t i : triangle) corners.add(sign(fan_nodes_[i], s));
-        triangle_signs_[s] = corners.sign();
+        Sides all;
+        for (std::size_t i = 0; i < count; ++i) all.add(sign(fan_nodes_[corners[i]], s));
+        certain_signs_[s] = all.sign();
     }
     other_signs_.resize(other_surfaces_.size());
     for (std::size_t i = 0; i < other_surfaces_.size(); ++i) {
-        other_signs_[i] = other_to_own_[i] < n ? triangle_signs_[other_to_own_[i]] : std::int8_t{0};
+        other_signs_[i] = other_to_own_[i] < n ? certain_signs_[other_to_own_[i]] : std::int8_t{0};
     }
 }
 
-/// Whether these signs tell the triangle's region, by the tape of either cell: both cells ask both tapes, so
+/// Whether these signs tell the region, by the tape of either cell: both cells ask both tapes, so
 /// they agree.
 bool Cell::is_resolved() const {
-    return patch_tape_->resolve(triangle_signs_.data()) != kUnknown ||
+    return patch_tape_->resolve(certain_signs_.data()) != kUnknown ||
            other_tape_.resolve(other_signs_.data()) != kUnknown;
 }
 
-/// Whether a surface changes the triangle's region for what these signs leave open, by the tape of either
+/// Whether a surface changes the region for what these signs leave open, by the tape of either
 /// cell.
 bool Cell::matters(std::size_t surface) const {
-    if (patch_tape_->depends_on(surface, triangle_signs_.data())) return true;
+    if (patch_tape_->depends_on(surface, certain_signs_.data())) return true;
     const auto other = std::find(other_to_own_.begin(), other_to_own_.end(), surface);
     return other != other_to_own_.end() &&
            other_tape_.depends_on(static_cast<std::size_t>(other - other_to_own_.begin()),
@@ -403,6 +404,19 @@ void Cell::load_patch_tapes(const Patch& patch) {
     }
 }
 
+/// Whether an edge lies on two surfaces, so that a crease of the solid may lie in the face, and surface p
+/// ends it. Triangles on both sides of it may be outside all the same: the edge of a wedge.
+bool Cell::ends_crease(std::size_t p, const std::array<std::uint16_t, 2>& edge, const std::uint8_t* active) {
+    int through = 0;
+    for (std::size_t s = 0; s < surfaces_.size(); ++s) {
+        if (active[s] != 0 && sign(fan_nodes_[edge[0]], s) == 0 && sign(fan_nodes_[edge[1]], s) == 0)
+            ++through;
+    }
+    if (through < 2) return false;
+    load_certain_signs(edge.data(), 2, active);
+    return matters(p);
+}
+
 /// Splits the face's mixed inner edges for surface p; tells whether there were any. Only what matters is
 /// split: it makes fewer triangles, and beside an edge of the cell where several surfaces are not active, the
 /// splits would not end.
@@ -425,8 +439,14 @@ bool Cell::split_patch(const Patch& patch, std::size_t k, int round) {
             if (interior && sign(fan_nodes_[a], p) * sign(fan_nodes_[b], p) < 0) mixed_.push_back({a, b});
         }
         if (mixed_.size() == before) continue;
-        load_triangle_signs(t, active);
-        if (is_resolved() || !matters(p)) mixed_.resize(before);
+        load_certain_signs(t.data(), 3, active);
+        if (!is_resolved() && matters(p)) continue;
+        const auto first = mixed_.begin() + static_cast<std::ptrdiff_t>(before);
+        mixed_.erase(std::remove_if(first, mixed_.end(),
+                                    [&](const auto& edge) {
+                                        return !ends_crease(p, {edge.first, edge.second}, active);
+                                    }),
+                     mixed_.end());
     }
     std::sort(mixed_.begin(), mixed_.end());
     mixed_.erase(std::unique(mixed_.begin(), mixed_.end()), mixed_.end());
@@ -435,7 +455,7 @@ bool Cell::split_patch(const Patch& patch, std::size_t k, int round) {
         const LocalNode nb = fan_nodes_[b];
         if (sign(na, p) * sign(nb, p) >= 0) continue;  // an end was snapped
         if (fan_.size() >= std::max(kFewestTriangles, kMostWork / on_face)) {
-            ++counters.refused;
+            ++counters.limited;
             return false;
         }
         const LatticePoint at = root(p, na, nb);

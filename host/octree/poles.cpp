@@ -214,17 +214,6 @@ class Placing {
 
 }  // namespace
 
-bool touches_pole(const Octree& tree, std::uint64_t morton) {
-    const double edge = Octree::edge_of(tree.level_of(morton));
-    const Vec3 low = corner_of(tree, morton);
-    return std::any_of(tree.poles.begin(), tree.poles.end(), [&](const tape::Pole& pole) {
-        bool touches = true;
-        for (std::size_t j = 0; j < 3; ++j)
-            touches = touches && std::fabs(pole.at[j] - low[j] - 0.5 * edge) <= (0.5 + kSame) * edge;
-        return touches;
-    });
-}
-
 void find_poles(const tape::BoundModel& model, Octree& tree, int threads) {
     std::vector<std::vector<tape::Pole>> found(chunk_count(tree.nio.size(), kChunk));
     parallel_chunks(tree.nio.size(), kChunk, threads, [&](std::size_t begin, std::size_t end, int) {

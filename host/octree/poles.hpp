@@ -10,8 +10,4 @@ namespace mortise::octree {
 /// there is a node already. The result does not depend on the threads.
 void find_poles(const tape::BoundModel& model, Octree& tree, int threads);
 
-/// Whether a pole lies in a leaf or on its boundary: there two surfaces are as close as can be, and what is
-/// too flat to be cut is no feature.
-bool touches_pole(const Octree& tree, std::uint64_t morton);
-
 }  // namespace mortise::octree

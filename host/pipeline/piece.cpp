@@ -1,7 +1,6 @@
 #include "host/pipeline/piece.hpp"
 
 #include "host/cnio/extract.hpp"
-#include "host/octree/poles.hpp"
 
 namespace mortise::pipeline {
 
@@ -21,9 +20,8 @@ assembly::Piece make_piece(device::Device& device, const MeshOptions& options, P
         const cnio::CellRecord& record = extraction.records[i];
         extracted.refused += record.refused;
         extracted.unresolved += record.unresolved;
-        if (record.unresolved > 0 ||
-            (record.refused > 0 && !octree::touches_pole(tree, tree.nio[leaves[i]].morton)))
-            ++extracted.troubled;
+        // A split that is refused leaves out what is flatter than the lattice tells, if all is labelled.
+        if (record.unresolved + record.limited > 0) ++extracted.troubled;
     }
     stages.end(leaves.size());
     stages.begin("assemble", begin + 0.6 * (end - begin));

@@ -226,11 +226,7 @@ void report_cells(const Prepared& prepared, const Extracted& extracted, const Mo
                                  std::to_string(out.cnio_cells) +
                                  " complex cells hold features too fine to be kept exactly; --refine, or "
                                  "smaller cells, would keep more of them";
-        // A split that is refused leaves out what is flatter than the lattice tells; only a cell that was
-        // given up loses features.
-        if (options.strict && extracted.unresolved > 0) {
-            throw Error(ExitCode::kMeshing, model.source + ": strict: " + text);
-        }
+        if (options.strict) throw Error(ExitCode::kMeshing, model.source + ": strict: " + text);
         out.warnings.push_back(text);
     }
 }

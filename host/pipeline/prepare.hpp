@@ -35,7 +35,7 @@ struct Prepared {
 struct Extracted {
     std::uint64_t refused = 0;     ///< as cnio::CellCounters
     std::uint64_t unresolved = 0;  ///< the same
-    std::uint64_t troubled = 0;    ///< cells with one of them, but for splits at poles
+    std::uint64_t troubled = 0;    ///< cells that show less of the model than they could
 };
 
 /// Throws Error(kUsage) for options out of range.

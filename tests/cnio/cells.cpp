@@ -17,6 +17,7 @@ cnio::CellCounters difference(const cnio::CellCounters& a, const cnio::CellCount
     cnio::CellCounters d;
     d.snapped = a.snapped - b.snapped;
     d.refused = a.refused - b.refused;
+    d.limited = a.limited - b.limited;
     d.unresolved = a.unresolved - b.unresolved;
     d.forced_caps = a.forced_caps - b.forced_caps;
     return d;

@@ -118,7 +118,8 @@ void check_cells(const MeshedTree& mesh, std::size_t regions) {
 }
 
 bool untroubled(const cnio::CellCounters& counters) {
-    return counters.refused == 0 && counters.unresolved == 0 && counters.forced_caps == 0;
+    return counters.refused == 0 && counters.limited == 0 && counters.unresolved == 0 &&
+           counters.forced_caps == 0;
 }
 
 /// What two cells say of their common face: cells with features too fine may differ in regions, never in the

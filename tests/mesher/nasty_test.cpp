@@ -229,6 +229,45 @@ TEST_CASE("where a formula is no number is outside") {
     CHECK(std::fabs(result.check.volume - 0.25 * 4) <= 4 * result.report.cell_size);
 }
 
+/// A prism on the triangle of three points, counter-clockwise, in the plane z = 0; the first and the last one
+/// span its bounds.
+Model prism(const std::array<Vec3, 3>& corner, double height) {
+    return one_solid([&](Model& m) {
+        Primitive solid = box({-5, -5, 0}, {20, 20, height});
+        for (std::size_t i = 0; i < 3; ++i) {
+            const Vec3& a = corner[i];
+            const Vec3& b = corner[(i + 1) % 3];
+            const Vec3 normal = {b[1] - a[1], a[0] - b[0], 0};
+            solid.planes.push_back({normal, normal[0] * a[0] + normal[1] * a[1], ""});
+        }
+        const NodeIndex node = m.add_primitive(solid);
+        m.nodes[node].bounds = Box3{{corner[0][0], corner[0][1], 0}, {corner[2][0], corner[2][1], height}};
+        return node;
+    });
+}
+
+TEST_CASE("acute wedges whose edges lie in faces of cells keep every feature") {
+    // At level 6 the edge of the first one lies in a plane of the grid, and ends between two vertices.
+    struct Wedge {
+        std::array<Vec3, 3> corner;
+        double height, area;
+    };
+    for (const Wedge& wedge : {Wedge{{{{0, 0, 0}, {10, 0, 0}, {10, 5.7735, 0}}}, 4, 28.8675},
+                               Wedge{{{{0, 0, 0}, {10.1, 2.5, 0}, {11.1, 8.9, 0}}}, 4.1, 31.07}}) {
+        for (const int level : {5, 6, 7}) {
+            CAPTURE(level);
+            MeshOptions options;
+            options.level = level;
+            options.strict = true;
+            const Meshed result = mesh_and_check(prism(wedge.corner, wedge.height), options);
+            CHECK(result.defects == "");
+            CHECK(result.report.warnings.empty());
+            CHECK(result.check.volume == doctest::Approx(wedge.area * wedge.height).epsilon(1e-6));
+            CHECK(result.report.features.corners.size() == 6);
+        }
+    }
+}
+
 TEST_CASE("far from the origin") {
     const Model model =
         transformed(one_solid([](Model& m) {
