@@ -124,10 +124,15 @@ Prepared prepare(const std::function<device::Device&()>& open_device, const Mode
     result.periodic = periodic_axes(compiled, model, &out.warnings);
     const Root root = result.root = choose_root(compiled, bounds, options, result.periodic, out.warnings);
     if (root.level > octree::kMaxUniformLevel) {
-        throw Error(ExitCode::kUsage, "cells of size " + number(options.size) + " need level " +
-                                          std::to_string(root.level) + "; a uniform tree has at most level " +
+        double extent = 0;
+        for (std::size_t j = 0; j < 3; ++j) extent = std::max(extent, bounds.max[j] - bounds.min[j]);
+        const double finest = extent / (std::ldexp(1.0, octree::kMaxUniformLevel) - 2);  // margins of a cell
+        throw Error(ExitCode::kUsage, "cells of size " + number(options.size) +
+                                          " are too small for this model: those of level " +
                                           std::to_string(octree::kMaxUniformLevel) +
-                                          " yet; use larger cells");
+                                          ", the finest for cells of one size, have " + number(finest) +
+                                          "; use larger cells, or small ones where they are needed "
+                                          "(--refine, --size-of, --size-at)");
     }
     tape::BoundModel& bound = result.bound;
     bound = tape::bind(compiled, root.origin, root.side);

@@ -62,8 +62,8 @@ void add_function(Model& model, const std::string& formula, bool has_z, const st
     if (!has_z && !flat) {
         throw Error(ExitCode::kInput,
                     model.source +
-                        ": a function of x and y only, a flat figure; use --extrude H for the "
-                        "solid above it, 0 <= z <= H");
+                        ": the formula names no z: a flat figure; use --extrude H for the solid above it, "
+                        "0 <= z <= H");
     }
     if (has_z && flat)
         throw Error(ExitCode::kUsage, model.source + ": the function depends on z; leave --extrude away");
