@@ -114,6 +114,8 @@ Json mesh_document(const MeshReport& report, const MeshFigures& figures) {
     json["unresolved"] = report.unresolved;
     json["merged_nodes"] = report.merged_nodes;
     json["crumbs"] = report.crumbs;
+    json["hinge_edges"] = report.hinge_edges;
+    json["hinge_nodes"] = report.hinge_nodes;
     json["dropped_features"] = report.dropped_features;
     json["missed_features"] = missed_document(report.missed);
     json["stages"] = Json::array();

@@ -24,12 +24,15 @@ using pipeline::Stages;
 
 /// Names the surfaces and classifies the nodes; the quality report if it is wanted.
 void describe_mesh(const tape::CompiledModel& compiled, const tape::BoundModel& bound, const LeafGrid& leaves,
-                   const MeshOptions& options, Stages& stages, Mesh& mesh, MeshReport& out) {
+                   const MeshOptions& options, const std::string& source, Stages& stages, Mesh& mesh,
+                   MeshReport& out) {
     stages.begin("features", 0.96);
     const std::vector<std::uint32_t> facet_surface = mesh.facets.surface;
     pipeline::name_surfaces(compiled, bound, mesh);
     out.features = features::find_features(mesh, facet_surface, bound, leaves.level);
     mesh.model_dimension = out.features.model_dimension;
+    pipeline::report_hinges(features::find_hinges(mesh.facets, mesh.node_count(), options.threads),
+                            mesh.points, options, source, out);
     stages.end(mesh.facets.size());
     if (!options.quality) return;
     stages.begin("quality", 0.97);
@@ -137,7 +140,8 @@ Mesh Mesher::generate(const Model& model, const MeshOptions& options, MeshReport
         mesh = tetrahedra::split(mesh, copy_of.empty() ? nullptr : &copy_of);
         stages.end(mesh.element_count());
     }
-    describe_mesh(prepared.compiled, prepared.bound, prepared.leaves, options, stages, mesh, out);
+    describe_mesh(prepared.compiled, prepared.bound, prepared.leaves, options, model.source, stages, mesh,
+                  out);
     if (report != nullptr) {
         stages.begin("jacobians", 0.99);
         out.scaled_jacobians = jacobian::scaled_jacobians(

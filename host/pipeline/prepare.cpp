@@ -267,6 +267,26 @@ void report_improvement(const improve::Counters& counters, const MeshOptions& op
                            "them apart");
 }
 
+void report_hinges(const features::Hinges& hinges, const std::vector<double>& points,
+                   const MeshOptions& options, const std::string& source, MeshReport& out) {
+    out.hinge_edges = hinges.edges;
+    out.hinge_nodes = hinges.nodes;
+    if (!hinges.any()) return;
+    const auto counted = [](std::uint64_t count, const char* what) {
+        return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
+    };
+    std::string by = hinges.edges > 0 ? counted(hinges.edges, "edge") : "";
+    if (hinges.nodes > 0) by += (by.empty() ? "" : " and ") + counted(hinges.nodes, "node");
+    const double* at = points.data() + 3 * std::size_t{*hinges.first};
+    const std::string text =
+        "parts of the mesh hang together by " + by + " only, the first at (" + number(at[0]) + ", " +
+        number(at[1]) + ", " + number(at[2]) +
+        "): the model is thinner than the cells there, or touches itself; smaller cells, "
+        "or --refine, may show it whole";
+    if (options.strict) throw Error(ExitCode::kMeshing, source + ": strict: " + text);
+    out.warnings.push_back(text);
+}
+
 void warn_of_empty_regions(const std::vector<std::string>& names, const std::vector<bool>& present,
                            const std::string& source, MeshReport& report) {
     for (std::size_t r = 1; r <= names.size(); ++r) {

@@ -6,6 +6,7 @@
 
 #include "host/common/leaf_grid.hpp"
 #include "host/device/device.hpp"
+#include "host/features/hinges.hpp"
 #include "host/improve/improve.hpp"
 #include "host/octree/octree.hpp"
 #include "host/pipeline/root_box.hpp"
@@ -50,6 +51,11 @@ improve::Options improvement_options(const Prepared& prepared, const MeshOptions
 /// Throws Error(kMeshing) if something was left out and MeshOptions::strict is set.
 void report_improvement(const improve::Counters& counters, const MeshOptions& options,
                         const std::string& source, MeshReport& out);
+
+/// Warns where the mesh hangs together by edges or nodes only. Throws Error(kMeshing) if MeshOptions::strict
+/// is set. `points` of the nodes that the hinges number.
+void report_hinges(const features::Hinges& hinges, const std::vector<double>& points,
+                   const MeshOptions& options, const std::string& source, MeshReport& out);
 
 /// What the report tells of leaves and lost features. Throws Error(kMeshing) if the options forbid these.
 void report_cells(const Prepared& prepared, const Extracted& extracted, const Model& model,

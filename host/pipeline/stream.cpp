@@ -63,7 +63,7 @@ class Streamer {
         if (parts_.totals().nodes == 0) refuse_empty(model.source);
         find_changes(model.source, out);
         make_skin();
-        begin(sink, out);
+        begin(model.source, sink, out);
         for (std::size_t p = 0; p < parts_.count(); ++p) hand_on(p, sink);
         hand_on_added(sink);
         warn_of_empty_regions(prepared_.compiled.region_names, present_, model.source, out);
@@ -130,7 +130,7 @@ class Streamer {
         for (NodeId& node : changes_.facets.nodes) node = changes_.final_number(node);
     }
 
-    void begin(MeshSink& sink, MeshReport& out) {
+    void begin(const std::string& source, MeshSink& sink, MeshReport& out) {
         stages_.begin("features", kImproved);
         const std::vector<std::uint32_t> facet_surface = skin_.mesh.facets.surface;
         name_surfaces(prepared_.compiled, prepared_.bound, skin_.mesh);
@@ -138,6 +138,8 @@ class Streamer {
             features::find_features(skin_.mesh, facet_surface, prepared_.bound, prepared_.leaves.level);
         dimension_ = std::move(out.features.model_dimension);
         out.features.model_dimension = {};
+        report_hinges(features::find_hinges(skin_.mesh.facets, skin_.mesh.node_count(), options_.threads),
+                      skin_.mesh.points, options_, source, out);
         const auto number = [this](NodeId local) { return changes_.final_number(skin_.node[local]); };
         for (FeatureCurve& curve : out.features.curves) {
             for (NodeId& node : curve.nodes) node = number(node);

@@ -3,7 +3,8 @@
 // { |g| - t <= 0 } is a sheet with two sides, { |x| + |y| <= 1 } a prism with edges. As the set of one
 // function with kinks, both sides would be one surface, whose samples in a cell do not see a thin sheet, and
 // edges would be rounded. Sums, differences and multiples by constants are taken into max and min; rounding
-// is monotone, so every value stays the same to the last bit.
+// is monotone, so every value stays the same to the last bit. A function that jumps stays inside its absolute
+// value: |mod(x, 1) - 1/2| is continuous, its two sides are not.
 #include <cmath>
 #include <utility>
 
@@ -20,6 +21,7 @@ class AbsoluteSplitter {
   public:
     explicit AbsoluteSplitter(const Formula& formula) : nodes_(formula.nodes()) {
         split_.resize(formula.root + 1);
+        find_jumps(formula.root);
         for (Index i = 0; i <= formula.root; ++i) split_[i] = split(nodes_[i]);
         out_.root = split_[formula.root].whole;
     }
@@ -33,6 +35,35 @@ class AbsoluteSplitter {
         std::uint32_t terms = 1;  ///< of `whole`, if a sum may be taken into it; 1: it may not, or need not
     };
 
+    /// Which nodes may jump where their arguments do not: steps, branches, poles.
+    void find_jumps(Index root) {
+        jumps_.assign(root + 1, 0);
+        for (Index i = 0; i <= root; ++i) {
+            const Formula::Node& n = nodes_[i];
+            if (expression_is_leaf(n.operation)) continue;
+            switch (n.operation) {
+                case kExprFloor:
+                case kExprCeil:
+                case kExprRound:
+                case kExprSign:
+                case kExprNot:
+                case kExprTan:
+                case kExprAtan2:
+                case kExprMod:
+                case kExprCompare:
+                case kExprAnd:
+                case kExprOr: jumps_[i] = 1; break;
+                case kExprDivide: jumps_[i] = is_constant(n.b) ? jumps_[n.a] : std::uint8_t{1}; break;
+                case kExprPower:
+                    jumps_[i] = jumps_[n.a] | (is_constant(n.b) && nodes_[n.b].constant >= 0 ? 0 : 1);
+                    break;
+                default:
+                    jumps_[i] = jumps_[n.a];
+                    if (expression_is_binary(n.operation) != 0) jumps_[i] |= jumps_[n.b];
+            }
+        }
+    }
+
     Split split(const Formula::Node& n) {
         if (n.operation == kExprConstant) return leaf(out_.add_constant(n.constant));
         if (expression_is_leaf(n.operation)) return leaf(out_.add(n.operation));
@@ -40,7 +71,9 @@ class AbsoluteSplitter {
         const Split& b = split_[expression_is_binary(n.operation) != 0 ? n.b : n.a];
         const Index plain = out_.add(n.operation, a.plain, b.plain);
         switch (n.operation) {
-            case kExprAbs: return {plain, out_.add(kExprMax, a.whole, negative(a.whole)), 2 * a.terms};
+            case kExprAbs:
+                if (jumps_[n.a] != 0) return leaf(plain);
+                return {plain, out_.add(kExprMax, a.whole, negative(a.whole)), 2 * a.terms};
             case kExprNegate: return {plain, negative(a.whole), a.terms};
             case kExprMin:
             case kExprMax: return {plain, out_.add(n.operation, a.whole, b.whole), 1};
@@ -100,6 +133,7 @@ class AbsoluteSplitter {
 
     const std::vector<Formula::Node>& nodes_;
     std::vector<Split> split_;
+    std::vector<std::uint8_t> jumps_;
     Formula out_;
 };
 

@@ -100,6 +100,8 @@ struct MeshReport {
     std::uint64_t unresolved = 0;        ///< tetrahedra that were labelled by their centroid
     std::uint64_t merged_nodes = 0;      ///< of features closer than MeshOptions::merge_distance
     std::uint64_t crumbs = 0;            ///< loose pieces left out, of less than 5e-5 of a cell in volume
+    std::uint64_t hinge_edges = 0;       ///< with more than two boundary facets
+    std::uint64_t hinge_nodes = 0;       ///< others at which parts of the boundary touch
     std::uint64_t dropped_features = 0;  ///< complex cells with a refused split or an unresolved tetrahedron
     std::vector<MissedFeature> missed;   ///< features smaller than a cell, the largest first
     Features features;                   ///< nodes against the model, creases and corners

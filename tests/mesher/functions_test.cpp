@@ -56,6 +56,17 @@ TEST_CASE("assets: a formula and a periodic sheet") {
     CHECK(sheet < 0.6 * box);
 }
 
+TEST_CASE("a triangle wave of mod and abs is whole where mod jumps") {
+    // Three ridges and two halves, 0.15 high, on a slab.
+    const std::string text = "max(z - 0.3*abs(mod(x,1)-0.5), abs(y)-0.3)\nbounds -1 -1 -1 1 1 1";
+    const Meshed wave = mesh_and_check(parse_model(text, "formula", "m.formula"), 5);
+    CHECK(wave.defects == "");
+    CHECK(wave.check.euler_characteristic == 2);
+    CHECK(wave.check.components == 1);
+    CHECK(wave.report.hinge_edges + wave.report.hinge_nodes == 0);
+    CHECK(wave.check.volume == doctest::Approx(2 * 0.6 * (1 + 0.075)).epsilon(1e-3));
+}
+
 TEST_CASE("a sheet |f| < t has both its sides where it is about a cell thick") {
     // Cells are 0.42 wide, the sheet is 0.46 thick where f is steepest.
     const char* const kBox = "bounds -6.28 -6.28 -6.28 6.28 6.28 6.28\n";

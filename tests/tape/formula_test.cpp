@@ -222,6 +222,13 @@ TEST_CASE("absolute values become two surfaces where nothing but sums and multip
     CHECK(surfaces("max(abs(x*y), abs(z*x))-0.1") == 1);  // a sum over another's max stays
     CHECK(surfaces("min(max(abs(x*y), z), x-y)") == 3);   // x*y and its negative are one
     CHECK(surfaces("sqrt(abs(x*y))-0.3") == 1);
+    // Each side of a function that jumps would jump where the absolute value does not.
+    CHECK(surfaces("abs(mod(x,1)-0.5)-0.3") == 1);
+    CHECK(surfaces("z-0.3*abs(2*mod(x+y,1)-1)") == 1);
+    CHECK(surfaces("abs(atan2(y,x))-2") == 1);
+    CHECK(surfaces("abs(x/y)-2") == 1);
+    CHECK(surfaces("abs(x*y/3)-2") == 2);
+    CHECK(surfaces("abs(x^3+y)-2") == 2);
     CHECK(surfaces("abs(x)+abs(y)+abs(z)+abs(x-y)+abs(y-z)-0.7") < 20);  // bounded
     RandomSource random(64);
     for (const char* formula :
