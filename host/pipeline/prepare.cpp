@@ -120,7 +120,8 @@ Prepared prepare(const std::function<device::Device&()>& open_device, const Mode
     stages.begin("compile", 0);
     result.compiled = tape::compile(model, options.box ? &*options.box : nullptr);
     const tape::CompiledModel& compiled = result.compiled;
-    const Box3 bounds = tape::find_bounds(model, compiled, options.box ? &*options.box : nullptr);
+    const Box3 bounds =
+        tape::find_bounds(model, compiled, options.box ? &*options.box : nullptr, &out.warnings);
     result.periodic = periodic_axes(compiled, model, &out.warnings);
     const Root root = result.root = choose_root(compiled, bounds, options, result.periodic, out.warnings);
     if (root.level > octree::kMaxUniformLevel) {

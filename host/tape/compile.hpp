@@ -99,10 +99,15 @@ BoundModel bind(const CompiledModel& compiled, const Vec3& origin, double side, 
 
 /// A box that holds the solid, each side within about 1/64 of its extent. Throws Error(kInput) if the solid
 /// is empty (as far as interval arithmetic can tell) or unbounded.
-Box3 find_bounds(const CompiledModel& compiled, const std::string& source);
+///
+/// Where nothing tells whether the solid ends, a part around the origin with a wide empty shell about it is
+/// taken for all of it; then a line is added to `warnings`, if given.
+Box3 find_bounds(const CompiledModel& compiled, const std::string& source,
+                 std::vector<std::string>* warnings = nullptr);
 
 /// The same for a model and what it was compiled to. Far from the solid intervals of formulas (a twist) tell
 /// nothing; where that makes it look unbounded, the boxes that nodes are known to lie in cut them.
-Box3 find_bounds(const Model& model, const CompiledModel& compiled, const Box3* clip = nullptr);
+Box3 find_bounds(const Model& model, const CompiledModel& compiled, const Box3* clip = nullptr,
+                 std::vector<std::string>* warnings = nullptr);
 
 }  // namespace mortise::tape

@@ -2,6 +2,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdio>
+#include <optional>
 
 #include "host/tape/compile.hpp"
 #include "host/tape/reference.hpp"
@@ -19,109 +21,188 @@ bool is_empty(const std::vector<std::uint32_t>& tape) {
     return tape.size() <= kMostWords && resolve_signs(tape.data(), tape.size(), nullptr, 0, nullptr) == 0;
 }
 
+/// Boxes that cover what may be solid in `box`, from repeated halving; none: that part is empty. Stops where
+/// halving once more could make more than `most_cells`. `skip(cell)`: whether a box need not be looked at.
+template <class Skip>
+std::vector<Box3> cover(const CompiledModel& compiled, const Box3& box, std::size_t most_cells,
+                        const Skip& skip) {
+    constexpr int kLevels = 6;
+    double side = 0;
+    for (std::size_t j = 0; j < 3; ++j) side = std::max(side, box.max[j] - box.min[j]);
+    const BoundModel model = bind(compiled, box.min, side);
+    struct Node {
+        Cell cell;
+        std::vector<std::uint32_t> tape;
+    };
+    const auto box_of = [&](const Cell& cell) {
+        Box3 result;
+        for (std::size_t j = 0; j < 3; ++j) {
+            result.min[j] = std::max(box.min[j], box.min[j] + (cell.centre[j] - cell.half) * side);
+            result.max[j] = std::min(box.max[j], box.min[j] + (cell.centre[j] + cell.half) * side);
+        }
+        return result;
+    };
+    std::vector<Node> cells = {{{{0.5, 0.5, 0.5}, 0.5}, model.tape}};
+    for (int level = 0; level < kLevels && cells.size() * 8 <= most_cells; ++level) {
+        std::vector<Node> next;
+        for (const Node& node : cells) {
+            for (int c = 0; c < 8; ++c) {
+                Cell child = node.cell;
+                child.half *= 0.5;
+                for (int j = 0; j < 3; ++j) child.centre[j] += ((c >> j) & 1) != 0 ? child.half : -child.half;
+                const Box3 at = box_of(child);
+                if (!(at.min[0] < at.max[0] && at.min[1] < at.max[1] && at.min[2] < at.max[2]) || skip(at))
+                    continue;
+                std::vector<std::uint32_t> pruned;
+                const std::int32_t region = classify_cell(model, node.tape, child, &pruned);
+                if (region == 0 || (region == kUnknown && is_empty(pruned))) continue;
+                next.push_back({child, region == kUnknown ? std::move(pruned) : node.tape});
+            }
+        }
+        cells = std::move(next);
+    }
+    std::vector<Box3> boxes;
+    for (const Node& node : cells) boxes.push_back(box_of(node.cell));
+    return boxes;
+}
+
+constexpr std::size_t kMostCells = 8192;
+
+std::vector<Box3> cover(const CompiledModel& compiled, const Box3& box) {
+    return cover(compiled, box, kMostCells, [](const Box3&) { return false; });
+}
+
+Box3 around(const std::vector<Box3>& boxes) {
+    Box3 all = boxes.front();
+    for (const Box3& box : boxes) {
+        for (std::size_t j = 0; j < 3; ++j) {
+            all.min[j] = std::min(all.min[j], box.min[j]);
+            all.max[j] = std::max(all.max[j], box.max[j]);
+        }
+    }
+    return all;
+}
+
+/// The solid's box in `box`, by cells of ever smaller boxes; nothing if it is empty there.
+std::optional<Box3> tighten(const CompiledModel& compiled, Box3 box) {
+    constexpr int kRounds = 60;
+    for (int round = 0; round < kRounds; ++round) {
+        const std::vector<Box3> cells = cover(compiled, box);
+        if (cells.empty()) return std::nullopt;
+        const Box3 shrunk = around(cells);
+        bool settled = true;
+        for (std::size_t j = 0; j < 3; ++j)
+            settled = settled && shrunk.max[j] - shrunk.min[j] > 0.9 * (box.max[j] - box.min[j]);
+        box = shrunk;
+        if (settled) break;
+    }
+    return box;
+}
+
 struct Found {
     Box3 box{};
     int unbounded_along = -1;  ///< axis; -1: none
 };
 
-Found search(const CompiledModel& compiled, const std::string& source) {
-    constexpr double kFar = 1e4;             // unbounded directions are searched this many model scales wide
-    constexpr std::size_t kMaxCells = 8192;  // cells that a round may hold
-    Box3 box = compiled.bounds;
-    if (!(box.min[0] < box.max[0] && box.min[1] < box.max[1] && box.min[2] < box.max[2])) {
-        throw Error(ExitCode::kInput, source + ": the solid is empty");
-    }
+bool is_finite(const Box3& box) {
     bool finite = true;
     for (std::size_t j = 0; j < 3; ++j)
         finite = finite && std::isfinite(box.min[j]) && std::isfinite(box.max[j]);
-    if (finite) return {box};
-    std::array<bool, 6> open{};
+    return finite;
+}
+
+[[noreturn]] void refuse_as_empty(const std::string& source) {
+    throw Error(ExitCode::kInput, source + ": the solid is empty");
+}
+
+/// What of the compiled bounds is within `reach` of the origin.
+Box3 cut_bounds(const CompiledModel& compiled, double reach) {
+    Box3 box = compiled.bounds;
     for (std::size_t j = 0; j < 3; ++j) {
-        open[2 * j] = !std::isfinite(box.min[j]);
-        open[2 * j + 1] = !std::isfinite(box.max[j]);
-        box.min[j] = std::max(box.min[j], -kFar * compiled.scale);
-        box.max[j] = std::min(box.max[j], kFar * compiled.scale);
+        box.min[j] = std::max(box.min[j], -reach);
+        box.max[j] = std::min(box.max[j], reach);
     }
-    for (int round = 0; round < 60; ++round) {
-        Vec3 extent{};
-        double side = 0;
-        for (std::size_t j = 0; j < 3; ++j) side = std::max(side, extent[j] = box.max[j] - box.min[j]);
-        const BoundModel model = bind(compiled, box.min, side);
-        struct Node {
-            Cell cell;
-            std::vector<std::uint32_t> tape;
+    return box;
+}
+
+Found search(const CompiledModel& compiled, const std::string& source) {
+    constexpr double kFar = 1e4;  // unbounded directions are searched this many model scales wide
+    const Box3& known = compiled.bounds;
+    if (!(known.min[0] < known.max[0] && known.min[1] < known.max[1] && known.min[2] < known.max[2]))
+        refuse_as_empty(source);
+    if (is_finite(known)) return {known};
+    const Box3 box = cut_bounds(compiled, kFar * compiled.scale);
+    const std::vector<Box3> cells = cover(compiled, box);
+    if (cells.empty()) refuse_as_empty(source);
+    const Box3 all = around(cells);
+    for (std::size_t j = 0; j < 3; ++j) {
+        if ((!std::isfinite(known.min[j]) && all.min[j] <= box.min[j]) ||
+            (!std::isfinite(known.max[j]) && all.max[j] >= box.max[j]))
+            return {box, static_cast<int>(j)};
+    }
+    const std::optional<Box3> tight = tighten(compiled, all);
+    if (!tight) refuse_as_empty(source);
+    return {*tight};
+}
+
+/// Far away the intervals of a formula that turns the solid (a twist, a rotation by hand) tell nothing. A
+/// part around the origin with nothing about it, up to kClear times as far, is what is meant: the smallest
+/// such.
+std::optional<Box3> find_island(const CompiledModel& compiled) {
+    constexpr double kClear = 4;
+    constexpr int kDoublings = 12;
+    constexpr std::size_t kMostShellCells = 32768;
+    for (int k = 0; k <= kDoublings; ++k) {
+        const double reach = std::ldexp(compiled.scale, k);
+        const Box3 inner = cut_bounds(compiled, reach);
+        const Box3 outer = cut_bounds(compiled, kClear * reach);
+        const auto is_inner = [&inner](const Box3& cell) {
+            bool inside = true;
+            for (std::size_t j = 0; j < 3; ++j)
+                inside = inside && cell.min[j] >= inner.min[j] && cell.max[j] <= inner.max[j];
+            return inside;
         };
-        std::vector<Node> cells = {{{{0.5, 0.5, 0.5}, 0.5}, model.tape}};
-        for (int level = 0; level < 6 && cells.size() * 8 <= kMaxCells; ++level) {
-            std::vector<Node> next;
-            for (const Node& node : cells) {
-                for (int c = 0; c < 8; ++c) {
-                    Cell child = node.cell;
-                    child.half *= 0.5;
-                    bool outside = false;
-                    for (int j = 0; j < 3; ++j) {
-                        child.centre[j] += ((c >> j) & 1) != 0 ? child.half : -child.half;
-                        outside = outside || (child.centre[j] - child.half) * side >=
-                                                 extent[static_cast<std::size_t>(j)];
-                    }
-                    std::vector<std::uint32_t> pruned;
-                    if (outside) continue;
-                    const std::int32_t region = classify_cell(model, node.tape, child, &pruned);
-                    if (region == 0 || (region == kUnknown && is_empty(pruned))) continue;
-                    next.push_back({child, region == kUnknown ? std::move(pruned) : node.tape});
-                }
-            }
-            cells = std::move(next);
-        }
-        if (cells.empty()) throw Error(ExitCode::kInput, source + ": the solid is empty");
-        Box3 shrunk{{1e300, 1e300, 1e300}, {-1e300, -1e300, -1e300}};
-        for (const Node& node : cells) {
-            for (std::size_t j = 0; j < 3; ++j) {
-                const double low = box.min[j] + (node.cell.centre[j] - node.cell.half) * side;
-                const double high = box.min[j] + (node.cell.centre[j] + node.cell.half) * side;
-                shrunk.min[j] = std::min(shrunk.min[j], std::max(low, box.min[j]));
-                shrunk.max[j] = std::max(shrunk.max[j], std::min(high, box.max[j]));
-            }
-        }
-        if (round == 0) {
-            for (std::size_t j = 0; j < 3; ++j) {
-                if ((open[2 * j] && shrunk.min[j] <= box.min[j]) ||
-                    (open[2 * j + 1] && shrunk.max[j] >= box.max[j])) {
-                    return {box, static_cast<int>(j)};
-                }
-            }
-        }
-        bool settled = true;
-        for (std::size_t j = 0; j < 3; ++j) {
-            settled = settled && shrunk.max[j] - shrunk.min[j] > 0.9 * (box.max[j] - box.min[j]);
-        }
-        box = shrunk;
-        if (settled) break;
+        if (!cover(compiled, outer, kMostShellCells, is_inner).empty()) continue;
+        if (const std::optional<Box3> box = tighten(compiled, inner)) return box;
     }
-    return {box};
+    return std::nullopt;
 }
 
 [[noreturn]] void refuse_unbounded(int axis, const std::string& source) {
-    throw Error(ExitCode::kInput, source + ": the solid is unbounded along " + "xyz"[axis] +
+    throw Error(ExitCode::kInput, source + ": no end of the solid was found along " + "xyz"[axis] +
                                       "; cut it with --box x0 y0 z0 x1 y1 z1 or intersect it with a bounded "
                                       "solid");
 }
 
-}  // namespace
-
-Box3 find_bounds(const CompiledModel& compiled, const std::string& source) {
-    const Found found = search(compiled, source);
-    if (found.unbounded_along >= 0) refuse_unbounded(found.unbounded_along, source);
-    return found.box;
+std::string island_text(const Box3& box) {
+    char text[240];
+    std::snprintf(text, sizeof text,
+                  "the solid could not be shown to end; taken as what lies in (%.4g, %.4g, %.4g) to (%.4g, "
+                  "%.4g, %.4g), with nothing around it; --box tells for certain",
+                  box.min[0], box.min[1], box.min[2], box.max[0], box.max[1], box.max[2]);
+    return text;
 }
 
-Box3 find_bounds(const Model& model, const CompiledModel& compiled, const Box3* clip) {
-    const Found found = search(compiled, model.source);
+}  // namespace
+
+Box3 find_bounds(const CompiledModel& compiled, const std::string& source,
+                 std::vector<std::string>* warnings) {
+    const Found found = search(compiled, source);
     if (found.unbounded_along < 0) return found.box;
+    const std::optional<Box3> island = find_island(compiled);
+    if (!island) refuse_unbounded(found.unbounded_along, source);
+    if (warnings != nullptr) warnings->push_back(island_text(*island));
+    return *island;
+}
+
+Box3 find_bounds(const Model& model, const CompiledModel& compiled, const Box3* clip,
+                 std::vector<std::string>* warnings) {
     const bool is_hinted =
         std::any_of(model.nodes.begin(), model.nodes.end(), [](const CsgNode& node) { return node.bounds; });
-    if (!is_hinted) refuse_unbounded(found.unbounded_along, model.source);
-    return find_bounds(compile(model, clip, NodeBounds::kCut), model.source);
+    if (!is_hinted) return find_bounds(compiled, model.source, warnings);
+    const Found found = search(compiled, model.source);
+    if (found.unbounded_along < 0) return found.box;
+    return find_bounds(compile(model, clip, NodeBounds::kCut), model.source, warnings);
 }
 
 }  // namespace mortise::tape

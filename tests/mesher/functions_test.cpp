@@ -56,6 +56,19 @@ TEST_CASE("assets: a formula and a periodic sheet") {
     CHECK(sheet < 0.6 * box);
 }
 
+TEST_CASE("a twisted bar, whose formula tells nothing of it far away, is found around the origin") {
+    const std::string text =
+        "t=z*pi/2; u=x*cos(t)+y*sin(t); v=y*cos(t)-x*sin(t); max(max(abs(u)-0.5,abs(v)-0.2),abs(z)-1)";
+    const Meshed bar = mesh_and_check(parse_model(text, "formula", "m.formula"), 5);
+    CHECK(bar.defects == "");
+    CHECK(bar.check.euler_characteristic == 2);
+    CHECK(bar.check.volume == doctest::Approx(0.8).epsilon(2e-3));
+    REQUIRE(bar.report.warnings.size() == 1);
+    CHECK(bar.report.warnings[0].find("could not be shown to end") != std::string::npos);
+    // Nothing around it is needed for that: a lattice without end is still refused.
+    CHECK_THROWS_AS(mesh_and_check(parse_model("sin(x)+sin(y)+sin(z)", "formula", "m.formula"), 5), Error);
+}
+
 TEST_CASE("a triangle wave of mod and abs is whole where mod jumps") {
     // Three ridges and two halves, 0.15 high, on a slab.
     const std::string text = "max(z - 0.3*abs(mod(x,1)-0.5), abs(y)-0.3)\nbounds -1 -1 -1 1 1 1";

@@ -256,10 +256,10 @@ TEST_CASE("bounds hold the solid, tightly where they are searched for, and say w
     };
     Model half;
     add_region(half, half.add_primitive(half_space({0, 0, 0}, {0, 0.6, 0.8})), "half");
-    CHECK(message(half).find("unbounded along") != std::string::npos);
+    CHECK(message(half).find("no end of the solid was found along") != std::string::npos);
     Model pipe;
     add_region(pipe, pipe.add_primitive(infinite_cylinder(1)), "pipe");
-    CHECK(message(pipe).find("unbounded along z") != std::string::npos);
+    CHECK(message(pipe).find("no end of the solid was found along z") != std::string::npos);
     Model apart;
     add_region(apart,
                intersect(apart, {add_box(apart, {0, 0, 0}, {1, 1, 1}), add_box(apart, {2, 0, 0}, {3, 1, 1})}),
