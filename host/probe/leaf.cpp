@@ -62,8 +62,9 @@ void LeafProbe::load_tape(const TreeNode& leaf) {
     local_tape_.load(words, leaf.tape_length, surfaces_);
 }
 
-/// Finds the hidden surfaces; false if there are none that may hide a feature.
+/// Finds the hidden surfaces, and the winding ones; false if none of the hidden ones may hide a feature.
 bool LeafProbe::load(const TreeNode& leaf) {
+    winding_.clear();
     if (leaf.tape_length == 0) return false;  // an IN leaf among the others
     edge_ = octree::Octree::edge_of(tree_.level_of(leaf.morton));
     for (int j = 0; j < 3; ++j) low_[j] = gather_bits(leaf.morton >> j) * tree_.finest_edge();
@@ -88,7 +89,10 @@ bool LeafProbe::load(const TreeNode& leaf) {
         if (cannot_hide(surfaces_[s])) continue;
         if (tape::classify_surface(model_, surfaces_[s], whole) != 0) continue;
         const std::int8_t sign = sample_sign(surfaces_[s]);
-        if (sign == 0) continue;
+        if (sign == 0) {
+            if (!tape::has_small_variation(model_, surfaces_[s], whole)) winding_.push_back(s);
+            continue;
+        }
         steady = steady && tape::has_small_variation(model_, surfaces_[s], whole);
         hidden_.push_back(s);
         hidden_sign_.push_back(sign);
@@ -197,10 +201,12 @@ void LeafProbe::sample(const Piece& piece, int depth) {
 }
 
 void LeafProbe::run(std::uint32_t leaf, std::vector<Component>& out) {
-    if (!load(tree_.nio[leaf])) return;
-    ++probed_;
-    subdivide();
-    if (!found_.empty()) gather(leaf, out);
+    if (load(tree_.nio[leaf])) {
+        ++probed_;
+        subdivide();
+        if (!found_.empty()) gather(leaf, out);
+    }
+    if (!winding_.empty()) find_sections(leaf, out);
 }
 
 std::int32_t LeafProbe::region_at(const TreeNode& leaf, const Vec3& x) {

@@ -28,6 +28,7 @@ struct Component {
     std::uint32_t leaf = 0;    ///< index into Octree::nio
     std::uint16_t region = 0;  ///< 0: outside
     bool attached = false;     ///< touches pieces of its region that are meshed as such, in this leaf
+    bool torn = false;         ///< sections through faces of the leaf that these do not see
     bool usable = false;       ///< its leaf may have the point below as the apex of its cone
     std::vector<std::uint16_t> pieces;  ///< x + kSide·y + kSide²·z, ascending
     std::vector<std::uint16_t> open;    ///< those of them that touch such meshed pieces
@@ -61,6 +62,13 @@ class LeafProbe {
         double value = 0;  ///< |f| of the hidden surface there
     };
 
+    // face_sections.cpp
+    int sign_at(std::uint32_t surface, const Vec3& x) const;
+    Vec3 on_face(int f, double u, double v) const;
+    bool passes_through(int f, const Vec3& x);
+    void find_section(int f);
+    void find_sections(std::uint32_t leaf, std::vector<Component>& out);
+    // leaf.cpp
     bool load(const TreeNode& leaf);
     void load_tape(const TreeNode& leaf);
     std::int8_t sample_sign(std::uint32_t surface) const;
@@ -92,6 +100,7 @@ class LeafProbe {
     tape::LocalTape local_tape_;
     std::vector<std::uint32_t> hidden_;     ///< indices into surfaces_
     std::vector<std::int8_t> hidden_sign_;  ///< at the samples
+    std::vector<std::uint32_t> winding_;    ///< seen by some sample, and turning by 90 degrees or more
     std::vector<Piece> pieces_, next_;
     std::vector<Found> found_;  ///< by piece of the last depth, or empty
     std::vector<std::int8_t> signs_, assumed_;

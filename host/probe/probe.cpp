@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <memory>
 #include <numeric>
 
@@ -16,8 +17,6 @@ namespace {
 /// A part that reaches no further than this from what is meshed, in pieces, is how a mesh approximates a
 /// curved surface; no feature is lost.
 constexpr int kShallow = kSide / 4;
-
-constexpr int kBeyond = 1 << 20;  ///< distance of pieces that belong to no component at hand
 
 constexpr std::size_t kChunk = 256;
 
@@ -123,7 +122,7 @@ class Clusters {
                 if (c->region != component.region) continue;
                 const auto k = static_cast<std::size_t>(c - components_.begin());
                 parent_[std::max(root(i), root(k))] = std::min(root(i), root(k));
-                joined_[i].push_back(piece);
+                joined_[i].push_back({piece, k, next});
             }
             if (!missed && probe_.region_at(tree_.nio[leaf], middle(low, size, next)) == component.region)
                 component.open.push_back(piece);
@@ -141,42 +140,59 @@ class Clusters {
         return x;
     }
 
-    /// Whether every piece lies near a contact.
-    bool is_shallow(std::size_t i) const {
-        const Component& component = components_[i];
-        std::vector<int> distance(std::size_t{kSide} * kSide * kSide, kBeyond);
-        for (const std::uint16_t piece : component.pieces) distance[piece] = -1;
-        std::vector<std::uint16_t> queue;
-        for (const auto* list : {&component.open, &joined_[i]}) {
-            for (const std::uint16_t piece : *list) {
-                if (distance[piece] == 0) continue;
-                distance[piece] = 0;
-                queue.push_back(piece);
-            }
+    /// Whether every piece of a cluster lies near what is meshed, on ways through the cluster.
+    bool is_shallow(const std::vector<std::size_t>& cluster) const {
+        struct Place {
+            std::size_t component;
+            std::uint16_t piece;
+        };
+        std::map<std::size_t, std::vector<int>> distance;  // parallel to the pieces of each component
+        std::size_t pieces = 0;
+        for (const std::size_t i : cluster) {
+            distance[i].assign(components_[i].pieces.size(), -1);
+            pieces += components_[i].pieces.size();
+        }
+        std::vector<Place> queue;
+        const auto reach = [&](std::size_t i, std::uint16_t piece, int from) {
+            const std::vector<std::uint16_t>& list = components_[i].pieces;
+            const auto at = std::lower_bound(list.begin(), list.end(), piece);
+            if (at == list.end() || *at != piece) return;
+            int& known = distance[i][static_cast<std::size_t>(at - list.begin())];
+            if (known >= 0) return;
+            known = from + 1;
+            queue.push_back({i, piece});
+        };
+        for (const std::size_t i : cluster) {
+            for (const std::uint16_t piece : components_[i].open) reach(i, piece, -1);
         }
         for (std::size_t q = 0; q < queue.size(); ++q) {
-            const std::uint16_t piece = queue[q];
-            if (distance[piece] >= kShallow) return false;
+            const auto [i, piece] = queue[q];
+            const std::vector<std::uint16_t>& list = components_[i].pieces;
+            const auto place = std::lower_bound(list.begin(), list.end(), piece) - list.begin();
+            const int here = distance[i][static_cast<std::size_t>(place)];
+            if (here >= kShallow) return false;
             for (int f = 0; f < 6; ++f) {
                 if (on_face(piece, f)) continue;
                 const int step = 1 << (kDepth * (f / 2));
-                const auto next = static_cast<std::uint16_t>((f & 1) != 0 ? piece + step : piece - step);
-                if (distance[next] >= 0) continue;
-                distance[next] = distance[piece] + 1;
-                queue.push_back(next);
+                reach(i, static_cast<std::uint16_t>((f & 1) != 0 ? piece + step : piece - step), here);
+            }
+            for (const Join& join : joined_[i]) {
+                if (join.piece == piece) reach(join.component, join.next, here);
             }
         }
-        return queue.size() == component.pieces.size();
+        return queue.size() == pieces;
     }
 
     void report(const std::vector<std::size_t>& cluster, Probe& out) {
         bool attached = false;
+        bool torn = false;
         std::size_t deepest = cluster.front();
         std::array<double, 3> low = {1, 1, 1};
         std::array<double, 3> high = {0, 0, 0};
         for (const std::size_t i : cluster) {
             const Component& component = components_[i];
             attached = attached || component.attached;
+            torn = torn || component.torn;
             if (component.depth > components_[deepest].depth) deepest = i;
             const Vec3 from = corner(component);
             const double size = edge(component);
@@ -188,10 +204,7 @@ class Clusters {
                 }
             }
         }
-        if (attached &&
-            std::all_of(cluster.begin(), cluster.end(), [this](std::size_t i) { return is_shallow(i); })) {
-            return;
-        }
+        if (attached && !torn && is_shallow(cluster)) return;
         const Component& main = components_[deepest];
         MissedFeature feature;
         double size = 0;
@@ -203,7 +216,7 @@ class Clusters {
         feature.thickness = model_.side * main.thickness;
         feature.size = std::max(feature.thickness, model_.side * size);
         feature.material = main.region != 0;
-        feature.kept = cluster.size() == 1 && !attached && main.usable;
+        feature.kept = cluster.size() == 1 && !attached && !torn && main.usable;
         if (feature.kept) {
             if (main.pieces.size() <= 8) feature.size = feature.thickness;  // less than two pieces wide
             const Vec3 from = corner(main);
@@ -223,7 +236,13 @@ class Clusters {
     LeafProbe probe_;
     std::vector<Component> components_;  ///< by leaf
     std::vector<std::size_t> parent_;
-    std::vector<std::vector<std::uint16_t>> joined_;  ///< pieces that go on in a component of the next leaf
+    /// A piece that goes on in a component of the next leaf.
+    struct Join {
+        std::uint16_t piece;
+        std::size_t component;
+        std::uint16_t next;
+    };
+    std::vector<std::vector<Join>> joined_;  ///< per component
 };
 
 }  // namespace

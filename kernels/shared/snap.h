@@ -8,8 +8,12 @@
 #define kVertexSnapDistance 0.31
 #define kProjectionSteps 12
 
+// A vertex stays where the part on its side of the surface is thinner than this beyond it, in edges of the
+// finest cell: a rod, or a hole, that has no other vertex would be gone.
+#define kVertexSnapThickness 1.5
+
 // Displacement of the vertex at x to the surface's nearest point, in lattice units. Returns 0 if the vertex
-// is too far away, or if the iteration does not settle. A pure function of position.
+// is too far away, in a thin part, or if the iteration does not settle. A pure function of position.
 //
 // Each step takes the point of the tangent plane at the last point that is nearest to x.
 MORTISE_FUNCTION int snap_displacement(MORTISE_GLOBAL Surface* s, MORTISE_GLOBAL ExpressionOp* ops,
@@ -43,6 +47,17 @@ MORTISE_FUNCTION int snap_displacement(MORTISE_GLOBAL Surface* s, MORTISE_GLOBAL
         double square = 0;
         for (int j = 0; j < 3; ++j) square += (y[j] - x[j]) * (y[j] - x[j]);
         if (!(square < reach * reach)) return 0;
+    }
+    if (s->kind != kSurfacePlane) {
+        const double side = surface_value(s, ops, x[0], x[1], x[2]);
+        const SurfaceSample sample = surface_sample(s, ops, y[0], y[1], y[2]);
+        double square = 0;
+        for (int j = 0; j < 3; ++j) square += sample.gradient[j] * sample.gradient[j];
+        const double step = (side < 0 ? -1.0 : 1.0) * kVertexSnapThickness * cell / mortise_sqrt(square);
+        double far[3];
+        for (int j = 0; j < 3; ++j) far[j] = x[j] + step * sample.gradient[j];
+        const double beyond = surface_value(s, ops, far[0], far[1], far[2]);
+        if (!(side == 0 || (beyond < 0) == (side < 0))) return 0;
     }
     for (int j = 0; j < 3; ++j)
         displacement[j] = (i32)mortise_rint((y[j] - x[j]) / cell * (double)kCellUnits);

@@ -361,4 +361,59 @@ TEST_CASE("a shell, a tube and a gap of 0.3 cells keep their topology") {
     CHECK(wrong_gaps == 0);
 }
 
+namespace {
+
+/// The frame with a rod that stands on its lower slab, its axis at (x, y), up to a height within a cell.
+Model rod_at(double x, double y, double radius) {
+    return beside_frame([&](Model& m) {
+        return m.add_transform(translation({x, y, 0}), add_cylinder(m, radius, 9, 25.4));
+    });
+}
+
+bool is_whole(const Meshed& m) { return m.check.components == 1 && m.check.euler_characteristic == 2; }
+
+bool is_told(const Meshed& m) {
+    bool lost = m.report.hinge_edges + m.report.hinge_nodes > 0;
+    for (const MissedFeature& feature : m.report.missed) lost = lost || !feature.kept;
+    return lost;
+}
+
+}  // namespace
+
+TEST_CASE("a rod that holds an edge of the grid stays whole: its vertices do not snap away") {
+    for (const double radius : {0.3, 0.45, 0.6, 0.8}) {
+        for (const Vec3& off :
+             {Vec3{0.0, 0.0, 0}, Vec3{0.2, 0.1, 0}, Vec3{-0.15, 0.17, 0}, Vec3{0.5, 0.0, 0}}) {
+            if (std::hypot(off[0], off[1]) > radius - 0.02) continue;
+            CAPTURE(radius);
+            CAPTURE(off[0]);
+            const Meshed result = mesh_valid(rod_at(20 + off[0], 20 + off[1], radius));
+            CHECK(is_whole(result));
+            CHECK(result.report.features.curves.size() > 0);
+        }
+    }
+}
+
+TEST_CASE("thin rods, wherever they stand, are whole or told of") {
+    int whole = 0, told = 0;
+    for (const double radius : {0.15, 0.3, 0.4, 0.5}) {
+        for (const double x : {20.0, 20.15, 20.3, 20.5, 20.6}) {
+            for (const double y : {20.0, 20.25, 20.4, 20.5}) {
+                MeshOptions options;
+                options.level = kLevel;
+                const Meshed result = mesh_and_check(rod_at(x, y, radius), options);
+                CHECK(result.defects == "");
+                CAPTURE(radius);
+                CAPTURE(x);
+                CAPTURE(y);
+                CHECK((is_whole(result) || is_told(result)));
+                whole += is_whole(result) ? 1 : 0;
+                told += is_told(result) ? 1 : 0;
+            }
+        }
+    }
+    MESSAGE("80 rods of 0.3 to 1 cell: ", whole, " whole, ", told, " told of");
+    CHECK(whole > 30);
+}
+
 }  // namespace mortise::test

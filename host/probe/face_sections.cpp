@@ -1,0 +1,104 @@
+// Sections that a face of a leaf does not see: a rod that crosses it between its corners and its centre. The
+// leaf's other samples may see the rod, so that nothing is hidden in the leaf, but its mesh ends at that
+// face.
+#include <cmath>
+
+#include "host/probe/leaf.hpp"
+#include "kernels/shared/surface.h"
+
+namespace mortise::probe {
+namespace {
+
+constexpr int kAcross = 8;  ///< a face is sampled at this many places less one along each edge
+/// Cells on both sides of the face that a rod must hold. A cap that reaches less far through it is how a mesh
+/// approximates a curved surface.
+constexpr double kThrough = 0.25;
+
+}  // namespace
+
+int LeafProbe::sign_at(std::uint32_t surface, const Vec3& x) const {
+    return surface_sign(&model_.surfaces[surface], model_.expression_ops.data(), x[0], x[1], x[2], edge_);
+}
+
+Vec3 LeafProbe::on_face(int f, double u, double v) const {
+    const auto axis = static_cast<std::size_t>(f / 2);
+    Vec3 x{};
+    x[axis] = low_[axis] + ((f & 1) != 0 ? edge_ : 0);
+    x[(axis + 1) % 3] = low_[(axis + 1) % 3] + u * edge_;
+    x[(axis + 2) % 3] = low_[(axis + 2) % 3] + v * edge_;
+    return x;
+}
+
+/// Whether the hidden surface's rod passes through face f at x.
+bool LeafProbe::passes_through(int f, const Vec3& x) {
+    const std::uint32_t surface = surfaces_[hidden_[0]];
+    Found unused;
+    if (!is_missed(x, unused)) return false;
+    for (const double side : {-kThrough, kThrough}) {
+        Vec3 beside = x;
+        beside[static_cast<std::size_t>(f / 2)] += side * edge_;
+        if (sign_at(surface, beside) != -hidden_sign_[0]) return false;
+    }
+    return true;
+}
+
+/// Pieces beside face f that hold parts of a section which the face's corners and centre do not see.
+void LeafProbe::find_section(int f) {
+    const std::uint32_t surface = surfaces_[hidden_[0]];
+    bool negative = false;
+    bool positive = false;
+    const auto see = [&](double u, double v) {
+        const int sign = sign_at(surface, on_face(f, u, v));
+        negative = negative || sign < 0;
+        positive = positive || sign > 0;
+    };
+    see(0.5, 0.5);
+    for (int c = 0; c < 4; ++c) see(c & 1, c >> 1);
+    if (negative == positive) return;
+    hidden_sign_[0] = positive ? 1 : -1;
+    for (int i = 1; i < kAcross; ++i) {
+        for (int j = 1; j < kAcross; ++j) {
+            const Vec3 x = on_face(f, static_cast<double>(i) / kAcross, static_cast<double>(j) / kAcross);
+            if (!passes_through(f, x)) continue;
+            Found found;
+            is_missed(x, found);
+            std::uint32_t piece = 0;
+            for (int axis = 2; axis >= 0; --axis) {
+                const auto a = static_cast<std::size_t>(axis);
+                const double at = std::floor((x[a] - low_[a]) / edge_ * kSide);
+                const auto k = static_cast<std::uint32_t>(std::min(std::max(at, 0.0), kSide - 1.0));
+                piece = (piece << kDepth) | k;
+            }
+            found_[piece] = found;
+        }
+    }
+}
+
+/// Appends a component for the sections of each surface that unseen faces have in common.
+void LeafProbe::find_sections(std::uint32_t leaf, std::vector<Component>& out) {
+    for (const std::uint32_t s : winding_) {
+        hidden_.assign(1, s);
+        hidden_sign_.assign(1, 0);
+        found_.assign(kSide * kSide * kSide, Found{});
+        for (int f = 0; f < 6; ++f) find_section(f);
+        Component component;
+        component.leaf = leaf;
+        double deepest = -1;
+        for (std::uint32_t piece = 0; piece < found_.size(); ++piece) {
+            if (found_[piece].region < 0) continue;
+            component.pieces.push_back(static_cast<std::uint16_t>(piece));
+            component.region = static_cast<std::uint16_t>(found_[piece].region);
+            if (found_[piece].value <= deepest) continue;
+            deepest = found_[piece].value;
+            component.point = found_[piece].point;
+        }
+        if (component.pieces.empty()) continue;
+        hidden_sign_[0] = static_cast<std::int8_t>(-sign_at(surfaces_[s], component.point));
+        component.depth = 1;
+        component.torn = true;
+        measure(component);
+        out.push_back(std::move(component));
+    }
+}
+
+}  // namespace mortise::probe
