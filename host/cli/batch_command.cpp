@@ -158,7 +158,7 @@ class Teller {
             if (!arguments_.json) std::cerr << "mortise: " << line << "\n";
         }
         if (arguments_.json) {
-            print(outcome["report"].dump() + "\n");
+            print(to_line(outcome["report"]) + "\n");
         } else if (code == ExitCode::kOk && !arguments_.quiet) {
             print(line + "\n");
         }
@@ -201,7 +201,10 @@ ExitCode batch_command(const Arguments& arguments) {
     Teller teller(arguments, items);
     run_in_processes(
         items.size(), jobs,
-        [&](std::size_t i) { return mesh_one(mesher, arguments, options, items[i]).dump(); },
+        [&](std::size_t i) {
+            say_nothing_of_interruptions();
+            return to_line(mesh_one(mesher, arguments, options, items[i]));
+        },
         [&](std::size_t i, const std::string& result, int how) {
             teller.add(i, result.empty() ? lost(items[i], how) : Json::parse(result));
         });

@@ -154,6 +154,10 @@ Json check_document(const CheckReport& report) {
     return json;
 }
 
+std::string to_line(const Json& document) {
+    return document.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
 std::string to_text(const Json& document) {
     return document.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }

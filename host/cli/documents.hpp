@@ -43,6 +43,8 @@ Json check_document(const CheckReport& report);
 
 /// Indented, with a line break at the end; bytes that are not UTF-8 are replaced.
 std::string to_text(const Json& document);
+/// The same in one line, without its break.
+std::string to_line(const Json& document);
 
 /// "120 hexahedra, 8 wedges": types without elements are left out.
 std::string list_elements(const std::array<std::uint64_t, kElementTypes>& elements);

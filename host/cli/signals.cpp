@@ -16,6 +16,7 @@ namespace {
 
 pthread_t main_thread;
 bool on_terminal = false;
+bool is_silent = false;
 
 void say(const char* message, std::size_t size) {
     const ssize_t written = write(STDERR_FILENO, message, size);
@@ -39,7 +40,7 @@ void end(int signal_number) {
     io::remove_temporary_files();
     const char message[] = "\nmortise: interrupted\n";
     const std::size_t skipped = on_terminal ? 0 : 1;  // the progress line, and ^C, end with a new line
-    say(message + skipped, sizeof message - 1 - skipped);
+    if (!is_silent) say(message + skipped, sizeof message - 1 - skipped);
     // The signal is blocked during its own handler: it arrives again, uncaught, when this returns.
     signal(signal_number, SIG_DFL);
     raise(signal_number);
@@ -48,6 +49,8 @@ void end(int signal_number) {
 }  // namespace
 
 void report_aborts() { signal(SIGABRT, end_aborted); }
+
+void say_nothing_of_interruptions() { is_silent = true; }
 
 void end_silently_on_signals() {
     for (const int signal_number : {SIGINT, SIGTERM, SIGHUP, SIGABRT}) signal(signal_number, SIG_DFL);

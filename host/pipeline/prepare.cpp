@@ -279,11 +279,10 @@ void report_hinges(const features::Hinges& hinges, const std::vector<double>& po
     std::string by = hinges.edges > 0 ? counted(hinges.edges, "edge") : "";
     if (hinges.nodes > 0) by += (by.empty() ? "" : " and ") + counted(hinges.nodes, "node");
     const double* at = points.data() + 3 * std::size_t{*hinges.first};
-    const std::string text =
-        "parts of the mesh hang together by " + by + " only, the first at (" + number(at[0]) + ", " +
-        number(at[1]) + ", " + number(at[2]) +
-        "): the model is thinner than the cells there, or touches itself; smaller cells, "
-        "or --refine, may show it whole";
+    const std::string text = "the skin of the mesh touches itself at " + by + ", the first at (" +
+                             number(at[0]) + ", " + number(at[1]) + ", " + number(at[2]) +
+                             "): a wall or a gap is thinner than the cells there, or parts of the model only "
+                             "touch; smaller cells, or --refine, may show which";
     if (options.strict) throw Error(ExitCode::kMeshing, source + ": strict: " + text);
     out.warnings.push_back(text);
 }

@@ -52,7 +52,7 @@ improve::Options improvement_options(const Prepared& prepared, const MeshOptions
 void report_improvement(const improve::Counters& counters, const MeshOptions& options,
                         const std::string& source, MeshReport& out);
 
-/// Warns where the mesh hangs together by edges or nodes only. Throws Error(kMeshing) if MeshOptions::strict
+/// Warns where the skin of the mesh touches itself. Throws Error(kMeshing) if MeshOptions::strict
 /// is set. `points` of the nodes that the hinges number.
 void report_hinges(const features::Hinges& hinges, const std::vector<double>& points,
                    const MeshOptions& options, const std::string& source, MeshReport& out);

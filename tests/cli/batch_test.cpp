@@ -78,6 +78,19 @@ TEST_CASE("batch: a model that fails costs itself only") {
     CHECK(Json::parse(objects[3])["exit_code"] == 6);
 }
 
+TEST_CASE("batch: names that are not UTF-8 are meshed and told of like others") {
+    const ScratchFolder scratch;
+    const std::string name = scratch.write("\xd6l.csg", "cube([1, 1, 1]);");
+    const std::string list = scratch.write("list.txt", name + "\n" + asset("block.csg") + "\n");
+    for (const char* output : {"--json", "--check"}) {
+        const Outcome batch = run({"batch", list, "-o", scratch.file("meshes"), "--level", "3", output});
+        CHECK(batch.code == 0);
+        CHECK(batch.err.empty());
+        CHECK(lines_of(batch.out).size() >= 2);
+        CHECK(scratch.names("meshes").size() == 2);
+    }
+}
+
 TEST_CASE("batch: warnings are counted; --json has them") {
     const ScratchFolder scratch;
     const std::string list = scratch.write(
@@ -135,6 +148,7 @@ TEST_CASE("batch: an interrupted run leaves no half-written file") {
     program.send(SIGTERM);
     const Outcome outcome = program.wait();
     CHECK(outcome.signal == SIGTERM);
+    CHECK(lines_of(outcome.err).size() <= 1);  // not one of each process
     for (const std::string& name : scratch.names("meshes")) {
         CAPTURE(name);
         CHECK(name.size() > 4);

@@ -126,8 +126,8 @@ TEST_CASE("the same bytes for every number of threads and work-group size, and -
     scratch.names("out");
     const std::string model = asset("housing.csg"), a = scratch.file("out/a.vtu"),
                       b = scratch.file("out/b.vtu");
-    const Outcome one = run({model, "-o", a, "--level", "3", "--threads", "1", "--quiet"});
-    const Outcome two = run({"--quiet", "--threads", "3", "--level", "3", "-o", b, model});
+    const Outcome one = run({model, "-o", a, "--level", "4", "--threads", "1", "--quiet"});
+    const Outcome two = run({"--quiet", "--threads", "3", "--level", "4", "-o", b, model});
     CHECK(one.code == 0);
     CHECK(two.code == 0);
     CHECK(one.out + one.err + two.out + two.err == "");
