@@ -1,6 +1,7 @@
 // STL, OBJ and OFF: closed forms, repairs, refusals, and the corpora where they are present.
 #include <doctest/doctest.h>
 
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <cstring>
@@ -8,6 +9,8 @@
 #include <fstream>
 #include <iostream>
 #include <map>
+#include <random>
+#include <set>
 #include <sstream>
 
 #include "host/model/outlines/polygon_triangles.hpp"
@@ -168,6 +171,68 @@ TEST_CASE("equal and nearly equal points are joined") {
     CHECK(model.warnings.empty());
 }
 
+namespace {
+
+/// The unit cube, each triangle with points of its own, moved by up to `noise` along each axis; `copies`
+/// times.
+std::string noisy_cube(double noise, int copies = 1) {
+    const int faces[6][4] = {{3, 2, 1, 0}, {4, 5, 6, 7}, {0, 1, 5, 4},
+                             {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}};
+    std::mt19937 random(11);
+    const auto moved = [&](bool high) {
+        return (high ? 1.0 : 0.0) + noise * (static_cast<double>(random() % 2001) / 1000 - 1);
+    };
+    std::ostringstream text;
+    text.precision(17);
+    for (int copy = 0; copy < copies; ++copy) {
+        for (const auto& face : faces) {
+            for (const auto& triangle : {std::array<int, 3>{0, 1, 2}, std::array<int, 3>{0, 2, 3}}) {
+                for (const int k : triangle) {
+                    const int i = face[k];
+                    const double x = moved(i == 1 || i == 2 || i == 5 || i == 6);
+                    const double y = moved((i & 2) != 0);
+                    text << "v " << x << " " << y << " " << moved(i >= 4) << "\n";
+                }
+                text << "f -3 -2 -1\n";
+            }
+        }
+    }
+    return text.str();
+}
+
+}  // namespace
+
+TEST_CASE("points that noise keeps apart are joined, and faces along the axes are plane again") {
+    for (const double noise : {1e-8, 1e-7, 1e-6, 1e-5}) {
+        CAPTURE(noise);
+        const Model model = parse_model(noisy_cube(noise), "obj", "cube.obj");
+        const TriangleSurface& cube = surface_of(model);
+        CHECK(cube.points.size() == 8);
+        CHECK(cube.triangles.size() == 12);
+        CHECK(closed(cube));
+        CHECK(volume(cube) == doctest::Approx(1).epsilon(10 * noise));
+        std::set<double> coordinates[3];
+        for (const Vec3& point : cube.points) {
+            for (std::size_t j = 0; j < 3; ++j) coordinates[j].insert(point[j]);
+        }
+        for (const auto& values : coordinates) CHECK(values.size() == 2);
+        REQUIRE(model.warnings.size() == 1);
+        CHECK(model.warnings[0].find("cube.obj: 28 points were joined with others up to ") == 0);
+    }
+    // Too much for noise: told, and left as it is.
+    const Model torn = parse_model(noisy_cube(0.01), "obj", "cube.obj");
+    CHECK(surface_of(torn).points.size() > 8);
+    CHECK(torn.warnings[0].find("have only one triangle") != std::string::npos);
+}
+
+TEST_CASE("a body that is given twice is there once") {
+    const Model model = parse_model(noisy_cube(0, 2), "obj", "cube.obj");
+    CHECK(surface_of(model).triangles.size() == 12);
+    CHECK(closed(surface_of(model)));
+    REQUIRE(model.warnings.size() == 1);
+    CHECK(model.warnings[0] == "cube.obj: 12 triangles were given more than once");
+}
+
 TEST_CASE("faces that disagree are turned over; open edges are reported") {
     const std::string points = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n";
     const Model turned = parse_model(points + "f 1 2 3\nf 1 2 4\nf 1 4 3\nf 2 3 4\n", "obj", "t.obj");
@@ -309,7 +374,8 @@ TEST_CASE("triangle files: errors name the place and what was expected") {
         {points + "f 1 2 -5\n", "obj", "m.obj:5:7: point 0 does not exist"},
         {points + "f 1 2 99999999999999999999\n", "obj",
          "m.obj:5:7: the number '99999999999999999999' is too large"},
-        {points + "f 1 2 3\nf 1 3 2\nf 1 2 3\nf 1 3 2\n", "obj", "m.obj: its triangles enclose no volume"},
+        {"v 1 1 0\n" + points + "f -4 -3 -2\nf -4 -2 -3\nf -3 1 -2\nf -3 -2 1\n", "obj",
+         "m.obj: its triangles enclose no volume"},
         {"", "obj", "m.obj: there are no faces (lines such as f 1 2 3); expected a Wavefront OBJ file"},
         {"<!DOCTYPE html>\n", "obj", "m.obj: there are no faces"},
         {std::string("\0\0v 1 2 3\n", 10), "obj",

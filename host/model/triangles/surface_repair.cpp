@@ -5,8 +5,10 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <cstdio>
 #include <cstring>
 #include <numeric>
+#include <utility>
 
 #include "host/model/affine.hpp"
 
@@ -78,22 +80,27 @@ double diagonal_of(const std::vector<Vec3>& points) {
     return length({high[0] - low[0], high[1] - low[1], high[2] - low[2]});
 }
 
-/// Points closer than the tolerance become one: a sweep along a direction in which no model is flat.
-void join_close_points(TriangleSurface& surface, double tolerance) {
+/// Points closer than the tolerance become one: a sweep along a direction in which no model is flat. Only
+/// points that `may_join` marks, if it is given. Returns how many were replaced.
+std::size_t join_close_points(TriangleSurface& surface, double tolerance,
+                              const std::vector<char>* may_join = nullptr) {
     constexpr Vec3 kDirection = {0.5381, 0.6197, 0.5712};
     struct Place {
         double along;
         std::uint32_t point;
     };
-    const std::size_t n = surface.points.size();
-    std::vector<Place> order(n);
-    for (std::uint32_t i = 0; i < n; ++i) order[i] = {dot(surface.points[i], kDirection), i};
+    std::vector<Place> order;
+    for (std::uint32_t i = 0; i < surface.points.size(); ++i) {
+        if (may_join == nullptr || (*may_join)[i] != 0)
+            order.push_back({dot(surface.points[i], kDirection), i});
+    }
+    const std::size_t n = order.size();
     std::sort(order.begin(), order.end(), [](const Place& a, const Place& b) {
         return a.along != b.along ? a.along < b.along : a.point < b.point;
     });
-    std::vector<std::uint32_t> instead(n);
+    std::vector<std::uint32_t> instead(surface.points.size());
     std::iota(instead.begin(), instead.end(), 0U);
-    bool any = false;
+    std::size_t joined = 0;
     for (std::size_t i = 0; i < n; ++i) {
         const std::uint32_t first = order[i].point;
         if (instead[first] != first) continue;
@@ -104,10 +111,11 @@ void join_close_points(TriangleSurface& surface, double tolerance) {
             if (length({q[0] - p[0], q[1] - p[1], q[2] - p[2]}) > tolerance) continue;
             if (instead[other] != other) continue;
             instead[other] = first;
-            any = true;
+            ++joined;
         }
     }
-    if (any) replace_points(surface, instead);
+    if (joined > 0) replace_points(surface, instead);
+    return joined;
 }
 
 /// Drops triangles with two equal corners, and those without area if `flat` is set.
@@ -185,6 +193,83 @@ std::vector<std::array<Side, 2>> pair_sides(const TriangleSurface& surface, Surf
     return pairs;
 }
 
+/// Drops triangles of the same three points in the same order of turning, but for the first.
+std::size_t drop_repeated_triangles(TriangleSurface& surface) {
+    const auto turned_to_lowest = [](Triangle t) {
+        std::rotate(t.begin(), std::min_element(t.begin(), t.end()), t.end());
+        return t;
+    };
+    std::vector<std::pair<Triangle, std::size_t>> order;
+    for (std::size_t i = 0; i < surface.triangles.size(); ++i)
+        order.push_back({turned_to_lowest(surface.triangles[i]), i});
+    std::sort(order.begin(), order.end());
+    std::vector<char> repeats(order.size(), 0);
+    for (std::size_t i = 1; i < order.size(); ++i)
+        repeats[order[i].second] = order[i].first == order[i - 1].first ? 1 : 0;
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < order.size(); ++i) {
+        if (repeats[i] == 0) surface.triangles[kept++] = surface.triangles[i];
+    }
+    surface.triangles.resize(kept);
+    return order.size() - kept;
+}
+
+/// Per point: whether it is an end of an edge with one triangle.
+std::vector<char> open_points(const TriangleSurface& surface) {
+    std::vector<char> open(surface.points.size(), 0);
+    const std::vector<Side> sides = sides_of(surface);
+    for (std::size_t first = 0, last = 0; first < sides.size(); first = last) {
+        while (last < sides.size() && sides[last].edge == sides[first].edge) ++last;
+        if (last - first != 1) continue;
+        open[sides[first].edge >> 32] = 1;
+        open[sides[first].edge & 0xffffffffU] = 1;
+    }
+    return open;
+}
+
+/// Coordinates that differ by no more than the noise become one: faces along the axes are plane again.
+void align_coordinates(TriangleSurface& surface, double noise) {
+    constexpr double kWidest = 4;  // times the noise: no chain of close points becomes a plane
+    std::vector<std::uint32_t> order(surface.points.size());
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const auto at = [&](std::size_t i) -> double& { return surface.points[order[i]][axis]; };
+        std::iota(order.begin(), order.end(), 0U);
+        std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+            return surface.points[a][axis] < surface.points[b][axis];
+        });
+        for (std::size_t first = 0, last = 0; first < order.size(); first = last) {
+            last = first + 1;
+            while (last < order.size() && at(last) - at(last - 1) <= noise) ++last;
+            if (at(last - 1) - at(first) > kWidest * noise) continue;
+            double sum = 0;
+            for (std::size_t i = first; i < last; ++i) sum += at(i) - at(first);
+            const double mean = at(first) + sum / static_cast<double>(last - first);
+            for (std::size_t i = first; i < last; ++i) at(i) = mean;
+        }
+    }
+}
+
+/// Joins points at open edges, the closest first, as long as that closes edges.
+void close_cracks(TriangleSurface& surface, SurfaceFindings& findings) {
+    const double diagonal = diagonal_of(surface.points);
+    for (const double tolerance : {1e-7, 1e-6, 1e-5, 1e-4}) {
+        const std::vector<char> open = open_points(surface);
+        TriangleSurface closed = surface;
+        const std::size_t joined = join_close_points(closed, tolerance * diagonal, &open);
+        if (joined == 0) continue;
+        drop_flat_triangles(closed, false);
+        SurfaceFindings now;
+        pair_sides(closed, now);
+        if (now.open_edges >= findings.open_edges) continue;
+        surface = std::move(closed);
+        findings.joined += joined;
+        findings.crack = tolerance * diagonal;
+        findings.open_edges = now.open_edges;
+        findings.crowded_edges = now.crowded_edges;
+        if (findings.open_edges == 0) return;
+    }
+}
+
 /// Turns triangles over until neighbours agree; in each connected piece the fewer ones.
 std::size_t agree(TriangleSurface& surface, const std::vector<std::array<Side, 2>>& pairs) {
     const auto disagrees = [](const std::array<Side, 2>& pair) { return pair[0].forward == pair[1].forward; };
@@ -255,8 +340,16 @@ SurfaceFindings repair_surface(TriangleSurface& surface) {
     join_close_points(surface, kTolerance * diagonal_of(surface.points));
     findings.flat_triangles = drop_flat_triangles(surface, false);
     // Flat triangles fill cracks between edges divided differently: they count for the edges, then they go.
-    const auto pairs = pair_sides(surface, findings);
+    auto pairs = pair_sides(surface, findings);
+    if (findings.crowded_edges > 0) findings.repeated = drop_repeated_triangles(surface);
+    if (findings.open_edges > 0) close_cracks(surface, findings);
+    if (findings.repeated + findings.joined > 0) {
+        findings.open_edges = 0;
+        findings.crowded_edges = 0;
+        pairs = pair_sides(surface, findings);
+    }
     findings.turned = agree(surface, pairs);
+    if (findings.joined > 0) align_coordinates(surface, findings.crack);
     findings.flat_triangles += drop_flat_triangles(surface, true);
     drop_unused_points(surface);
     if (six_volumes(surface) < 0) {
@@ -276,6 +369,16 @@ std::vector<std::string> surface_warnings(const SurfaceFindings& findings, const
             source + ": " + plural(findings.open_edges, "edge has", "edges have") +
             " only one triangle: the surface is not closed there; what is inside is decided by "
             "the winding number");
+    }
+    if (findings.joined != 0) {
+        char crack[32];
+        std::snprintf(crack, sizeof crack, "%.3g", findings.crack);
+        warnings.push_back(source + ": " + plural(findings.joined, "point was", "points were") +
+                           " joined with others up to " + crack + " away, which closes edges between them");
+    }
+    if (findings.repeated != 0) {
+        warnings.push_back(source + ": " + plural(findings.repeated, "triangle was", "triangles were") +
+                           " given more than once");
     }
     if (findings.turned != 0) {
         warnings.push_back(source + ": " + plural(findings.turned, "triangle was", "triangles were") +
