@@ -175,7 +175,8 @@ void add_size_options(CLI::App& app, Arguments& arguments, Words& words) {
         ->option_text("F");
     app.add_option("--size-max", words.size_max, "no cell larger than this, inside neither")
         ->option_text("LENGTH");
-    app.add_option("--size-min", words.size_min, "nothing that asks for small cells makes them smaller than this")
+    app.add_option("--size-min", words.size_min,
+                   "nothing that asks for small cells makes them smaller than this")
         ->option_text("LENGTH");
     app.add_flag("--no-model-sizes", words.no_model_sizes, "ignore element sizes in the file (-maxh)");
     app.add_option("--interior-coarsening", words.coarsening, "cells inside up to N levels larger")
