@@ -40,6 +40,8 @@ struct Item {
 std::vector<Item> read_list(const Arguments& arguments) {
     std::ifstream file;
     if (arguments.file != "-") {
+        if (std::filesystem::is_directory(arguments.file))
+            throw Error(ExitCode::kFiles, arguments.file + ": is a folder; expected a list, one path a line");
         file.open(arguments.file);
         if (!file) throw Error(ExitCode::kFiles, arguments.file + ": cannot be read");
     }
@@ -101,7 +103,9 @@ Json mesh_one(Mesher& mesher, const Arguments& arguments, const MeshOptions& opt
                           count_text(report.warnings.size());
         refuse_below(below_floor(mesh, report.scaled_jacobians, arguments.quality_floor));
     } catch (const Error& error) {
-        fail(error.code(), error.what());
+        const std::string message = error.what();
+        const bool names_it = message.find(item.model) != std::string::npos;
+        fail(error.code(), names_it ? message : item.model + ": " + message);
     } catch (const std::bad_alloc&) {
         fail(ExitCode::kDevice, item.model + ": out of memory; use a smaller --level or fewer --jobs");
     } catch (const std::exception& error) {

@@ -78,6 +78,23 @@ TEST_CASE("batch: a model that fails costs itself only") {
     CHECK(Json::parse(objects[3])["exit_code"] == 6);
 }
 
+TEST_CASE("batch: every failure names its model") {
+    const ScratchFolder scratch;
+    const std::string list = scratch.write("list.txt", asset("block.csg") + "\n" + asset("star.csg") + "\n");
+    const std::vector<std::vector<std::string>> options = {{"--quality-floor", "0.99"},
+                                                           {"--size-of", "nothing", "0.1"}};
+    for (const std::vector<std::string>& some : options) {
+        std::vector<std::string> words = {"batch", list, "-o", scratch.file("meshes"), "--level", "3"};
+        words.insert(words.end(), some.begin(), some.end());
+        const Outcome batch = run(words);
+        CHECK(batch.code != 0);
+        const auto errors = lines_of(batch.err);
+        REQUIRE(errors.size() == 2);
+        CHECK(contains(errors[0], "block.csg: "));
+        CHECK(contains(errors[1], "star.csg: "));
+    }
+}
+
 TEST_CASE("batch: names that are not UTF-8 are meshed and told of like others") {
     const ScratchFolder scratch;
     const std::string name = scratch.write("\xd6l.csg", "cube([1, 1, 1]);");
@@ -137,6 +154,7 @@ TEST_CASE("batch: bad command lines and lists") {
         {"batch", scratch.write("twice.txt", asset("block.csg") + "\n/elsewhere/block.geo\n"), "-o", folder},
         1, "twice.txt:2: ");
     refused({"batch", list, "-o", "/proc/nowhere/meshes"}, 6, "/proc/nowhere");
+    refused({"batch", scratch.file("."), "-o", scratch.file("meshes")}, 6, "is a folder; expected a list");
 }
 
 TEST_CASE("batch: an interrupted run leaves no half-written file") {
