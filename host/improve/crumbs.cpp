@@ -1,8 +1,8 @@
 #include "host/improve/crumbs.hpp"
 
 #include <algorithm>
-#include <numeric>
 
+#include "host/common/disjoint_sets.hpp"
 #include "host/common/parallel.hpp"
 
 namespace mortise::improve {
@@ -43,24 +43,23 @@ std::vector<std::uint32_t> find_small(const Zone& zone, int threads) {
 /// Pieces of small tetrahedra, joined by faces: each known by its first.
 class Pieces {
   public:
-    Pieces(const Zone& zone, const std::vector<std::uint32_t>& small) : zone_(zone), small_(small) {
-        parent_.resize(small.size());
-        std::iota(parent_.begin(), parent_.end(), 0u);
+    Pieces(const Zone& zone, const std::vector<std::uint32_t>& small)
+        : zone_(zone), small_(small), sets_(small.size()) {
         std::vector<std::uint8_t> held(small.size(), 0);
         join_by_faces(held);
         attached_.assign(small.size(), 0);
         volume_.assign(small.size(), 0);
         for (std::uint32_t i = 0; i < small.size(); ++i) {
-            attached_[root(i)] |= held[i];
-            volume_[root(i)] += volume(zone, zone.tetrahedra[small[i]]);
+            attached_[sets_.find(i)] |= held[i];
+            volume_[sets_.find(i)] += volume(zone, zone.tetrahedra[small[i]]);
         }
     }
 
     bool is_crumb(std::uint32_t i) {
-        const std::uint32_t r = root(i);
-        return attached_[r] == 0 && volume_[r] <= kCrumbVolume;
+        const std::uint32_t first = sets_.find(i);
+        return attached_[first] == 0 && volume_[first] <= kCrumbVolume;
     }
-    bool is_root(std::uint32_t i) { return root(i) == i; }
+    bool is_first(std::uint32_t i) const { return sets_.is_first(i); }
 
   private:
     /// Sets `held` where a face belongs to something that is not small, or must stay.
@@ -80,7 +79,7 @@ class Pieces {
         std::sort(faces.begin(), faces.end());
         for (std::size_t i = 0; i < faces.size(); ++i) {
             if (i + 1 < faces.size() && faces[i + 1].node == faces[i].node) {
-                join(faces[i].owner, faces[i + 1].owner);
+                sets_.join(faces[i].owner, faces[i + 1].owner);
                 ++i;
             } else {
                 held[faces[i].owner] = 1;
@@ -94,22 +93,11 @@ class Pieces {
         }
     }
 
-    /// The smaller number becomes the root.
-    void join(std::uint32_t a, std::uint32_t b) {
-        a = root(a);
-        b = root(b);
-        parent_[std::max(a, b)] = std::min(a, b);
-    }
-    std::uint32_t root(std::uint32_t i) {
-        while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-        return i;
-    }
-
     const Zone& zone_;
     const std::vector<std::uint32_t>& small_;
-    std::vector<std::uint32_t> parent_;
-    std::vector<std::uint8_t> attached_;  ///< per root
-    std::vector<double> volume_;          ///< per root
+    DisjointSets sets_;                   ///< of places in small_
+    std::vector<std::uint8_t> attached_;  ///< per set
+    std::vector<double> volume_;          ///< per set
 };
 
 }  // namespace
@@ -123,7 +111,7 @@ Crumbs remove_crumbs(Zone& zone, int threads) {
     for (std::uint32_t i = 0; i < small.size(); ++i) {
         if (!pieces.is_crumb(i)) continue;
         gone.push_back(small[i]);
-        if (!pieces.is_root(i)) continue;
+        if (!pieces.is_first(i)) continue;
         if (crumbs.count++ == 0) crumbs.first = zone.points[zone.tetrahedra[small[i]].node[0]];
     }
     for (auto i = gone.rbegin(); i != gone.rend(); ++i) {

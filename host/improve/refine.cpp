@@ -8,6 +8,7 @@
 #include <cmath>
 #include <queue>
 
+#include "host/common/disjoint_sets.hpp"
 #include "host/improve/block.hpp"
 
 namespace mortise::improve {
@@ -144,26 +145,17 @@ std::vector<Block::Cluster> Block::find_clusters() const {
     }
     if (poor.empty()) return {};
     std::vector<std::uint32_t> last(points_.size(), kNone);
-    std::vector<std::uint32_t> parent(poor.size());
-    const auto root = [&](std::uint32_t c) {
-        while (parent[c] != c) c = parent[c] = parent[parent[c]];
-        return c;
-    };
+    DisjointSets sets(poor.size());
     for (std::uint32_t c = 0; c < poor.size(); ++c) {
-        parent[c] = c;
         for (const Local n : tetrahedra_[poor[c]].node) {
-            if (last[n] != kNone) {
-                const std::uint32_t a = root(last[n]);
-                const std::uint32_t b = root(c);
-                parent[std::max(a, b)] = std::min(a, b);
-            }
+            if (last[n] != kNone) sets.join(last[n], c);
             last[n] = c;
         }
     }
     std::vector<std::uint32_t> place(poor.size(), kNone);
     std::vector<Cluster> clusters;
     for (std::uint32_t c = 0; c < poor.size(); ++c) {
-        std::uint32_t& at = place[root(c)];
+        std::uint32_t& at = place[sets.find(c)];
         if (at == kNone) {
             at = static_cast<std::uint32_t>(clusters.size());
             clusters.emplace_back();

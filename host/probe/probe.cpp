@@ -5,8 +5,8 @@
 #include <cmath>
 #include <map>
 #include <memory>
-#include <numeric>
 
+#include "host/common/disjoint_sets.hpp"
 #include "host/common/parallel.hpp"
 #include "host/probe/leaf.hpp"
 #include "kernels/shared/surface.h"
@@ -44,17 +44,16 @@ class Clusters {
           tree_(tree),
           probe_(model, tree),
           components_(std::move(components)),
-          parent_(components_.size()),
-          joined_(components_.size()) {
-        std::iota(parent_.begin(), parent_.end(), std::size_t{0});
-    }
+          sets_(components_.size()),
+          joined_(components_.size()) {}
 
     void run(Probe& out) {
         for (std::size_t i = 0; i < components_.size(); ++i) {
             for (int f = 0; f < 6; ++f) look_across(i, f);
         }
         std::vector<std::vector<std::size_t>> members(components_.size());
-        for (std::size_t i = 0; i < components_.size(); ++i) members[root(i)].push_back(i);
+        for (std::size_t i = 0; i < components_.size(); ++i)
+            members[sets_.find(static_cast<std::uint32_t>(i))].push_back(i);
         for (const auto& cluster : members) {
             if (!cluster.empty()) report(cluster, out);
         }
@@ -68,11 +67,6 @@ class Clusters {
     }
 
   private:
-    std::size_t root(std::size_t i) {
-        while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-        return i;
-    }
-
     Vec3 corner(const Component& component) const {
         Vec3 x{};
         for (int j = 0; j < 3; ++j) {
@@ -121,7 +115,7 @@ class Clusters {
                 missed = true;
                 if (c->region != component.region) continue;
                 const auto k = static_cast<std::size_t>(c - components_.begin());
-                parent_[std::max(root(i), root(k))] = std::min(root(i), root(k));
+                sets_.join(static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(k));
                 joined_[i].push_back({piece, k, next});
             }
             if (!missed && probe_.region_at(tree_.nio[leaf], middle(low, size, next)) == component.region)
@@ -235,7 +229,7 @@ class Clusters {
     const octree::Octree& tree_;
     LeafProbe probe_;
     std::vector<Component> components_;  ///< by leaf
-    std::vector<std::size_t> parent_;
+    DisjointSets sets_;                  ///< of components: features
     /// A piece that goes on in a component of the next leaf.
     struct Join {
         std::uint16_t piece;

@@ -1,30 +1,11 @@
 // Where a mesh hangs together by edges or nodes only: a solver sees hinges and loose parts there.
 #include <algorithm>
-#include <numeric>
 
+#include "host/common/disjoint_sets.hpp"
 #include "host/quality/passes.hpp"
 
 namespace mortise::quality {
 namespace {
-
-/// Sets of numbers that are joined two by two; the smallest number of a set stands for it.
-class Sets {
-  public:
-    explicit Sets(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0u); }
-
-    std::uint32_t find(std::uint32_t i) {
-        while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-        return i;
-    }
-    void join(std::uint32_t a, std::uint32_t b) {
-        a = find(a);
-        b = find(b);
-        parent_[std::max(a, b)] = std::min(a, b);
-    }
-
-  private:
-    std::vector<std::uint32_t> parent_;
-};
 
 /// A facet of the boundary at a node, and the two other ends of its edges there.
 struct Corner {
@@ -35,7 +16,7 @@ struct Corner {
 
 /// Whether the facets at a node, joined by edges, are several fans.
 bool has_several_fans(const Corner* corners, std::size_t count) {
-    Sets sets(count);
+    DisjointSets sets(count);
     for (std::uint32_t i = 0; i < count; ++i) {
         for (std::uint32_t j = 0; j < i; ++j) {
             for (const NodeId a : corners[i].other) {
@@ -72,7 +53,7 @@ std::uint64_t count_hinges(const std::vector<BoundaryFacet>& boundary) {
 
 /// Parts of the mesh that share not even a node.
 std::uint64_t count_parts(const Mesh& mesh) {
-    Sets sets(mesh.node_count());
+    DisjointSets sets(mesh.node_count());
     for (std::size_t t = 0; t < kElementTypes; ++t) {
         const std::vector<NodeId>& nodes = mesh.elements[t].nodes;
         const auto stride = static_cast<std::size_t>(kElementNodes[t]);
@@ -83,8 +64,7 @@ std::uint64_t count_parts(const Mesh& mesh) {
         for (const NodeId node : block.nodes) used[node] = 1;
     }
     std::uint64_t parts = 0;
-    for (NodeId node = 0; node < mesh.node_count(); ++node)
-        parts += used[node] != 0 && sets.find(node) == node;
+    for (NodeId node = 0; node < mesh.node_count(); ++node) parts += used[node] != 0 && sets.is_first(node);
     return parts;
 }
 

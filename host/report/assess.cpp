@@ -1,9 +1,9 @@
 // The parts of the report put together, with model faces and expected corners.
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <tuple>
 
+#include "host/common/disjoint_sets.hpp"
 #include "host/features/features.hpp"
 #include "host/report/causes.hpp"
 #include "host/report/corners.hpp"
@@ -25,9 +25,7 @@ Vector normal_times_area(const Mesh& mesh, const NodeId* n) {
 /// Groups facets of one surface that share an edge which is no crease.
 class Components {
   public:
-    explicit Components(const Mesh& mesh) : mesh_(mesh), parent_(mesh.facets.size()) {
-        std::iota(parent_.begin(), parent_.end(), 0u);
-    }
+    explicit Components(const Mesh& mesh) : mesh_(mesh), sets_(mesh.facets.size()) {}
 
     void join(const std::vector<features::CreaseEdge>& creases) {
         struct Edge {
@@ -35,7 +33,7 @@ class Components {
             std::uint32_t facet;
         };
         std::vector<Edge> edges;
-        for (std::size_t f = 0; f < parent_.size(); ++f) {
+        for (std::size_t f = 0; f < sets_.size(); ++f) {
             const NodeId* n = mesh_.facets.nodes.data() + 4 * f;
             const int count = n[2] == n[3] ? 3 : 4;
             for (int k = 0; k < count; ++k) {
@@ -52,25 +50,15 @@ class Components {
             if (p.a != q.a || p.b != q.b) continue;
             while (crease != creases.end() && std::tie(crease->a, crease->b) < std::tie(p.a, p.b)) ++crease;
             if (crease != creases.end() && crease->a == p.a && crease->b == p.b) continue;
-            if (mesh_.facets.surface[p.facet] == mesh_.facets.surface[q.facet]) unite(p.facet, q.facet);
+            if (mesh_.facets.surface[p.facet] == mesh_.facets.surface[q.facet]) sets_.join(p.facet, q.facet);
         }
     }
 
-    bool is_root(std::size_t facet) const { return parent_[facet] == facet; }
+    bool is_first(std::size_t facet) const { return sets_.is_first(static_cast<std::uint32_t>(facet)); }
 
   private:
-    std::uint32_t root(std::uint32_t facet) {
-        while (parent_[facet] != facet) facet = parent_[facet] = parent_[parent_[facet]];
-        return facet;
-    }
-    void unite(std::uint32_t p, std::uint32_t q) {
-        p = root(p);
-        q = root(q);
-        parent_[std::max(p, q)] = std::min(p, q);
-    }
-
     const Mesh& mesh_;
-    std::vector<std::uint32_t> parent_;
+    DisjointSets sets_;
 };
 
 void report_surfaces(const Mesh& mesh, const std::vector<features::CreaseEdge>& creases,
@@ -83,7 +71,7 @@ void report_surfaces(const Mesh& mesh, const std::vector<features::CreaseEdge>& 
         SurfaceFigures& figures = report.surfaces[mesh.facets.surface[f]];
         ++figures.facets;
         figures.area += length(normal_times_area(mesh, mesh.facets.nodes.data() + 4 * f));
-        if (components.is_root(f)) ++figures.components;
+        if (components.is_first(f)) ++figures.components;
     }
 }
 

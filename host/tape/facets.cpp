@@ -6,6 +6,8 @@
 #include <map>
 #include <numeric>
 
+#include "host/common/disjoint_sets.hpp"
+
 namespace mortise::tape {
 namespace {
 
@@ -71,28 +73,23 @@ void join_patches(const TriangleSurface& surface, double sharp_angle, Facets& fa
     constexpr double kDegree = 0.017453292519943295;
     // Equal angles count as sharp or smooth alike, whatever their rounding.
     const double least = std::cos((sharp_angle + 1e-6) * kDegree);
-    std::vector<std::uint32_t> parent(facets.planes.size());
-    std::iota(parent.begin(), parent.end(), 0U);
-    const auto find = [&parent](std::uint32_t i) {
-        while (parent[i] != i) i = parent[i] = parent[parent[i]];
-        return i;
-    };
+    DisjointSets sets(facets.planes.size());
     for (std::size_t t = 0; t < facets.across.size() && sharp_angle > 0; ++t) {
         if (facets.of_triangle[t] == Facets::kNone) continue;
         for (const std::uint32_t next : facets.across[t]) {
             if (next == Facets::kNone || facets.of_triangle[next] == Facets::kNone) continue;
             if (!surface.group.empty() && surface.group[t] != surface.group[next]) continue;
-            const std::uint32_t a = find(facets.of_triangle[t]);
-            const std::uint32_t b = find(facets.of_triangle[next]);
-            if (a == b) continue;
-            const auto& p = facets.planes[facets.of_triangle[t]];
-            const auto& q = facets.planes[facets.of_triangle[next]];
-            if (p[0] * q[0] + p[1] * q[1] + p[2] * q[2] >= least) parent[std::max(a, b)] = std::min(a, b);
+            const std::uint32_t a = facets.of_triangle[t];
+            const std::uint32_t b = facets.of_triangle[next];
+            if (sets.find(a) == sets.find(b)) continue;
+            const auto& p = facets.planes[a];
+            const auto& q = facets.planes[b];
+            if (p[0] * q[0] + p[1] * q[1] + p[2] * q[2] >= least) sets.join(a, b);
         }
     }
-    facets.patch_of_plane.resize(parent.size());
-    for (std::uint32_t i = 0; i < parent.size(); ++i) {
-        const std::uint32_t first = find(i);
+    facets.patch_of_plane.resize(sets.size());
+    for (std::uint32_t i = 0; i < sets.size(); ++i) {
+        const std::uint32_t first = sets.find(i);
         facets.patch_of_plane[i] =
             first == i ? static_cast<std::uint32_t>(facets.patches++) : facets.patch_of_plane[first];
     }
