@@ -126,7 +126,6 @@ Mesh Mesher::generate(const Model& model, const MeshOptions& options, MeshReport
     }
     if (mesh.element_count() == 0) pipeline::refuse_empty(model.source);
     mesh.region_names = prepared.compiled.region_names;
-    pipeline::warn_of_empty_regions(mesh.region_names, regions_present(mesh), model.source, out);
 
     std::vector<NodeId> copy_of;
     if (!prepared.periodic.empty()) {
@@ -142,6 +141,7 @@ Mesh Mesher::generate(const Model& model, const MeshOptions& options, MeshReport
     }
     describe_mesh(prepared.compiled, prepared.bound, prepared.leaves, options, model.source, stages, mesh,
                   out);
+    pipeline::warn_of_empty_regions(mesh.region_names, regions_present(mesh), model.source, out);
     if (report != nullptr) {
         stages.begin("jacobians", 0.99);
         out.scaled_jacobians = jacobian::scaled_jacobians(
