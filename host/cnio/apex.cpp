@@ -93,9 +93,23 @@ LatticePoint Cell::apex_near(const ApexSearch& search, const std::vector<std::si
 
 /// The pole of the leaf, if it stands for the middle of this face, or for the apex.
 bool Cell::pole_at(int face, LatticePoint& at) const {
-    if (pole_ == nullptr || pole_->face != face) return false;
-    for (std::size_t j = 0; j < 3; ++j) at[j] = pole_->at[j] * (units_ / kCellUnits);
+    if (pole_ == nullptr) return false;
+    const bool is_apex = face == octree::LeafPole::kInside;
+    if (is_apex ? !pole_->has_apex : pole_->face != face) return false;
+    at = is_apex ? pole_->apex : pole_->at;
+    for (std::int32_t& x : at) x *= units_ / kCellUnits;
     return true;
+}
+
+/// Puts a node that stands for the pole on all its surfaces: it may have moved here along them, and not all
+/// pass through it exactly.
+void Cell::settle_pole(LocalNode node, int face) {
+    LatticePoint pole;
+    if (!pole_at(face, pole) || nodes_[node].point != pole) return;
+    for (const std::uint32_t surface : pole_->through) {
+        const auto at = std::lower_bound(surfaces_.begin(), surfaces_.end(), surface);
+        set_sign(node, static_cast<std::size_t>(at - surfaces_.begin()), 0);
+    }
 }
 
 LatticePoint Cell::apex() const {

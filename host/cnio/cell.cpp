@@ -56,6 +56,12 @@ int Cell::value_sign(std::size_t surface, const LatticePoint& p) const {
 
 LocalNode Cell::add_node(const LatticePoint& p, std::uint8_t faces, std::uint16_t code,
                          std::uint8_t middles) {
+    return append_node(p, faces, code, middles, kTogether * scale_.size);
+}
+
+/// `size`: of the cells whose tolerance the signs have.
+LocalNode Cell::append_node(const LatticePoint& p, std::uint8_t faces, std::uint16_t code,
+                            std::uint8_t middles, double size) {
     Node node;
     node.point = p;
     node.faces = faces;
@@ -63,15 +69,13 @@ LocalNode Cell::add_node(const LatticePoint& p, std::uint8_t faces, std::uint16_
     node.code = code;
     nodes_.push_back(node);
     for (std::size_t s = 0; s < surfaces_.size(); ++s)
-        signs_.push_back(static_cast<std::int8_t>(pure_sign(s, p, scale_.size)));
+        signs_.push_back(static_cast<std::int8_t>(pure_sign(s, p, size)));
     return static_cast<LocalNode>(nodes_.size() - 1);
 }
 
-LatticePoint Cell::root(std::size_t surface, LocalNode a, LocalNode b) const {
+LatticePoint Cell::root(std::size_t surface, const LatticePoint& from, const LatticePoint& to) const {
     double low[3];
     double high[3];
-    const LatticePoint& from = nodes_[a].point;
-    const LatticePoint& to = nodes_[b].point;
     position(from, low);
     position(to, high);
     const double t = root_between(surface, low, high);
@@ -272,7 +276,7 @@ void Cell::load_corners() {
         const LatticePoint p = {(c & 1) * units_, ((c >> 1) & 1) * units_, (c >> 2) * units_};
         scale_ = is_vertex_fine(at[0], at[1], at[2]) ? half_scale() : whole_scale();
         vertex_[static_cast<std::size_t>(at[0] + 3 * at[1] + 9 * at[2])] =
-            add_node(p, faces_of(at), static_cast<std::uint16_t>(c));
+            append_node(p, faces_of(at), static_cast<std::uint16_t>(c), 0, scale_.size);
     }
 }
 
@@ -283,7 +287,7 @@ LocalNode Cell::grid_vertex(int x, int y, int z) {
     const int at[3] = {x, y, z};
     const std::int32_t half = units_ / 2;
     scale_ = half_scale();
-    node = add_node({x * half, y * half, z * half}, faces_of(at), kExtraCode, middles_of(at));
+    node = append_node({x * half, y * half, z * half}, faces_of(at), kExtraCode, middles_of(at), scale_.size);
     return node;
 }
 

@@ -30,6 +30,11 @@ inline constexpr LocalNode kNoNode = 0xffff;
 /// not active: cutting it by another surface then makes new mixed edges, which the next round splits.
 inline constexpr int kBisectionRounds = 6;
 
+/// Nodes other than vertices of the grid are on all surfaces within this many tolerances of signs, 1e-4 of a
+/// cell: rods and the balls at their ends meet in one point but for the six figures of their coordinates, and
+/// what parts them there would be slivers.
+inline constexpr double kTogether = 16;
+
 /// How a node is told to the outside: a corner, the single root of an edge, or a node with a key of its own.
 inline constexpr std::uint16_t kExtraCode = 20;
 
@@ -171,8 +176,10 @@ class Cell {
     /// cone from a point of a crease needs no cuts inside, and an apex beside a surface would make simplices
     /// as flat as it is close (apex.cpp).
     LatticePoint apex() const;
+    void settle_pole(LocalNode node, int face);
 
-    /// Appends a node with pure signs for every surface, of the entity at hand.
+    /// Appends a node with pure signs for every surface, of the entity at hand, and zero for those next to
+    /// it.
     LocalNode add_node(const LatticePoint& p, std::uint8_t faces, std::uint16_t code = kExtraCode,
                        std::uint8_t middles = 0);
     void remove_last_node() {
@@ -181,8 +188,8 @@ class Cell {
     }
     void set_cap(LocalNode node, std::uint16_t quad) { nodes_[node].cap = quad; }
 
-    /// The root of a surface between two nodes, on the lattice.
-    LatticePoint root(std::size_t surface, LocalNode a, LocalNode b) const;
+    /// The root of a surface between two points of opposite signs, on the lattice.
+    LatticePoint root(std::size_t surface, const LatticePoint& from, const LatticePoint& to) const;
 
     /// The order in which the cell's surfaces cut it: those first that tell most of the others apart from
     /// what they change nothing of. Where two solids meet smoothly on a plane inside both, the plane comes
@@ -220,6 +227,8 @@ class Cell {
     bool pole_at(int face, LatticePoint& at) const;
     LatticePoint fan_centre(const std::vector<LocalNode>& loop, const Patch& patch) const;
     // cell.cpp
+    LocalNode append_node(const LatticePoint& p, std::uint8_t faces, std::uint16_t code, std::uint8_t middles,
+                          double size);
     void load_surroundings();
     void load_tape();
     void load_active_sets();
@@ -265,6 +274,16 @@ class Cell {
     bool is_resolved() const;
     void add_polygon(const std::vector<LocalNode>& polygon, const Patch& patch, std::vector<Facet>& facets);
     bool flat(LocalNode a, LocalNode b, LocalNode c) const;
+    /// Whether an edge of a face mesh lies within the face, not on its border.
+    bool is_inner(const Patch& patch, LocalNode a, LocalNode b) const {
+        return (nodes_[a].faces & nodes_[b].faces) == 1u << patch.face &&
+               (nodes_[a].middles & nodes_[b].middles) == 0;
+    }
+    // crossing.cpp
+    bool insert_crossings(const Patch& patch, std::size_t k);
+    bool insert_crossing(const Patch& patch, std::size_t p, const std::array<std::uint16_t, 3>& corner);
+    bool matters_at(const Patch& patch, std::size_t surface, const LatticePoint& at);
+    void settle_crossing(const Patch& patch, std::size_t p, std::size_t q, LatticePoint& at) const;
 
     const tape::BoundModel& model_;
     const octree::Octree& tree_;

@@ -144,6 +144,7 @@ void Certificate::add_simplex(const std::array<LocalNode, 4>& node) {
 
 void Certificate::cone(const LatticePoint& at) {
     const LocalNode apex = cell_.add_node(at, 0);
+    cell_.settle_pole(apex, octree::LeafPole::kInside);
     for (int p = 0; p < kPatches; ++p) {
         const bool outward = frame_points_outward(p / 4);
         for (Facet facet : cell_.patch(p)) {
@@ -257,7 +258,7 @@ bool Certificate::bisect(const std::vector<std::size_t>& order, std::size_t k, i
             ++cell_.counters.limited;
             return false;
         }
-        const LatticePoint at = cell_.root(p, a, b);
+        const LatticePoint at = cell_.root(p, cell_.nodes()[a].point, cell_.nodes()[b].point);
         if (cell_.snap_end(p, a, b, at, kMergeDistance, false)) {
             any = true;
             continue;

@@ -292,13 +292,7 @@ void Cell::fan_patch(const std::vector<LocalNode>& loop, const Patch& patch, std
     fan_nodes_ = loop;
     const std::size_t first = nodes_.size();
     fan_nodes_.push_back(add_node(fan_centre(loop, patch), static_cast<std::uint8_t>(1u << patch.face)));
-    if (LatticePoint pole; !patch.quarter && pole_at(patch.face, pole)) {
-        // It may have moved here along its surfaces.
-        for (const std::uint32_t surface : pole_->through) {
-            const auto at = std::lower_bound(surfaces_.begin(), surfaces_.end(), surface);
-            set_sign(fan_nodes_.back(), static_cast<std::size_t>(at - surfaces_.begin()), 0);
-        }
-    }
+    if (!patch.quarter) settle_pole(fan_nodes_.back(), patch.face);
     fan_.clear();
     const auto centre = static_cast<std::uint16_t>(loop.size());
     for (std::size_t i = 0; i < loop.size(); ++i) {
@@ -312,7 +306,10 @@ void Cell::fan_patch(const std::vector<LocalNode>& loop, const Patch& patch, std
     bool again = true;
     for (int round = 0; round < kBisectionRounds && again; ++round) {
         again = false;
-        for (std::size_t k = 0; k < patch_order_.size(); ++k) again = split_patch(patch, k, round) || again;
+        for (std::size_t k = 0; k < patch_order_.size(); ++k) {
+            again = split_patch(patch, k, round) || again;
+            again = insert_crossings(patch, k) || again;
+        }
     }
     for (const auto& t : fan_) {
         const LocalNode c = fan_nodes_[t[2]];
@@ -423,7 +420,6 @@ bool Cell::ends_crease(std::size_t p, const std::array<std::uint16_t, 2>& edge, 
 bool Cell::split_patch(const Patch& patch, std::size_t k, int round) {
     bool any = false;
     const std::size_t p = patch_order_[k];
-    const std::uint8_t own = static_cast<std::uint8_t>(1u << patch.face);
     const std::uint8_t* active = patch_active_.data();
     // Of the face, not of the cell: both sides must stop at the same triangle.
     const std::size_t on_face = patch_order_.size();
@@ -433,10 +429,9 @@ bool Cell::split_patch(const Patch& patch, std::size_t k, int round) {
         for (std::size_t i = 0; i < 3; ++i) {
             const std::uint16_t a = std::min(t[i], t[(i + 1) % 3]);
             const std::uint16_t b = std::max(t[i], t[(i + 1) % 3]);
-            const Node& na = nodes_[fan_nodes_[a]];
-            const Node& nb = nodes_[fan_nodes_[b]];
-            const bool interior = (na.faces & nb.faces) == own && (na.middles & nb.middles) == 0;
-            if (interior && sign(fan_nodes_[a], p) * sign(fan_nodes_[b], p) < 0) mixed_.push_back({a, b});
+            if (is_inner(patch, fan_nodes_[a], fan_nodes_[b]) &&
+                sign(fan_nodes_[a], p) * sign(fan_nodes_[b], p) < 0)
+                mixed_.push_back({a, b});
         }
         if (mixed_.size() == before) continue;
         load_certain_signs(t.data(), 3, active);
@@ -458,7 +453,7 @@ bool Cell::split_patch(const Patch& patch, std::size_t k, int round) {
             ++counters.limited;
             return false;
         }
-        const LatticePoint at = root(p, na, nb);
+        const LatticePoint at = root(p, nodes_[na].point, nodes_[nb].point);
         if (snap_end(p, na, nb, at, kMergeDistance, true)) {
             any = true;
             continue;

@@ -5,6 +5,7 @@
 #include <set>
 
 #include "host/common/parallel.hpp"
+#include "host/common/vec3.hpp"
 #include "host/tape/local_tape.hpp"
 
 namespace mortise::octree {
@@ -14,10 +15,14 @@ constexpr std::size_t kChunk = 256;
 constexpr std::size_t kMostSurfaces = 16;  ///< of a leaf; all pairs are looked at
 constexpr std::size_t kMostThrough = 6;    ///< of a pole
 // In edges of the leaf.
-constexpr double kReach = 1;       ///< of the search, from the leaf's centre
-constexpr double kSame = 1e-6;     ///< closer poles are one
-constexpr double kNearFace = 0.1;  ///< so close to a face a pole becomes the face's middle
-constexpr double kLeast = 1e-3;    ///< distance that it keeps from everything else
+constexpr double kReach = 1;        ///< of the search, from the leaf's centre
+constexpr double kSame = 1e-6;      ///< closer poles are one
+constexpr double kThrough = 1e-4;   ///< so close a surface passes through a pole: models have rounded figures
+constexpr double kNearFace = 0.1;   ///< so close to a face a pole becomes the face's middle
+constexpr double kUpright = 0.75;   ///< square of the normal along an axis; the tangent plane is across it
+constexpr double kDeep = 0.2;       ///< of the apex then
+constexpr double kTouching = 0.99;  ///< cosine between the normals of surfaces that touch
+constexpr double kLeast = 1e-3;     ///< distance that it keeps from everything else
 
 Vec3 corner_of(const Octree& tree, std::uint64_t morton) {
     Vec3 x{};
@@ -54,7 +59,7 @@ class LeafSearch {
         if (!load(leaf)) return result;
         const double edge = Octree::edge_of(tree_.level_of(leaf.morton));
         for (const std::uint32_t s : surfaces_) {
-            if (std::fabs(distance_to(s, pole.at)) < kSame * edge) result.push_back(s);
+            if (std::fabs(distance_to(s, pole.at)) < kThrough * edge) result.push_back(s);
         }
         const bool all =
             std::includes(result.begin(), result.end(), pole.surfaces.begin(), pole.surfaces.end());
@@ -81,7 +86,7 @@ class LeafSearch {
             if (s == a || s == b) continue;
             const double distance = distance_to(surfaces_[s], pole.at) / edge;
             if (!(std::fabs(distance) > kLeast)) {
-                if (!(std::fabs(distance) < kSame) || through.size() == kMostThrough) return false;
+                if (!(std::fabs(distance) < kThrough) || through.size() == kMostThrough) return false;
                 through.push_back(s);
             }
             signs[s] = distance < 0 ? -1 : 1;
@@ -101,8 +106,29 @@ class LeafSearch {
         }
         std::sort(pole.surfaces.begin(), pole.surfaces.end());
         for (const std::size_t s : through) pole.through.push_back(surfaces_[s]);
+        pole.is_skin = is_skin(through, region, pole);
         pole.region = std::move(region);
         return true;
+    }
+
+    bool is_skin(const std::vector<std::size_t>& through, const std::vector<std::int32_t>& region,
+                 const tape::Pole& pole) const {
+        std::size_t touching = 0;  // bits of surfaces whose normal is the pole's
+        std::size_t below = 0;     // of those, which are positive below
+        for (std::size_t i = 0; i < through.size(); ++i) {
+            const SurfaceSample f = sample(surfaces_[through[i]], pole.at);
+            const Vec3 gradient = {f.gradient[0], f.gradient[1], f.gradient[2]};
+            const double along = dot(gradient, pole.normal) / std::sqrt(dot(gradient, gradient));
+            if (std::fabs(along) < kTouching) continue;
+            touching |= std::size_t{1} << i;
+            if (along < 0) below |= std::size_t{1} << i;
+        }
+        const std::size_t above = touching & ~below;
+        for (std::size_t k = 0; k < region.size(); ++k) {
+            if ((k & touching) == below && region[k] != region[below]) return false;
+            if ((k & touching) == above && region[k] != region[above]) return false;
+        }
+        return region[below] != region[above];
     }
 
     SurfaceSample sample(std::uint32_t surface, const Vec3& x) const {
@@ -142,7 +168,7 @@ class Placing {
         Vec3 local{};
         for (std::size_t j = 0; j < 3; ++j) local[j] = (pole.at[j] - low[j]) / edge;
         if (!add_to_face(pole, own, leaf, local) && is_inside(local, 3)) {
-            if (!is_taken(leaf.code)) take(entry(leaf.code, LeafPole::kInside, local, own));
+            if (!is_taken(leaf.code)) take(entry(leaf.code, LeafPole::kInside, local, local, true, own));
         }
     }
 
@@ -161,12 +187,33 @@ class Placing {
         tree_.leaf_poles.push_back(std::move(pole));
     }
 
-    static LeafPole entry(std::uint64_t morton, int face, const Vec3& local,
-                          const std::vector<std::uint32_t>& through) {
-        LeafPole result{morton, face, {}, through};
+    static LeafPole::Point on_lattice(const Vec3& local) {
+        LeafPole::Point at{};
         for (std::size_t j = 0; j < 3; ++j)
-            result.at[j] = static_cast<std::int32_t>(std::rint(local[j] * kCellUnits));
-        return result;
+            at[j] = static_cast<std::int32_t>(std::rint(local[j] * kCellUnits));
+        return at;
+    }
+
+    static LeafPole entry(std::uint64_t morton, int face, const Vec3& local, const Vec3& apex, bool has_apex,
+                          const std::vector<std::uint32_t>& through) {
+        bool inside = has_apex;
+        for (const double x : apex) inside = inside && x >= kLeast && x <= 1 - kLeast;
+        return {morton, face, on_lattice(local), inside, on_lattice(apex), through};
+    }
+
+    /// The pole, moved along its tangent plane to where a coordinate has this value.
+    static Vec3 slide(const tape::Pole& pole, const Vec3& local, std::size_t axis, double to) {
+        const double way = to - local[axis];
+        const double upright = pole.normal[axis] * pole.normal[axis];
+        Vec3 slid = local;
+        if (upright < kUpright) {
+            for (std::size_t j = 0; j < 3; ++j) {
+                const double tangent = (j == axis ? 1 : 0) - pole.normal[axis] * pole.normal[j];
+                slid[j] += way / (1 - upright) * tangent;
+            }
+        }
+        slid[axis] = to;
+        return slid;
     }
 
     /// Close to a face, the cone's elements there would be flat: the pole slides onto the face, along its
@@ -180,16 +227,7 @@ class Placing {
         }
         if (gap(axis) > kNearFace) return false;
         const bool high = local[axis] > 0.5;
-        const double way = (high ? 1 : 0) - local[axis];
-        const double upright = pole.normal[axis] * pole.normal[axis];
-        Vec3 slid = local;
-        if (upright < 0.75) {
-            for (std::size_t j = 0; j < 3; ++j) {
-                const double tangent = (j == axis ? 1 : 0) - pole.normal[axis] * pole.normal[j];
-                slid[j] += way / (1 - upright) * tangent;
-            }
-        }
-        slid[axis] = high ? 1 : 0;
+        Vec3 slid = slide(pole, local, axis, high ? 1 : 0);
         if (!is_inside(slid, axis)) return false;
         const int face = 2 * static_cast<int>(axis) + (high ? 1 : 0);
         i32 direction[3] = {0, 0, 0};
@@ -201,9 +239,12 @@ class Placing {
             return false;
         const std::vector<std::uint32_t> other = search_.through(tree_.nio[beyond.index], pole);
         if (other.empty()) return false;
-        take(entry(leaf.code, face, slid, own));
+        const bool has_apex =
+            pole.is_skin && own.size() > 2 && pole.normal[axis] * pole.normal[axis] < kUpright;
+        take(entry(leaf.code, face, slid, slide(pole, slid, axis, high ? 1 - kDeep : kDeep), has_apex, own));
         slid[axis] = high ? 0 : 1;
-        take(entry(beyond.code, face ^ 1, slid, other));
+        take(entry(beyond.code, face ^ 1, slid, slide(pole, slid, axis, high ? kDeep : 1 - kDeep), has_apex,
+                   other));
         return true;
     }
 

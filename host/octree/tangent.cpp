@@ -15,11 +15,11 @@ namespace {
 constexpr double kReach = 16;       ///< from the leaf's centre to where two surfaces touch
 constexpr double kFarApart = 2;     ///< distance of one surface from the foot on the other
 constexpr double kSteep = 0.7;      ///< sine between their normals there
-constexpr double kTouch = 4e-6;     ///< distance where they touch
-constexpr double kParallel = 1e-6;  ///< sine between their normals there
+constexpr double kTouch = 4e-5;     ///< distance where they touch
+constexpr double kParallel = 1e-5;  ///< sine between their normals there
 constexpr double kCrossing = 0.1;   ///< sine between surfaces that cross
 constexpr double kNear = 0.75;      ///< from the leaf's centre, along each axis
-constexpr double kFilm = 1e-5;      ///< what is thinner is no part of the solid
+constexpr double kFilm = 1e-4;      ///< what is thinner is no part of the solid
 constexpr double kStep = 1e-3;      ///< lower ones, at the end of an overlap, are not meshed
 constexpr double kDifference = 1e-3;
 constexpr double kDamping = 1e-6;       ///< of steps towards the contact

@@ -24,7 +24,7 @@ struct LeafBox {
 
 /// Rewrites the formula of a leaf, so that tangent surfaces do not both cut it where one of them changes
 /// nothing: one takes the place of the other, everywhere or on one side of a third surface (the end of the
-/// box that lies in the cylinder). The solid stays the same but for films thinner than 1e-5 of a cell.
+/// box that lies in the cylinder). The solid stays the same but for films thinner than 1e-4 of a cell.
 /// Where the third surface has no other role, the two are one surface of the leaf: `joint` tells; its tape is
 /// empty where there is none. A function of the leaf alone. Returns whether the formula changed or there is
 /// a joint.

@@ -16,6 +16,7 @@ struct Pole {
     // Of a pole of the solid; find_pole leaves them empty.
     std::vector<std::uint32_t> through;  ///< all surfaces that its leaf knows to pass there
     std::vector<std::int32_t> region;    ///< by the signs of `through`: bit i of the place is set if positive
+    bool is_skin = false;  ///< one region lies below all the surfaces that touch there, another above
 };
 
 /// Looks for a pole of two surfaces within `reach` of a point along both tangents; box-local. Both surfaces

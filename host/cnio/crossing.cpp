@@ -1,0 +1,117 @@
+// Points of a face where two surfaces cross, out of reach of the fan's own edges: the first of the surfaces
+// leaves the face through an edge of the cell where it is not active, so no node of that edge ends its cut.
+// Without the point, the surfaces it parts (a cylinder and the sphere that caps it) both cut the triangles
+// there, and the film between them stays.
+#include <algorithm>
+#include <cmath>
+
+#include "host/cnio/cell.hpp"
+#include "host/tape/projection.hpp"
+
+namespace mortise::cnio {
+namespace {
+
+constexpr double kTangent = 0.1;    ///< sine between gradients below which surfaces do not cross
+constexpr double kReach = 0.25;     ///< edges, from the point on the chord to that on both surfaces
+constexpr double kSettled = 1e-10;  ///< edges, the last step
+constexpr double kInside = 1e-9;    ///< of a triangle's area: what its parts may be larger
+
+}  // namespace
+
+/// Puts such points into triangles one of whose corners is on surface p.
+bool Cell::insert_crossings(const Patch& patch, std::size_t k) {
+    const std::size_t p = patch_order_[k];
+    bool any = false;
+    const std::size_t count = fan_.size();
+    for (std::size_t t = 0; t < count; ++t) {
+        for (std::size_t i = 0; i < 3; ++i) {
+            const std::array<std::uint16_t, 3> turned = {fan_[t][i], fan_[t][(i + 1) % 3],
+                                                         fan_[t][(i + 2) % 3]};
+            const LocalNode u = fan_nodes_[turned[0]];
+            const LocalNode v = fan_nodes_[turned[1]];
+            if (sign(u, p) * sign(v, p) >= 0 || sign(fan_nodes_[turned[2]], p) != 0) continue;
+            if (is_inner(patch, u, v)) continue;
+            if (!insert_crossing(patch, p, turned)) continue;
+            const auto local = static_cast<std::uint16_t>(fan_nodes_.size() - 1);
+            fan_[t] = {turned[0], turned[1], local};
+            fan_.push_back({turned[1], turned[2], local});
+            fan_.push_back({turned[2], turned[0], local});
+            any = true;
+            break;
+        }
+    }
+    return any;
+}
+
+/// Adds the point of one triangle, on p between its third corner and the opposite edge, where p first meets
+/// another surface.
+bool Cell::insert_crossing(const Patch& patch, std::size_t p, const std::array<std::uint16_t, 3>& corner) {
+    const std::uint8_t* active = patch_active_.data();
+    load_certain_signs(corner.data(), 3, active);
+    if (is_resolved() || !matters(p)) return false;
+    const std::vector<std::int8_t> certain = certain_signs_;
+    const LocalNode u = fan_nodes_[std::min(corner[0], corner[1])];
+    const LocalNode v = fan_nodes_[std::max(corner[0], corner[1])];
+    const LocalNode w = fan_nodes_[corner[2]];
+    const LatticePoint end = root(p, nodes_[u].point, nodes_[v].point);
+    LatticePoint at{};
+    std::size_t other = surfaces_.size();
+    double nearest = distance(nodes_[w].point, end);
+    for (const std::size_t q : patch_order_) {
+        if (q == p || sign(w, q) * pure_sign(q, end, patch.scale.size) >= 0) continue;
+        const LatticePoint candidate = root(q, nodes_[w].point, end);
+        const double from = distance(nodes_[w].point, candidate);
+        if (from >= nearest || !matters_at(patch, q, candidate)) continue;
+        nearest = from;
+        at = candidate;
+        other = q;
+    }
+    if (other == surfaces_.size()) return false;
+    settle_crossing(patch, p, other, at);
+    const double whole = twice_area(nodes_[u].point, nodes_[v].point, nodes_[w].point);
+    const double parts = twice_area(nodes_[u].point, nodes_[v].point, at) +
+                         twice_area(nodes_[v].point, nodes_[w].point, at) +
+                         twice_area(nodes_[w].point, nodes_[u].point, at);
+    if (parts > (1 + kInside) * whole) return false;
+    const LocalNode m = add_node(at, static_cast<std::uint8_t>(1u << patch.face));
+    if (flat(u, v, m) || flat(v, w, m) || flat(w, u, m)) {
+        remove_last_node();
+        return false;
+    }
+    for (const std::size_t s : patch_order_) {
+        if (certain[s] != 0) set_sign(m, s, certain[s]);
+    }
+    set_sign(m, p, 0);
+    set_sign(m, other, 0);
+    fan_nodes_.push_back(m);
+    return true;
+}
+
+/// Whether the region changes at a surface there, on either side of surfaces that are no farther.
+bool Cell::matters_at(const Patch& patch, std::size_t surface, const LatticePoint& at) {
+    for (const std::size_t s : patch_order_) {
+        certain_signs_[s] = s == surface
+                                ? std::int8_t{0}
+                                : static_cast<std::int8_t>(pure_sign(s, at, kTogether * patch.scale.size));
+    }
+    for (std::size_t i = 0; i < other_surfaces_.size(); ++i)
+        other_signs_[i] =
+            other_to_own_[i] < surfaces_.size() ? certain_signs_[other_to_own_[i]] : std::int8_t{0};
+    return matters(surface);
+}
+
+/// Moves a point of the face onto two surfaces, if they cross next to it.
+void Cell::settle_crossing(const Patch& patch, std::size_t p, std::size_t q, LatticePoint& at) const {
+    double start[3];
+    position(at, start);
+    const double size = patch.scale.size;
+    const tape::ProjectionLimits limits = {kReach * size, kTangent, kSettled * size, patch.face / 2};
+    const std::vector<std::uint32_t> on = model_surfaces({p, q}, start);
+    double x[3] = {start[0], start[1], start[2]};
+    if (!tape::project(model_, on.data(), on.size(), limits, x)) return;
+    const double unit = size_ / units_ * patch.scale.step;
+    for (std::size_t j = 0; j < 3; ++j)
+        at[j] += patch.scale.step * static_cast<std::int32_t>(std::rint((x[j] - start[j]) / unit));
+}
+
+}  // namespace mortise::cnio

@@ -1,0 +1,97 @@
+// Rods that meet in a ball of their radius, as people build lattices: each rod ends in a disc that halves the
+// ball, and where two of them meet, both and the ball touch in one point.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "tests/mesher/meshed.hpp"
+#include "tests/mesher/random_source.hpp"
+
+namespace mortise::test {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+constexpr double kLength = 10;
+
+/// To six significant figures, which is what OpenSCAD writes.
+Affine rounded(Affine map) {
+    for (double& x : map) {
+        if (x == 0) continue;
+        const double unit = std::pow(10, std::floor(std::log10(std::fabs(x))) - 5);
+        x = std::round(x / unit) * unit;
+    }
+    return map;
+}
+
+/// From the origin along a direction, then posed.
+NodeIndex add_rod(Model& m, const Affine& pose, const Vec3& direction, double radius, bool is_rounded) {
+    const double length = std::hypot(direction[0], direction[1], direction[2]);
+    const double tilt = std::acos(direction[2] / length);
+    const Vec3 axis = {-direction[1], direction[0], 0};
+    const Affine turn = std::hypot(axis[0], axis[1]) > 0 ? rotation(axis, tilt)
+                        : tilt < 1                       ? kIdentity
+                                                         : rotation({1, 0, 0}, kPi);
+    const Affine map = compose(pose, turn);
+    return m.add_transform(is_rounded ? rounded(map) : map, add_cylinder(m, radius, 0, kLength));
+}
+
+struct Joint {
+    const char* name;
+    std::vector<Vec3> directions;
+};
+
+const std::vector<Joint>& joints() {
+    static const std::vector<Joint> all = {
+        {"elbow", {{1, 0, 0}, {0, 1, 0}}},
+        {"corner of a cube", {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}},
+        {"middle of a cubic lattice", {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}}},
+        {"diamond", {{1, 1, 1}, {1, -1, -1}, {-1, 1, -1}, {-1, -1, 1}}},
+        {"corner, face centred", {{1, 1, 0}, {1, 0, 1}, {0, 1, 1}}},
+        {"two rods, body centred", {{-1, 1, -1}, {-1, -1, -1}}},
+        {"truncated octahedron", {{0, 1, 1}, {1, -1, 0}, {-1, -1, 0}, {0, 1, -1}}},
+    };
+    return all;
+}
+
+}  // namespace
+
+TEST_CASE("rods that meet in a ball of their radius") {
+    RandomSource random(environment_number("MORTISE_RANDOM_SEED", 7));
+    const int count = static_cast<int>(environment_number("MORTISE_RODS", 4));
+    for (const Joint& joint : joints()) {
+        for (int i = 0; i < count; ++i) {
+            CAPTURE(joint.name);
+            CAPTURE(i);
+            const double radius = random.uniform(0.6, 1.4);
+            const bool turned = i % 4 > 1;
+            const Vec3 axis = {random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
+            const Vec3 by = {random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
+            Affine pose = translation(by);
+            if (turned) pose = compose(pose, rotation(axis, random.uniform(0, 2 * kPi)));
+            const Model model = one_solid([&](Model& m) {
+                std::vector<NodeIndex> parts;
+                for (const Vec3& direction : joint.directions) {
+                    parts.push_back(add_rod(m, pose, direction, radius, i % 2 == 1));
+                    const double length = std::hypot(direction[0], direction[1], direction[2]);
+                    Vec3 end;
+                    for (std::size_t j = 0; j < 3; ++j) end[j] = kLength / length * direction[j];
+                    parts.push_back(add_ball(m, test::apply(pose, end), radius));
+                }
+                parts.push_back(add_ball(m, test::apply(pose, {0, 0, 0}), radius));
+                return unite(m, parts);
+            });
+            MeshOptions options;
+            options.size = random.uniform(0.28, 0.4) * radius;
+            const Meshed m = mesh_and_check(model, options);
+            CHECK(m.defects == "");
+            CHECK(m.check.euler_characteristic == 2);
+            CHECK(m.report.hinge_edges + m.report.hinge_nodes == 0);
+            CHECK(m.report.dropped_features == 0);
+            CHECK(*std::min_element(m.check.min_scaled_jacobian.begin(), m.check.min_scaled_jacobian.end()) >=
+                  0.15);
+        }
+    }
+}
+
+}  // namespace mortise::test
