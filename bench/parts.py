@@ -35,6 +35,7 @@ class Result(NamedTuple):
     elements: int
     merged: int
     dropped: int
+    touching: int  # edges and nodes at which the mesh's skin touches itself
     warned: bool
     seconds: float  # CPU time of all stages
     cause: str
@@ -110,14 +111,14 @@ def make_part(seed: int) -> str:
 
 
 def write_part(seed: int, folder: str) -> str:
-    path = os.path.join(folder, "part.scad")
+    path = os.path.join(folder, f"{seed}.scad")
     with open(path, "w", encoding="utf-8") as file:
         file.write(make_part(seed))
     return path
 
 
 def mesh(program: str, path: str, folder: str, options: List[str]) -> Optional[Result]:
-    command = [program, path, "-o", os.path.join(folder, "part.vtu"), "--quality", "--json", *options]
+    command = [program, path, "-o", os.path.join(folder, "mesh.vtu"), "--quality", "--json", *options]
     try:
         run = subprocess.run(command, capture_output=True, text=True, timeout=LIMIT, check=False)
     except subprocess.TimeoutExpired:
@@ -128,8 +129,30 @@ def mesh(program: str, path: str, folder: str, options: List[str]) -> Optional[R
     report = json.loads(run.stdout)
     return Result(min(v for v in report["min_scaled_jacobian"].values() if v is not None),
                   sum(report["elements"].values()), report["merged_nodes"], report["dropped_features"],
-                  "warning" in run.stderr, sum(stage["cpu_seconds"] for stage in report["stages"]),
+                  report["hinge_edges"] + report["hinge_nodes"], "warning" in run.stderr, sum(stage["cpu_seconds"] for stage in report["stages"]),
                   report["quality"]["worst"][0]["cause"])
+
+
+def tabulate(program: str, paths: List[str], folder: str, level: str) -> int:
+    """Meshes models and prints a line for each; the exit code."""
+    results: List[Result] = []
+    width = max(20, *(len(os.path.basename(path)) for path in paths))
+    print(f"{'model':>{width}} {'worst':>9} {'elements':>9} {'merged':>7} {'dropped':>7} {'touching':>8} {'CPU s':>6}"
+          "  cause of the worst element")
+    for path in paths:
+        name = os.path.basename(path)
+        result = mesh(program, path, folder, ["--level", level])
+        if result is None:
+            print(f"{name:>{width}} no mesh", flush=True)
+            continue
+        results.append(result)
+        print(f"{name:>{width}} {result.worst:>9.3g} {result.elements:>9} {result.merged:>7} {result.dropped:>7}"
+              f" {result.touching:>8} {result.seconds:>6.1f}  {result.cause}", flush=True)
+    print(f"{len(results)} of {len(paths)} meshed; below 0.15: {sum(r.worst < 0.15 for r in results)}, with warnings: "
+          f"{sum(r.warned for r in results)}, merged: {sum(r.merged > 0 for r in results)}, dropped features: "
+          f"{sum(r.dropped > 0 for r in results)}, touching themselves: {sum(r.touching > 0 for r in results)}; "
+          f"{sum(r.elements for r in results)} elements in {sum(r.seconds for r in results):.1f} s of CPU time")
+    return 0 if len(results) == len(paths) else 3
 
 
 def main() -> int:
@@ -145,25 +168,10 @@ def main() -> int:
     if arguments.write is not None:
         print(make_part(arguments.write), end="")
         return 0
-    results: List[Result] = []
-    parts = arguments.files or range(arguments.seed, arguments.seed + arguments.count)
-    print(f"{'part':>20} {'worst':>9} {'elements':>9} {'merged':>7} {'dropped':>7}  cause of the worst element")
     with tempfile.TemporaryDirectory() as folder:
-        for part in parts:
-            name = os.path.basename(str(part))
-            path = part if arguments.files else write_part(part, folder)
-            result = mesh(arguments.mortise, path, folder, ["--level", arguments.level])
-            if result is None:
-                print(f"{name:>20} no mesh", flush=True)
-                continue
-            results.append(result)
-            print(f"{name:>20} {result.worst:>9.3g} {result.elements:>9} {result.merged:>7} {result.dropped:>7}"
-                  f"  {result.cause}", flush=True)
-    print(f"{len(results)} of {len(parts)} meshed; below 0.15: {sum(r.worst < 0.15 for r in results)}, with warnings: "
-          f"{sum(r.warned for r in results)}, merged: {sum(r.merged > 0 for r in results)}, dropped features: "
-          f"{sum(r.dropped > 0 for r in results)}; {sum(r.elements for r in results)} elements in "
-          f"{sum(r.seconds for r in results):.1f} s of CPU time")
-    return 0 if len(results) == len(parts) else 3
+        seeds = range(arguments.seed, arguments.seed + arguments.count)
+        parts = arguments.files or [write_part(seed, folder) for seed in seeds]
+        return tabulate(arguments.mortise, parts, folder, arguments.level)
 
 
 if __name__ == "__main__":
