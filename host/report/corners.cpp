@@ -95,7 +95,7 @@ class CornerFinder {
                 if (step + 1 == kNewtonSteps) return;
             }
             if (!is_inside(x) || is_known(x)) return;
-            const std::vector<std::uint32_t> meeting = reduced_set(x);
+            const std::vector<std::uint32_t>& meeting = reduced_set(x);
             if (spans(meeting, x)) found_.push_back({x, meeting});
         });
     }
@@ -115,7 +115,7 @@ class CornerFinder {
 
     void try_apex(std::size_t i, const Vector& apex) {
         if (!is_inside(apex) || is_known(apex)) return;
-        const std::vector<std::uint32_t> meeting = reduced_set(apex);
+        const std::vector<std::uint32_t>& meeting = reduced_set(apex);
         if (std::binary_search(meeting.begin(), meeting.end(), surfaces_[i]))
             found_.push_back({apex, meeting});
     }
@@ -177,7 +177,7 @@ class CornerFinder {
             double rest = 0;
             for (const double v : end.value) rest = std::max(rest, std::fabs(v));
             if (!(rest < 1e-6) || condition < kIsolated || !is_inside(x) || is_known(x)) return;
-            const std::vector<std::uint32_t> meeting = reduced_set(x);
+            const std::vector<std::uint32_t>& meeting = reduced_set(x);
             if (std::binary_search(meeting.begin(), meeting.end(), a) &&
                 std::binary_search(meeting.begin(), meeting.end(), b)) {
                 found_.push_back({x, meeting});
@@ -214,9 +214,18 @@ class CornerFinder {
         }
     }
 
-    /// Surfaces through x whose flip changes the region near x: along lines that pass close by, from one
-    /// crossing to the next.
-    std::vector<std::uint32_t> reduced_set(const Vector& x) const {
+    /// Surfaces through x whose flip changes the region near x. Many triples of surfaces meet in one point,
+    /// most of them inside the solid.
+    const std::vector<std::uint32_t>& reduced_set(const Vector& x) {
+        for (const Corner& point : examined_) {
+            if (length(point.local - x) < kMerged) return point.surfaces;
+        }
+        examined_.push_back({x, sample_set(x)});
+        return examined_.back().surfaces;
+    }
+
+    /// The same, along lines that pass close by, from one crossing to the next.
+    std::vector<std::uint32_t> sample_set(const Vector& x) const {
         std::vector<std::size_t> through;
         std::vector<std::int8_t> signs, trial;
         leaf_.signs_at(model_, x, signs);
@@ -229,6 +238,9 @@ class CornerFinder {
                              length(apex - x) < kOnSurface);
             if (on) through.push_back(i);
         }
+        trial = signs;
+        for (const std::size_t i : through) trial[i] = 0;
+        if (leaf_.region(trial) != kUnknown) return {};
         std::vector<Vector> directions = {features::unit({0.36, 0.48, 0.8}), features::unit({0.8, -0.6, 0.1}),
                                           features::unit({-0.3, 0.5, -0.7})};
         for (std::size_t i = 0; i < through.size() && i < 8; ++i) {
@@ -277,6 +289,7 @@ class CornerFinder {
     double size_;  ///< of the leaf
     std::vector<std::uint32_t> surfaces_;
     std::vector<Corner> found_;
+    std::vector<Corner> examined_;  ///< points and their reduced sets
 };
 
 }  // namespace
