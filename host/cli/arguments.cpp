@@ -6,6 +6,7 @@
 #include <cerrno>
 #include <cmath>
 #include <cstdlib>
+#include <filesystem>
 #include <iomanip>
 #include <limits>
 #include <sstream>
@@ -405,7 +406,13 @@ void check_files(const Arguments& arguments) {
         refuse("no output given for '" + arguments.file + "'; add -o FILE.vtu or -o FILE.msh");
     }
     for (auto path = arguments.outputs.begin(); path != arguments.outputs.end(); ++path) {
-        if (std::count(arguments.outputs.begin(), path, *path) > 0) refuse("-o '" + *path + "': given twice");
+        const auto plain = [](const std::string& name) {
+            std::error_code ignored;
+            return std::filesystem::absolute(name, ignored).lexically_normal();
+        };
+        if (std::any_of(arguments.outputs.begin(), path,
+                        [&](const std::string& before) { return plain(before) == plain(*path); }))
+            refuse("-o '" + *path + "': given twice");
     }
 }
 

@@ -28,10 +28,6 @@ void check_other_output(const std::string& option, const std::string& path, cons
     if (name.extension() != extension) {
         throw Error(ExitCode::kUsage, option + " '" + path + "': expected a name that ends in " + extension);
     }
-    std::error_code ignored;
-    if (std::filesystem::is_directory(name, ignored)) {
-        throw Error(ExitCode::kFiles, "cannot write '" + path + "': it is a folder");
-    }
     try_folder(path);
 }
 

@@ -8,6 +8,7 @@
 #include <atomic>
 #include <cerrno>
 #include <cstring>
+#include <filesystem>
 
 #include "host/io/descriptor.hpp"
 #include "mortise/error.hpp"
@@ -40,6 +41,32 @@ int take_slot(const std::string& name) {
     return -1;
 }
 
+/// What a path leads to by symbolic links, the last of which may lead to a file that is not there yet. A
+/// chain without end leads to a link.
+std::filesystem::path follow_links(std::filesystem::path path) {
+    constexpr int kMostLinks = 40;
+    std::error_code ignored;
+    for (int i = 0; i < kMostLinks && std::filesystem::is_symlink(path, ignored); ++i) {
+        const std::filesystem::path next = std::filesystem::read_symlink(path, ignored);
+        path = next.is_absolute() ? next : path.parent_path() / next;
+    }
+    return path;
+}
+
+/// What keeps a file from being there; empty: nothing.
+const char* obstacle(const std::filesystem::path& target) {
+    std::error_code ignored;
+    switch (std::filesystem::symlink_status(target, ignored).type()) {
+        case std::filesystem::file_type::directory: return "it is a folder";
+        case std::filesystem::file_type::symlink: return "its symbolic links lead nowhere";
+        case std::filesystem::file_type::character:
+        case std::filesystem::file_type::block: return "it is a device; give the name of a file";
+        case std::filesystem::file_type::fifo:
+        case std::filesystem::file_type::socket: return "it is a pipe; give the name of a file";
+        default: return "";
+    }
+}
+
 }  // namespace
 
 void remove_temporary_files() noexcept {
@@ -49,7 +76,10 @@ void remove_temporary_files() noexcept {
 }
 
 TemporaryFile::TemporaryFile(const std::string& path) : path_(path) {
-    temporary_ = path + "." + std::to_string(getpid()) + "-" + std::to_string(next_number++) + ".tmp";
+    target_ = follow_links(path).string();
+    if (const char* const why = obstacle(target_); *why != '\0')
+        throw Error(ExitCode::kFiles, "cannot write '" + path_ + "': " + why);
+    temporary_ = target_ + "." + std::to_string(getpid()) + "-" + std::to_string(next_number++) + ".tmp";
     if (temporary_.size() >= kNameSize) fail("create", ENAMETOOLONG);
     buffer_.reserve(kBufferSize);
     slot_ = take_slot(temporary_);
@@ -93,7 +123,7 @@ void TemporaryFile::commit() {
     const int descriptor = descriptor_;
     descriptor_ = -1;
     // close() reports delayed write errors of network file systems.
-    if (close(descriptor) != 0 || rename(temporary_.c_str(), path_.c_str()) != 0) {
+    if (close(descriptor) != 0 || rename(temporary_.c_str(), target_.c_str()) != 0) {
         const int error = errno;
         unlink(temporary_.c_str());
         fail("write", error);

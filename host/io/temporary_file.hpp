@@ -13,7 +13,8 @@ namespace mortise::io {
 void remove_temporary_files() noexcept;
 
 /// A file being written. Every failure throws Error(kFiles) with the target's path and the cause, and the
-/// destructor removes the temporary file unless commit() succeeded.
+/// destructor removes the temporary file unless commit() succeeded. Symbolic links stay: the file that they
+/// lead to is replaced. Folders, devices and pipes are refused.
 class TemporaryFile {
   public:
     explicit TemporaryFile(const std::string& path);
@@ -43,7 +44,8 @@ class TemporaryFile {
     void write_all(const char* data, std::size_t size, std::uint64_t offset);
     [[noreturn]] void fail(const char* action, int error) const;
 
-    std::string path_;
+    std::string path_;    ///< as given
+    std::string target_;  ///< what it leads to by symbolic links
     std::string temporary_;
     std::vector<char> buffer_;
     std::uint64_t flushed_ = 0;

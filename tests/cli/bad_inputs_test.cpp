@@ -148,6 +148,7 @@ TEST_CASE("a command line that is not understood") {
     expect_failure(scratch, kUsage, "'another.csg'", {model, "another.csg", "-o", out});
     expect_failure(scratch, kUsage, "--output", {model, "-o"});
     expect_failure(scratch, kUsage, "twice", {model, "-o", out, "-o", out});
+    expect_failure(scratch, kUsage, "twice", {model, "-o", out, "-o", scratch.file("out/./a.vtu")});
     expect_failure(scratch, kUsage, "--size", {model, "-o", out, "--level", "3", "--size", "1"});
     expect_failure(scratch, kUsage, "--merge '0.3'", {model, "-o", out, "--merge", "0.3"});
     expect_failure(scratch, kUsage, "no mesh given", {"check"});

@@ -275,6 +275,39 @@ TEST_CASE("temporary files: beside the target until committed, removed otherwise
     CHECK(folder.entries() == 1);
 }
 
+TEST_CASE("links stay, and what they lead to is replaced; devices and pipes are refused") {
+    const Folder folder, elsewhere;
+    const std::string link = folder.file("link.vtu");
+    const std::string second = folder.file("second.vtu");
+    const std::string target = elsewhere.file("target.vtu");
+    fs::create_symlink(target, link);
+    fs::create_symlink("link.vtu", second);
+    for (const char* const text : {"to a file that is not there yet", "to one that is"}) {
+        io::TemporaryFile file(second);
+        file.write(text);
+        CHECK(elsewhere.entries() >= 1);
+        file.commit();
+        CHECK(fs::is_symlink(link));
+        CHECK(fs::is_symlink(second));
+        CHECK(read_bytes(target) == text);
+    }
+    CHECK(elsewhere.entries() == 1);
+    CHECK(folder.entries() == 2);
+    const auto refusal = [](const std::string& path) {
+        return std::string(error_of([&] { write_mesh(mixed(), path); }).what());
+    };
+    const std::string pipe = folder.file("pipe.vtu");
+    REQUIRE(mkfifo(pipe.c_str(), 0600) == 0);
+    CHECK(refusal(pipe) == "cannot write '" + pipe + "': it is a pipe; give the name of a file");
+    CHECK(fs::is_fifo(pipe));
+    const std::string device = folder.file("device.vtu");
+    fs::create_symlink("/dev/null", device);
+    CHECK(refusal(device) == "cannot write '" + device + "': it is a device; give the name of a file");
+    const std::string loop = folder.file("loop.vtu");
+    fs::create_symlink("loop.vtu", loop);
+    CHECK(refusal(loop) == "cannot write '" + loop + "': its symbolic links lead nowhere");
+}
+
 TEST_CASE("meshes with indices out of range are refused before anything is written") {
     const Folder folder;
     std::vector<Mesh> meshes(5, mixed());
