@@ -19,7 +19,7 @@ ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 FORMATS = ("csg", "geo", "stl", "obj", "off", "vm", "frep", "formula")
 # Of files that describe no bounded solid, or not all of it: what the message says, and what to call it.
 NO_SOLID = (
-    (r"2D shapes only|function of x and y|does not depend on z", "2D only"),
+    (r"2D shapes only|function of x and y|does not depend on z|names no z", "2D only"),
     (r"cannot be read: No such file|there is no file", "a file that it names is missing"),
     (r"holds no solid|solid is empty|there is no solid|no 'tlo'|defines no|the file is empty", "no solid in it"),
     (r"first word of a Netgen geometry|the solid '.*' is not defined", "part of a model only"),

@@ -30,10 +30,10 @@ inline constexpr LocalNode kNoNode = 0xffff;
 /// not active: cutting it by another surface then makes new mixed edges, which the next round splits.
 inline constexpr int kBisectionRounds = 6;
 
-/// Nodes other than vertices of the grid are on all surfaces within this many tolerances of signs, 1e-4 of a
+/// Nodes other than vertices of the grid are on all surfaces within this many tolerances of signs, 3e-5 of a
 /// cell: rods and the balls at their ends meet in one point but for the six figures of their coordinates, and
 /// what parts them there would be slivers.
-inline constexpr double kTogether = 16;
+inline constexpr double kTogether = 4;
 
 /// How a node is told to the outside: a corner, the single root of an edge, or a node with a key of its own.
 inline constexpr std::uint16_t kExtraCode = 20;
@@ -282,6 +282,7 @@ class Cell {
     // crossing.cpp
     bool insert_crossings(const Patch& patch, std::size_t k);
     bool insert_crossing(const Patch& patch, std::size_t p, const std::array<std::uint16_t, 3>& corner);
+    bool meets_third(const Patch& patch, std::size_t p, std::size_t q, const LatticePoint& at) const;
     bool matters_at(const Patch& patch, std::size_t surface, const LatticePoint& at);
     void settle_crossing(const Patch& patch, std::size_t p, std::size_t q, LatticePoint& at) const;
 

@@ -1,4 +1,4 @@
-// Points of a face where two surfaces cross, out of reach of the fan's own edges: the first of the surfaces
+// Points of a face where three surfaces meet, out of reach of the fan's own edges: the first of the surfaces
 // leaves the face through an edge of the cell where it is not active, so no node of that edge ends its cut.
 // Without the point, the surfaces it parts (a cylinder and the sphere that caps it) both cut the triangles
 // there, and the film between them stays.
@@ -44,7 +44,8 @@ bool Cell::insert_crossings(const Patch& patch, std::size_t k) {
 }
 
 /// Adds the point of one triangle, on p between its third corner and the opposite edge, where p first meets
-/// another surface.
+/// another surface, and a third one: two by themselves leave no film, and the point would be as close to the
+/// border as they happen to be.
 bool Cell::insert_crossing(const Patch& patch, std::size_t p, const std::array<std::uint16_t, 3>& corner) {
     const std::uint8_t* active = patch_active_.data();
     load_certain_signs(corner.data(), 3, active);
@@ -68,6 +69,7 @@ bool Cell::insert_crossing(const Patch& patch, std::size_t p, const std::array<s
     }
     if (other == surfaces_.size()) return false;
     settle_crossing(patch, p, other, at);
+    if (!meets_third(patch, p, other, at)) return false;
     const double whole = twice_area(nodes_[u].point, nodes_[v].point, nodes_[w].point);
     const double parts = twice_area(nodes_[u].point, nodes_[v].point, at) +
                          twice_area(nodes_[v].point, nodes_[w].point, at) +
@@ -85,6 +87,13 @@ bool Cell::insert_crossing(const Patch& patch, std::size_t p, const std::array<s
     set_sign(m, other, 0);
     fan_nodes_.push_back(m);
     return true;
+}
+
+/// Whether another surface passes through the point of two.
+bool Cell::meets_third(const Patch& patch, std::size_t p, std::size_t q, const LatticePoint& at) const {
+    return std::any_of(patch_order_.begin(), patch_order_.end(), [&](std::size_t s) {
+        return s != p && s != q && pure_sign(s, at, kTogether * patch.scale.size) == 0;
+    });
 }
 
 /// Whether the region changes at a surface there, on either side of surfaces that are no farther.

@@ -111,6 +111,8 @@ class LeafSearch {
         return true;
     }
 
+    /// Whether all sectors of the pole have one region below the surfaces that touch there and another above:
+    /// then, moved along the tangent plane, it still parts nothing but these.
     bool is_skin(const std::vector<std::size_t>& through, const std::vector<std::int32_t>& region,
                  const tape::Pole& pole) const {
         std::size_t touching = 0;  // bits of surfaces whose normal is the pole's
@@ -194,6 +196,7 @@ class Placing {
         return at;
     }
 
+    /// The apex counts only inside the leaf.
     static LeafPole entry(std::uint64_t morton, int face, const Vec3& local, const Vec3& apex, bool has_apex,
                           const std::vector<std::uint32_t>& through) {
         bool inside = has_apex;
