@@ -6,10 +6,11 @@
 #include <cerrno>
 #include <cmath>
 #include <cstdlib>
-#include <filesystem>
 #include <iomanip>
 #include <limits>
 #include <sstream>
+
+#include "host/cli/files.hpp"
 
 namespace mortise::cli {
 namespace {
@@ -406,12 +407,8 @@ void check_files(const Arguments& arguments) {
         refuse("no output given for '" + arguments.file + "'; add -o FILE.vtu or -o FILE.msh");
     }
     for (auto path = arguments.outputs.begin(); path != arguments.outputs.end(); ++path) {
-        const auto plain = [](const std::string& name) {
-            std::error_code ignored;
-            return std::filesystem::absolute(name, ignored).lexically_normal();
-        };
         if (std::any_of(arguments.outputs.begin(), path,
-                        [&](const std::string& before) { return plain(before) == plain(*path); }))
+                        [&](const std::string& before) { return is_same_file(before, *path); }))
             refuse("-o '" + *path + "': given twice");
     }
 }

@@ -31,6 +31,14 @@ void check_other_output(const std::string& option, const std::string& path, cons
     try_folder(path);
 }
 
+bool is_same_file(const std::string& first, const std::string& second) {
+    const auto place = [](const std::string& name) {
+        std::error_code ignored;
+        return std::filesystem::weakly_canonical(std::filesystem::absolute(name, ignored), ignored);
+    };
+    return first == second || place(first) == place(second);
+}
+
 void write_text(const std::string& path, const std::string& text) {
     io::TemporaryFile file(path);
     file.write(text);

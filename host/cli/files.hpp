@@ -11,6 +11,9 @@ void check_mesh_output(const std::string& path);
 /// The same for a file that must end in `extension`, such as ".png"; `option` names it in messages.
 void check_other_output(const std::string& option, const std::string& path, const std::string& extension);
 
+/// Whether two names lead to one file, whether it is there yet or not.
+bool is_same_file(const std::string& first, const std::string& second);
+
 /// Writes the whole file or, with Error(kFiles), none of it.
 void write_text(const std::string& path, const std::string& text);
 

@@ -269,6 +269,18 @@ class Cell {
     void order_patch(const std::uint8_t* active);
     bool split_patch(const Patch& patch, std::size_t k, int round);
     void load_certain_signs(const std::uint16_t* corners, std::size_t count, const std::uint8_t* active);
+    /// The signs at hand of the face's active surfaces, in the order of both cells' tapes.
+    template <class SignOf>
+    void load_signs(const std::uint8_t* active, const SignOf& sign_of) {
+        certain_signs_.assign(surfaces_.size(), 0);
+        for (std::size_t s = 0; s < surfaces_.size(); ++s) {
+            if (active[s] != 0) certain_signs_[s] = static_cast<std::int8_t>(sign_of(s));
+        }
+        other_signs_.assign(other_surfaces_.size(), 0);
+        for (std::size_t i = 0; i < other_surfaces_.size(); ++i) {
+            if (other_to_own_[i] < surfaces_.size()) other_signs_[i] = certain_signs_[other_to_own_[i]];
+        }
+    }
     bool ends_crease(std::size_t p, const std::array<std::uint16_t, 2>& edge, const std::uint8_t* active);
     bool matters(std::size_t surface) const;
     bool is_resolved() const;
@@ -284,7 +296,6 @@ class Cell {
     bool insert_crossing(const Patch& patch, std::size_t p, const std::array<std::uint16_t, 3>& corner);
     bool meets_third(const Patch& patch, std::size_t p, std::size_t q, const LatticePoint& at) const;
     bool matters_at(const Patch& patch, std::size_t surface, const LatticePoint& at);
-    void settle_crossing(const Patch& patch, std::size_t p, std::size_t q, LatticePoint& at) const;
 
     const tape::BoundModel& model_;
     const octree::Octree& tree_;

@@ -3,18 +3,13 @@
 // Without the point, the surfaces it parts (a cylinder and the sphere that caps it) both cut the triangles
 // there, and the film between them stays.
 #include <algorithm>
-#include <cmath>
 
 #include "host/cnio/cell.hpp"
-#include "host/tape/projection.hpp"
 
 namespace mortise::cnio {
 namespace {
 
-constexpr double kTangent = 0.1;    ///< sine between gradients below which surfaces do not cross
-constexpr double kReach = 0.25;     ///< edges, from the point on the chord to that on both surfaces
-constexpr double kSettled = 1e-10;  ///< edges, the last step
-constexpr double kInside = 1e-9;    ///< of a triangle's area: what its parts may be larger
+constexpr double kInside = 1e-9;  ///< of a triangle's area: what its parts may be larger
 
 }  // namespace
 
@@ -68,7 +63,7 @@ bool Cell::insert_crossing(const Patch& patch, std::size_t p, const std::array<s
         other = q;
     }
     if (other == surfaces_.size()) return false;
-    settle_crossing(patch, p, other, at);
+    if (LatticePoint settled; apex_on({at, patch.face / 2, patch.scale}, {p, other}, settled)) at = settled;
     if (!meets_third(patch, p, other, at)) return false;
     const double whole = twice_area(nodes_[u].point, nodes_[v].point, nodes_[w].point);
     const double parts = twice_area(nodes_[u].point, nodes_[v].point, at) +
@@ -98,29 +93,10 @@ bool Cell::meets_third(const Patch& patch, std::size_t p, std::size_t q, const L
 
 /// Whether the region changes at a surface there, on either side of surfaces that are no farther.
 bool Cell::matters_at(const Patch& patch, std::size_t surface, const LatticePoint& at) {
-    for (const std::size_t s : patch_order_) {
-        certain_signs_[s] = s == surface
-                                ? std::int8_t{0}
-                                : static_cast<std::int8_t>(pure_sign(s, at, kTogether * patch.scale.size));
-    }
-    for (std::size_t i = 0; i < other_surfaces_.size(); ++i)
-        other_signs_[i] =
-            other_to_own_[i] < surfaces_.size() ? certain_signs_[other_to_own_[i]] : std::int8_t{0};
+    load_signs(patch_active_.data(), [&](std::size_t s) {
+        return s == surface ? 0 : pure_sign(s, at, kTogether * patch.scale.size);
+    });
     return matters(surface);
-}
-
-/// Moves a point of the face onto two surfaces, if they cross next to it.
-void Cell::settle_crossing(const Patch& patch, std::size_t p, std::size_t q, LatticePoint& at) const {
-    double start[3];
-    position(at, start);
-    const double size = patch.scale.size;
-    const tape::ProjectionLimits limits = {kReach * size, kTangent, kSettled * size, patch.face / 2};
-    const std::vector<std::uint32_t> on = model_surfaces({p, q}, start);
-    double x[3] = {start[0], start[1], start[2]};
-    if (!tape::project(model_, on.data(), on.size(), limits, x)) return;
-    const double unit = size_ / units_ * patch.scale.step;
-    for (std::size_t j = 0; j < 3; ++j)
-        at[j] += patch.scale.step * static_cast<std::int32_t>(std::rint((x[j] - start[j]) / unit));
 }
 
 }  // namespace mortise::cnio

@@ -352,18 +352,11 @@ void Cell::order_patch(const std::uint8_t* active) {
 /// The certain signs of a triangle or an edge for the face's active surfaces, in the order of both cells'
 /// tapes.
 void Cell::load_certain_signs(const std::uint16_t* corners, std::size_t count, const std::uint8_t* active) {
-    const std::size_t n = surfaces_.size();
-    certain_signs_.assign(n, 0);
-    for (std::size_t s = 0; s < n; ++s) {
-        if (active[s] == 0) continue;
+    load_signs(active, [&](std::size_t s) {
         Sides all;
         for (std::size_t i = 0; i < count; ++i) all.add(sign(fan_nodes_[corners[i]], s));
-        certain_signs_[s] = all.sign();
-    }
-    other_signs_.resize(other_surfaces_.size());
-    for (std::size_t i = 0; i < other_surfaces_.size(); ++i) {
-        other_signs_[i] = other_to_own_[i] < n ? certain_signs_[other_to_own_[i]] : std::int8_t{0};
-    }
+        return all.sign();
+    });
 }
 
 /// Whether these signs tell the region, by the tape of either cell: both cells ask both tapes, so
