@@ -1,6 +1,7 @@
 // Large arrays, made by all threads.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <vector>
 
@@ -8,8 +9,8 @@
 
 namespace mortise {
 
-/// values.resize(count) for an empty vector, several times as fast from some megabytes on: the system hands
-/// out memory page by page, at the first write to each, and here all threads share these first writes.
+/// values.resize(count) for a vector that grows, several times as fast from some megabytes on: the system
+/// hands out memory page by page, at the first write to each, and here all threads share these first writes.
 /// `spare`: values that may be added later without moving the array; they cost no memory until then.
 template <class T>
 void resize_large(std::vector<T>& values, std::size_t count, int threads, std::size_t spare = 0) {
@@ -23,6 +24,22 @@ void resize_large(std::vector<T>& values, std::size_t count, int threads, std::s
         for (std::size_t page = begin; page < end; ++page) bytes[page * kPage] = 0;
     });
     values.resize(count);
+}
+
+/// Appends lists, in their order; each gives its memory back.
+template <class T>
+void append_lists(std::vector<std::vector<T>>& lists, int threads, std::vector<T>& values) {
+    std::vector<std::size_t> begins;
+    std::size_t count = values.size();
+    for (const auto& list : lists) {
+        begins.push_back(count);
+        count += list.size();
+    }
+    resize_large(values, count, threads);
+    parallel_chunks(lists.size(), 1, threads, [&](std::size_t i, std::size_t, int) {
+        std::copy(lists[i].begin(), lists[i].end(), values.begin() + static_cast<std::ptrdiff_t>(begins[i]));
+        lists[i] = {};
+    });
 }
 
 }  // namespace mortise

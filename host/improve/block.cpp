@@ -119,6 +119,7 @@ Block::Result Block::result() const {
     for (std::size_t i = 0; i < loaded_; ++i) {
         if (free_[i] != 0) result.points.push_back({zone_node_[i], points_[i]});
     }
+    result.tetrahedra.reserve(static_cast<std::size_t>(std::count(alive_.begin(), alive_.end(), 1)));
     for (std::size_t i = 0; i < tetrahedra_.size(); ++i) {
         if (alive_[i] == 0) continue;
         Tetrahedron t = tetrahedra_[i];

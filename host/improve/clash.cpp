@@ -4,6 +4,7 @@
 #include <cmath>
 #include <tuple>
 
+#include "host/common/large_array.hpp"
 #include "host/common/parallel.hpp"
 #include "host/common/parallel_sort.hpp"
 #include "host/improve/crossing.hpp"
@@ -13,30 +14,39 @@ namespace {
 
 constexpr std::size_t kChunk = 4096;
 
+/// Nodes are sorted along a direction in which no plane of usual models, nor of the grid, is level.
+constexpr Point kAcross = {0.5257, 0.7433, 0.4136};
+
 struct MovedNode {
+    double along;
     Point at;
     std::uint32_t block;
 
-    bool operator<(const MovedNode& other) const { return at < other.at; }
+    bool operator<(const MovedNode& other) const {
+        return std::tie(along, at, block) < std::tie(other.along, other.at, other.block);
+    }
 };
 
 void find_coincident(const PassResult& pass, int threads, std::vector<std::uint32_t>& clashing) {
     const double same = kSameNode * pass.unit;
     std::vector<MovedNode> moved;
     for (std::size_t n = 0; n < pass.after.size(); ++n) {
-        if (pass.after[n] != pass.before[n]) moved.push_back({pass.after[n], pass.owner[n]});
+        const Point& at = pass.after[n];
+        if (at != pass.before[n]) moved.push_back({dot(kAcross, at), at, pass.owner[n]});
     }
     if (moved.empty()) return;
-    std::sort(moved.begin(), moved.end());
+    parallel_sort(moved, threads);
     std::vector<std::vector<std::uint32_t>> found(chunk_count(pass.after.size(), kChunk));
     parallel_chunks(pass.after.size(), kChunk, threads, [&](std::size_t begin, std::size_t end, int) {
         for (std::size_t n = begin; n < end; ++n) {
             if (pass.owner[n] == kNone) continue;  // no element has it any more
             const Point& at = pass.after[n];
+            const double along = dot(kAcross, at);
+            const double reach = 2 * same;  // kAcross is about 1 long
             const auto first =
-                std::lower_bound(moved.begin(), moved.end(), at[0] - same,
-                                 [](const MovedNode& node, double x) { return node.at[0] < x; });
-            for (auto m = first; m != moved.end() && m->at[0] <= at[0] + same; ++m) {
+                std::lower_bound(moved.begin(), moved.end(), along - reach,
+                                 [](const MovedNode& node, double low) { return node.along < low; });
+            for (auto m = first; m != moved.end() && m->along <= along + reach; ++m) {
                 if (m->block != pass.owner[n] && squared_length(m->at - at) < same * same)
                     found[begin / kChunk].push_back(m->block);
             }
@@ -66,7 +76,7 @@ std::vector<Value> list_by_block(const PassResult& pass, int threads, const List
             list(static_cast<std::uint32_t>(block), found[begin / kBlocks]);
     });
     std::vector<Value> all;
-    for (const auto& part : found) all.insert(all.end(), part.begin(), part.end());
+    append_lists(found, threads, all);
     return all;
 }
 

@@ -5,6 +5,7 @@
 #include <numeric>
 #include <optional>
 
+#include "host/common/large_array.hpp"
 #include "host/common/parallel.hpp"
 #include "host/common/parallel_sort.hpp"
 #include "host/improve/clash.hpp"
@@ -26,7 +27,6 @@ constexpr std::size_t kTetrahedraPerPoor = 16;
 constexpr std::uint32_t kMixed = 0xfffffffeu;
 
 struct Group {
-    std::uint64_t block;
     std::vector<std::uint32_t> tetrahedra;
     std::vector<std::uint32_t> pyramids;
     bool poor = false;
@@ -70,7 +70,6 @@ class Improver {
             const auto load = [&] { block.load(zone_, group.tetrahedra, group.pyramids, free_, scratch); };
             std::optional<Block::Result> result = run_block(block, load, block_options);
             if (!result) {
-                for (const std::uint32_t i : group.tetrahedra) results[begin].push_back(zone_.tetrahedra[i]);
                 counted[begin].given_up = 1;
                 return;
             }
@@ -82,8 +81,15 @@ class Improver {
         });
         for (std::uint32_t g = 0; g < groups_.size(); ++g) number_added(g, added[g], results[g]);
         before.resize(zone_.points.size(), {HUGE_VAL, HUGE_VAL, HUGE_VAL});
-        std::vector<Tetrahedron> all = join(results);
-        while (revert_clashes(before, all, results, counted)) all = join(results);
+        std::vector<Piece> pieces(groups_.size());
+        for (std::size_t g = 0; g < groups_.size(); ++g) {
+            if (groups_[g].poor && counted[g].given_up == 0)
+                pieces[g] = {true, results[g].data(), results[g].size()};
+        }
+        std::vector<Tetrahedron> all = join(pieces);
+        results = {};
+        while (revert_clashes(before, all, counted)) {
+        }
         for (std::size_t g = 0; g < groups_.size(); ++g) {
             if (counted[g].given_up == 0) zone_.set_strata(strata[g]);
             counters.block.collapsed += counted[g].collapsed;
@@ -219,40 +225,55 @@ class Improver {
         return zone_.points[tip.first] != tip.second;
     }
 
-    /// The tetrahedra of all blocks, new or as they were; sets first_.
-    std::vector<Tetrahedron> join(const std::vector<std::vector<Tetrahedron>>& results) {
-        std::vector<Tetrahedron> all;
+    /// The tetrahedra of a block: new, or as they are in the zone.
+    struct Piece {
+        bool is_new = false;
+        const Tetrahedron* begin = nullptr;
+        std::size_t count = 0;
+    };
+
+    /// The tetrahedra of all blocks; sets first_.
+    std::vector<Tetrahedron> join(const std::vector<Piece>& pieces) {
         first_.assign(1, 0);
-        for (std::size_t g = 0; g < groups_.size(); ++g) {
-            if (groups_[g].poor) {
-                all.insert(all.end(), results[g].begin(), results[g].end());
-            } else {
-                for (const std::uint32_t i : groups_[g].tetrahedra) all.push_back(zone_.tetrahedra[i]);
+        for (std::size_t g = 0; g < groups_.size(); ++g)
+            first_.push_back(first_.back() +
+                             (pieces[g].is_new ? pieces[g].count : groups_[g].tetrahedra.size()));
+        std::vector<Tetrahedron> all;
+        resize_large(all, first_.back(), options_.threads);
+        parallel_chunks(groups_.size(), 1, options_.threads, [&](std::size_t g, std::size_t, int) {
+            Tetrahedron* to = all.data() + first_[g];
+            if (pieces[g].is_new) {
+                std::copy_n(pieces[g].begin, pieces[g].count, to);
+                return;
             }
-            first_.push_back(all.size());
-        }
+            for (const std::uint32_t i : groups_[g].tetrahedra) *to++ = zone_.tetrahedra[i];
+        });
         return all;
     }
 
-    /// Takes back what blocks have done that do not go together; false if there are none.
-    bool revert_clashes(const std::vector<Point>& before, const std::vector<Tetrahedron>& all,
-                        std::vector<std::vector<Tetrahedron>>& results, std::vector<BlockCounters>& counted) {
+    /// Takes back, in `all`, what blocks have done that do not go together; false if there are none.
+    bool revert_clashes(const std::vector<Point>& before, std::vector<Tetrahedron>& all,
+                        std::vector<BlockCounters>& counted) {
         std::vector<std::uint8_t> changed(groups_.size());
         for (std::size_t g = 0; g < groups_.size(); ++g) {
             changed[g] = groups_[g].poor && counted[g].given_up == 0 ? 1 : 0;
         }
         const std::vector<std::uint32_t> clashing = find_clashes(
             {before, zone_.points, owner_, kMixed, all, first_, changed, zone_.unit}, options_.threads);
+        if (clashing.empty()) return false;
+        std::vector<Piece> pieces(groups_.size());
+        for (std::size_t g = 0; g < groups_.size(); ++g)
+            pieces[g] = {true, all.data() + first_[g], first_[g + 1] - first_[g]};
         for (const std::uint32_t g : clashing) {
-            results[g].clear();
-            for (const std::uint32_t i : groups_[g].tetrahedra) results[g].push_back(zone_.tetrahedra[i]);
+            pieces[g] = {};
             counted[g] = {};
             counted[g].given_up = 1;
         }
-        for (std::size_t n = 0; n < before.size() && !clashing.empty(); ++n) {
+        for (std::size_t n = 0; n < before.size(); ++n) {
             if (std::binary_search(clashing.begin(), clashing.end(), owner_[n])) zone_.points[n] = before[n];
         }
-        return !clashing.empty();
+        all = join(pieces);
+        return true;
     }
 
     void group(int pairing, double shift) {
@@ -266,25 +287,33 @@ class Improver {
             }
         });
         parallel_sort(order, options_.threads);
-        groups_.clear();
         std::vector<std::uint8_t> waits(zone_.points.size(), 0);
         for (const auto& tip : zone_.tips) waits[tip.first] = is_unplaced(tip) ? 1 : 0;
-        for (const auto& entry : order) {
-            if (groups_.empty() || groups_.back().block != entry.first)
-                groups_.push_back({entry.first, {}, {}, false});
-            Group& group = groups_.back();
-            if (entry.second < tetrahedra) {
-                group.tetrahedra.push_back(entry.second);
-                const Tetrahedron& t = zone_.tetrahedra[entry.second];
-                group.poor =
-                    group.poor || t.quality < kGoodQuality ||
-                    std::any_of(t.node.begin(), t.node.end(), [&](ZoneNode n) { return waits[n] != 0; });
-            } else {
-                const auto i = static_cast<std::uint32_t>(entry.second - tetrahedra);
-                group.pyramids.push_back(i);
-                group.poor = group.poor || quality_of(zone_.pyramids[i]) < kGoodQuality;
-            }
+        const auto is_poor = [&](const Tetrahedron& t) {
+            return t.quality < kGoodQuality ||
+                   std::any_of(t.node.begin(), t.node.end(), [&](ZoneNode n) { return waits[n] != 0; });
+        };
+        groups_.clear();
+        std::vector<std::size_t> begins;
+        for (std::size_t i = 0; i < order.size(); ++i) {
+            if (i > 0 && order[i].first == order[i - 1].first) continue;
+            begins.push_back(i);
+            groups_.emplace_back();
         }
+        begins.push_back(order.size());
+        parallel_chunks(groups_.size(), 1, options_.threads, [&](std::size_t g, std::size_t, int) {
+            Group& group = groups_[g];
+            for (std::size_t i = begins[g]; i < begins[g + 1]; ++i) {
+                const std::uint32_t at = order[i].second;
+                if (at < tetrahedra) {
+                    group.tetrahedra.push_back(at);
+                    group.poor = group.poor || is_poor(zone_.tetrahedra[at]);
+                } else {
+                    group.pyramids.push_back(static_cast<std::uint32_t>(at - tetrahedra));
+                    group.poor = group.poor || quality_of(zone_.pyramids[at - tetrahedra]) < kGoodQuality;
+                }
+            }
+        });
     }
 
     void find_free_nodes() {

@@ -2,10 +2,13 @@
 
 #include <algorithm>
 
+#include "host/common/large_array.hpp"
 #include "host/common/parallel_sort.hpp"
 
 namespace mortise::improve {
 namespace {
+
+constexpr std::size_t kChunk = 4096;
 
 QuadKey quad_key(const NodeId* node) {
     QuadKey key = {node[0], node[1], node[2], node[3]};
@@ -48,10 +51,9 @@ std::vector<QuadKey> held_quads(const Mesh& mesh, const std::vector<std::uint8_t
 
 void mark_kept_quads(const Mesh& mesh, const std::vector<QuadKey>& outer, const std::vector<QuadKey>& held,
                      int threads, std::vector<ElementRef>& elements) {
-    std::vector<QuadUse> uses;
-    for (std::size_t i = 0; i < elements.size(); ++i) {
+    const auto list_quads = [&](std::size_t i, std::vector<QuadUse>& list) {
         elements[i].kept = 0;
-        if (elements[i].type == static_cast<std::uint8_t>(ElementType::kTetrahedron)) continue;
+        if (elements[i].type == static_cast<std::uint8_t>(ElementType::kTetrahedron)) return;
         const Element e = element(mesh, elements[i].type, elements[i].index);
         const LocalFaces faces = local_faces(e.type);
         for (int f = 0; f < faces.count; ++f) {
@@ -59,10 +61,16 @@ void mark_kept_quads(const Mesh& mesh, const std::vector<QuadKey>& outer, const 
             if (face[3] < 0) continue;
             NodeId node[4];
             for (std::size_t k = 0; k < 4; ++k) node[k] = e.node[face[k]];
-            uses.push_back(
+            list.push_back(
                 {quad_key(node), static_cast<std::uint32_t>(8 * i) + static_cast<std::uint32_t>(f)});
         }
-    }
+    };
+    std::vector<std::vector<QuadUse>> found(chunk_count(elements.size(), kChunk));
+    parallel_chunks(elements.size(), kChunk, threads, [&](std::size_t begin, std::size_t end, int) {
+        for (std::size_t i = begin; i < end; ++i) list_quads(i, found[begin / kChunk]);
+    });
+    std::vector<QuadUse> uses;
+    append_lists(found, threads, uses);
     parallel_sort(uses, threads);
     for (std::size_t i = 0; i < uses.size();) {
         std::size_t end = i + 1;

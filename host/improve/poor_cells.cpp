@@ -3,6 +3,7 @@
 #include <atomic>
 #include <cmath>
 
+#include "host/common/large_array.hpp"
 #include "host/common/parallel.hpp"
 
 namespace mortise::improve {
@@ -116,18 +117,14 @@ CellId Places::cell(const Mesh& mesh, const CellFrame& frame, const CellSet& cel
 }
 
 void find_cells(const Mesh& mesh, const CellFrame& frame, const CellSet& cells, int threads, Places& places) {
-    struct Found {
-        std::vector<std::uint32_t> element;
-        std::vector<std::uint32_t> cell;
-    };
     std::vector<std::uint64_t> bricks;
     if (!cells.is_graded()) bricks = cells.near_bricks();
     for (int t = 0; t < kElementTypes; ++t) {
         const auto type = static_cast<std::size_t>(t);
         const std::size_t count = mesh.elements[type].size();
-        std::vector<Found> found(chunk_count(count, kChunk));
+        std::vector<std::vector<std::uint32_t>> elements_of(chunk_count(count, kChunk));
+        std::vector<std::vector<std::uint32_t>> cells_of(elements_of.size());
         parallel_chunks(count, kChunk, threads, [&](std::size_t begin, std::size_t end, int) {
-            Found& list = found[begin / kChunk];
             CellId at = 0;
             bool cubes_are_far = false;
             for (std::size_t i = begin; i < end; ++i) {
@@ -137,15 +134,13 @@ void find_cells(const Mesh& mesh, const CellFrame& frame, const CellSet& cells, 
                 const Point place = place_of(mesh, frame, t, i);
                 if (!cells.is_graded() && !cells.is_near(place)) continue;
                 at = cells.index(place, at);
-                list.element.push_back(static_cast<std::uint32_t>(i));
-                list.cell.push_back(at < Places::kLookAnew ? static_cast<std::uint32_t>(at)
-                                                           : Places::kLookAnew);
+                elements_of[begin / kChunk].push_back(static_cast<std::uint32_t>(i));
+                cells_of[begin / kChunk].push_back(at < Places::kLookAnew ? static_cast<std::uint32_t>(at)
+                                                                          : Places::kLookAnew);
             }
         });
-        for (const Found& list : found) {
-            places.element[type].insert(places.element[type].end(), list.element.begin(), list.element.end());
-            places.cell_of[type].insert(places.cell_of[type].end(), list.cell.begin(), list.cell.end());
-        }
+        append_lists(elements_of, threads, places.element[type]);
+        append_lists(cells_of, threads, places.cell_of[type]);
     }
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "host/common/large_array.hpp"
 #include "host/common/parallel.hpp"
 #include "host/improve/zone_facets.hpp"
 
@@ -118,14 +119,14 @@ class Splitter {
     const Zone& zone_;
 };
 
-/// Appends pieces whose new nodes get their numbers: centre `kCentre` becomes node `first`.
+/// Copies pieces whose new nodes get their numbers: centre `kCentre` becomes node `first`.
 template <class Piece>
-void append(const std::vector<Piece>& pieces, ZoneNode first, std::vector<Piece>& out) {
+void copy(const std::vector<Piece>& pieces, ZoneNode first, Piece* out) {
     for (Piece piece : pieces) {
         for (ZoneNode& n : piece.node) {
             if (n >= kCentre) n = first + (n - kCentre);
         }
-        out.push_back(piece);
+        *out++ = piece;
     }
 }
 
@@ -139,20 +140,30 @@ std::vector<CellId> split_elements(const Mesh& mesh, const CellFrame& frame, con
     parallel_chunks(elements.size(), kChunk, threads, [&](std::size_t begin, std::size_t end, int) {
         for (std::size_t i = begin; i < end; ++i) splitter.split(elements[i], parts[begin / kChunk]);
     });
-    std::size_t tetrahedra = zone.tetrahedra.size();
-    for (const Pieces& part : parts) tetrahedra += part.tetrahedra.size();
-    zone.tetrahedra.reserve(tetrahedra);
+    struct Begin {
+        std::size_t tetrahedra, pyramids;
+        ZoneNode centres;
+    };
+    std::vector<Begin> begins;
+    Begin next = {0, 0, static_cast<ZoneNode>(zone.points.size())};
     std::vector<CellId> refused;
-    for (Pieces& part : parts) {
-        const auto first = static_cast<ZoneNode>(zone.points.size());
-        append(part.tetrahedra, first, zone.tetrahedra);
-        append(part.pyramids, first, zone.pyramids);
+    for (const Pieces& part : parts) {
+        begins.push_back(next);
+        next.tetrahedra += part.tetrahedra.size();
+        next.pyramids += part.pyramids.size();
+        next.centres += static_cast<ZoneNode>(part.centres.size());
         zone.points.insert(zone.points.end(), part.centres.begin(), part.centres.end());
         zone.size_class.insert(zone.size_class.end(), part.centre_class.begin(), part.centre_class.end());
-        zone.mesh_node.resize(zone.points.size(), kNone);
         refused.insert(refused.end(), part.refused.begin(), part.refused.end());
-        part = {};
     }
+    zone.mesh_node.resize(zone.points.size(), kNone);
+    resize_large(zone.tetrahedra, next.tetrahedra, threads);
+    zone.pyramids.resize(next.pyramids);
+    parallel_chunks(parts.size(), 1, threads, [&](std::size_t i, std::size_t, int) {
+        copy(parts[i].tetrahedra, begins[i].centres, zone.tetrahedra.data() + begins[i].tetrahedra);
+        copy(parts[i].pyramids, begins[i].centres, zone.pyramids.data() + begins[i].pyramids);
+        parts[i] = {};
+    });
     return refused;
 }
 

@@ -10,10 +10,10 @@
 
 namespace mortise::improve {
 
-/// Splits each element into cones from its lowest node, or from a new one at its centroid, and appends these,
-/// and the new nodes, to the zone. Returns the cells of the elements that cannot be split, in order; these
-/// are not in the zone then. `place`: per node of the mesh its place in the zone, which holds all nodes of
-/// the elements. The result does not depend on the threads.
+/// Splits each element into cones from its lowest node, or from a new one at its centroid: the elements of
+/// the zone, which has none yet. Appends the new nodes to the zone's. Returns the cells of the elements that
+/// cannot be split, in order; these are not in the zone then. `place`: per node of the mesh its place in the
+/// zone, which holds all nodes of the elements. The result does not depend on the threads.
 std::vector<CellId> split_elements(const Mesh& mesh, const CellFrame& frame, const CellSet& cells,
                                    const std::vector<ElementRef>& elements,
                                    const std::vector<std::uint32_t>& place, int threads, Zone& zone);

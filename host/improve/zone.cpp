@@ -4,7 +4,9 @@
 #include <atomic>
 #include <cmath>
 
+#include "host/common/large_array.hpp"
 #include "host/common/parallel.hpp"
+#include "host/common/parallel_sort.hpp"
 #include "host/improve/kept_quads.hpp"
 #include "host/improve/poor_cells.hpp"
 #include "host/improve/split_elements.hpp"
@@ -61,13 +63,11 @@ class Opener {
         }
         finish_nodes();
         find_strata();
-        tag_faces(mesh_, place_, held_, zone_);
+        tag_faces(mesh_, place_, held_, threads_, zone_);
         correct_tags();
         find_strata();
         if (assign_tips(tips_, surfaces_, zone_)) find_strata();
-        for (Tetrahedron& t : zone_.tetrahedra) {
-            t.quality = quality(t);
-        }
+        for_tetrahedra([this](Tetrahedron& t) { t.quality = quality(t); });
         for (const CellId cell : poor) {
             if (!cells_.test(cell)) zone_.left_poor.push_back(cell);
         }
@@ -75,6 +75,15 @@ class Opener {
     }
 
   private:
+    /// Visits tetrahedra of the zone on all threads; each may be changed.
+    template <class Visit>
+    void for_tetrahedra(const Visit& visit) {
+        parallel_chunks(zone_.tetrahedra.size(), kChunk, threads_,
+                        [&](std::size_t begin, std::size_t end, int) {
+                            for (std::size_t i = begin; i < end; ++i) visit(zone_.tetrahedra[i]);
+                        });
+    }
+
     void collect() {
         for (const NodeId node : zone_.mesh_node) {
             if (node != kNone) place_[node] = kNone;
@@ -98,7 +107,7 @@ class Opener {
                     found[begin / kChunk].push_back({static_cast<std::uint8_t>(t), listed[i], cell, 0});
                 }
             });
-            for (const auto& list : found) elements_.insert(elements_.end(), list.begin(), list.end());
+            append_lists(found, threads_, elements_);
         }
         mark_kept_quads(mesh_, outer_quads_, held_quads_, threads_, elements_);
         number_nodes();
@@ -181,31 +190,42 @@ class Opener {
     /// Surfaces of each node: of the facets of the mesh that stay, and of those that the zone has taken.
     void find_strata() {
         const std::size_t count = zone_.points.size();
-        std::vector<std::pair<ZoneNode, std::uint32_t>> on;
+        // Most nodes have one surface at most: the first of each, and what others there are.
+        std::vector<std::uint32_t> first(count, kNone);
+        std::vector<std::pair<ZoneNode, std::uint32_t>> others;
+        const auto add = [&](ZoneNode node, std::uint32_t surface) {
+            if (first[node] == kNone) first[node] = surface;
+            if (first[node] != surface) others.push_back({node, surface});
+        };
         const FacetBlock& facets = mesh_.facets;
         for (std::size_t i = 0; i < facets.size(); ++i) {
             if (!zone_.facet_taken.empty() && zone_.facet_taken[i] != 0) continue;
             for (std::size_t k = 0; k < 4; ++k) {
                 const ZoneNode node = place_[facets.nodes[4 * i + k]];
-                if (node != kNone) on.push_back({node, facets.surface[i]});
+                if (node != kNone) add(node, facets.surface[i]);
             }
         }
         for (const Tetrahedron& t : zone_.tetrahedra) {
             for (std::size_t f = 0; f < 4; ++f) {
                 if (t.tag[f] == 0) continue;
-                for (const std::uint8_t k : kOpposite[f]) on.push_back({t.node[k], tag_surface(t.tag[f])});
+                for (const std::uint8_t k : kOpposite[f]) add(t.node[k], tag_surface(t.tag[f]));
             }
         }
-        std::sort(on.begin(), on.end());
-        on.erase(std::unique(on.begin(), on.end()), on.end());
-        zone_.stratum.clear();
+        parallel_sort(others, threads_);
+        others.erase(std::unique(others.begin(), others.end()), others.end());
+        std::vector<std::uint32_t>& stratum = zone_.stratum;
+        stratum.clear();
         zone_.stratum_begin.assign(count, 0);
         zone_.stratum_end.assign(count, 0);
-        for (const auto& [node, surface] : on) {
-            zone_.stratum.push_back(surface);
-            const auto end = static_cast<std::uint32_t>(zone_.stratum.size());
-            if (zone_.stratum_end[node] == 0) zone_.stratum_begin[node] = end - 1;
-            zone_.stratum_end[node] = end;
+        auto other = others.begin();
+        for (ZoneNode node = 0; node < count; ++node) {
+            if (first[node] == kNone) continue;
+            zone_.stratum_begin[node] = static_cast<std::uint32_t>(stratum.size());
+            for (; other != others.end() && other->first == node && other->second < first[node]; ++other)
+                stratum.push_back(other->second);
+            stratum.push_back(first[node]);
+            for (; other != others.end() && other->first == node; ++other) stratum.push_back(other->second);
+            zone_.stratum_end[node] = static_cast<std::uint32_t>(stratum.size());
         }
     }
 
@@ -232,7 +252,7 @@ class Opener {
     /// Where the certificate's slivers lie on several surfaces at once, their facets may carry the wrong one.
     /// Each facet gets, of the surfaces that its nodes have, the one it fits best.
     void correct_tags() {
-        for (Tetrahedron& t : zone_.tetrahedra) {
+        for_tetrahedra([this](Tetrahedron& t) {
             for (std::size_t f = 0; f < 4; ++f) {
                 if (t.tag[f] == 0 || (t.tag[f] & kTagBorder) != 0) continue;
                 std::array<ZoneNode, 3> node = {t.node[kOpposite[f][0]], t.node[kOpposite[f][1]],
@@ -261,7 +281,7 @@ class Opener {
                 }
                 t.tag[f] = make_tag(best) | (t.tag[f] & (kTagInside | kTagInterface | kTagBorder));
             }
-        }
+        });
     }
 
     std::array<Point, 5> corners(const Pyramid& p) const {

@@ -1,10 +1,16 @@
 #include "host/improve/zone_facets.hpp"
 
 #include <algorithm>
+#include <tuple>
+
+#include "host/common/large_array.hpp"
+#include "host/common/parallel.hpp"
+#include "host/common/parallel_sort.hpp"
 
 namespace mortise::improve {
 namespace {
 
+constexpr std::size_t kChunk = 4096;
 constexpr std::uint8_t kBothParts = 3;
 constexpr std::uint8_t kWrongPart = 4;
 
@@ -14,7 +20,9 @@ struct TriangleKey {
     bool even;           ///< the facet's own order is an even permutation of `node`
     std::uint8_t parts;  ///< of the facet: one half, or both
 
-    bool operator<(const TriangleKey& other) const { return node < other.node; }
+    bool operator<(const TriangleKey& other) const {
+        return std::tie(node, facet, parts) < std::tie(other.node, other.facet, other.parts);
+    }
 };
 
 }  // namespace
@@ -28,7 +36,7 @@ std::array<std::array<NodeId, 3>, 2> halves(const NodeId* node) {
 /// Facets whose triangles are faces of the zone's tetrahedra. Equal nodes are not enough: half of a
 /// quadrilateral that stays whole may have the nodes of a face inside the solid.
 void tag_faces(const Mesh& mesh, const std::vector<std::uint32_t>& place,
-               const std::vector<std::uint8_t>* held, Zone& zone) {
+               const std::vector<std::uint8_t>* held, int threads, Zone& zone) {
     const FacetBlock& facets = mesh.facets;
     std::vector<TriangleKey> triangles;
     const auto add = [&](std::size_t i, const std::array<NodeId, 3>& node, std::uint8_t parts) {
@@ -47,14 +55,14 @@ void tag_faces(const Mesh& mesh, const std::vector<std::uint32_t>& place,
             for (std::uint8_t k = 0; k < 2; ++k) add(i, half[k], static_cast<std::uint8_t>(1u << k));
         }
     }
-    std::sort(triangles.begin(), triangles.end());
+    parallel_sort(triangles, threads);
     struct Hit {
         std::size_t triangle;  ///< the first with these nodes
         std::size_t face;      ///< 4 × tetrahedron + face
         bool even;
     };
-    std::vector<Hit> hits;
-    for (std::size_t i = 0; i < zone.tetrahedra.size(); ++i) {
+    std::vector<std::vector<Hit>> found(chunk_count(zone.tetrahedra.size(), kChunk));
+    const auto find_hits = [&](std::size_t i, std::vector<Hit>& list) {
         const Tetrahedron& t = zone.tetrahedra[i];
         for (std::size_t f = 0; f < 4; ++f) {
             TriangleKey key{
@@ -63,12 +71,17 @@ void tag_faces(const Mesh& mesh, const std::vector<std::uint32_t>& place,
                 zone.stratum_size(key.node[2]) == 0)
                 continue;
             const bool even = sort_three(key.node);
-            const auto found = std::lower_bound(triangles.begin(), triangles.end(), key);
-            if (found == triangles.end() || found->node != key.node) continue;
-            hits.push_back({static_cast<std::size_t>(found - triangles.begin()), 4 * i + f, even});
+            const auto first = std::lower_bound(triangles.begin(), triangles.end(), key);
+            if (first == triangles.end() || first->node != key.node) continue;
+            list.push_back({static_cast<std::size_t>(first - triangles.begin()), 4 * i + f, even});
         }
-    }
-    std::sort(hits.begin(), hits.end(), [](const Hit& x, const Hit& y) {
+    };
+    parallel_chunks(zone.tetrahedra.size(), kChunk, threads, [&](std::size_t begin, std::size_t end, int) {
+        for (std::size_t i = begin; i < end; ++i) find_hits(i, found[begin / kChunk]);
+    });
+    std::vector<Hit> hits;
+    append_lists(found, threads, hits);
+    parallel_sort(hits, threads, [](const Hit& x, const Hit& y) {
         return x.triangle != y.triangle ? x.triangle < y.triangle : x.face < y.face;
     });
     const auto region_at = [&](const Hit& hit) { return zone.tetrahedra[hit.face / 4].region; };

@@ -14,8 +14,8 @@ std::array<std::array<NodeId, 3>, 2> halves(const NodeId* node);
 
 /// Tags the faces of the zone's tetrahedra that are facets of the mesh, and marks the facets that the zone
 /// takes (Zone::facet_taken). `held` as Options::held. `place`: per node of the mesh its number in the zone,
-/// or kNone. Needs Zone::stratum.
+/// or kNone. Needs Zone::stratum. The result does not depend on `threads`.
 void tag_faces(const Mesh& mesh, const std::vector<std::uint32_t>& place,
-               const std::vector<std::uint8_t>* held, Zone& zone);
+               const std::vector<std::uint8_t>* held, int threads, Zone& zone);
 
 }  // namespace mortise::improve
