@@ -34,7 +34,55 @@ double seconds_since(Clock::time_point start) {
 struct Item {
     std::string model;
     std::string output;
+    std::size_t line;  ///< in the list
 };
+
+std::filesystem::path place_of(const Item& item) {
+    std::error_code ignored;
+    return std::filesystem::absolute(item.model, ignored).lexically_normal();
+}
+
+/// The folder that all models lie in, at some depth.
+std::filesystem::path common_folder(const std::vector<Item>& items) {
+    std::filesystem::path common = place_of(items.front()).parent_path();
+    for (const Item& item : items) {
+        const std::filesystem::path folder = place_of(item).parent_path();
+        const auto end = std::mismatch(common.begin(), common.end(), folder.begin(), folder.end()).first;
+        std::filesystem::path shared;
+        for (auto part = common.begin(); part != end; ++part) shared /= *part;
+        common = shared;
+    }
+    return common;
+}
+
+/// Each mesh gets the name of its model. Where two models have one name (shape_1/part.csg, shape_2/part.csg),
+/// all keep their folders, as seen from the folder that has them all.
+void name_outputs(const Arguments& arguments, std::vector<Item>& items) {
+    const std::filesystem::path folder = arguments.outputs.front();
+    const std::filesystem::path common = common_folder(items);
+    for (const bool in_folders : {false, true}) {
+        std::map<std::string, const Item*> writers;
+        const Item* first = nullptr;
+        const Item* second = nullptr;
+        for (Item& item : items) {
+            const std::filesystem::path place = place_of(item);
+            const std::string name = place.stem().string() + "." + arguments.format;
+            const std::filesystem::path inner =
+                in_folders ? place.parent_path().lexically_relative(common) : std::filesystem::path();
+            item.output = (folder / inner / name).lexically_normal().string();
+            const auto [writer, fresh] = writers.emplace(item.output, &item);
+            if (fresh || first != nullptr) continue;
+            first = writer->second;
+            second = &item;
+        }
+        if (first == nullptr) return;
+        if (!in_folders) continue;
+        throw Error(ExitCode::kUsage, arguments.file + ":" + std::to_string(second->line) + ": '" +
+                                          second->model + "' and '" + first->model +
+                                          "' would both be written to '" + second->output +
+                                          "'; rename one, or list it once");
+    }
+}
 
 /// One model a line; blank lines and those that begin with # say nothing. "-" is standard input.
 std::vector<Item> read_list(const Arguments& arguments) {
@@ -47,27 +95,21 @@ std::vector<Item> read_list(const Arguments& arguments) {
     }
     std::istream& in = arguments.file == "-" ? std::cin : file;
     std::vector<Item> items;
-    std::map<std::string, std::string> writers;
     std::string line;
     for (std::size_t number = 1; std::getline(in, line); ++number) {
         const std::size_t begin = line.find_first_not_of(" \t\r");
         if (begin == std::string::npos || line[begin] == '#') continue;
         const std::size_t end = line.find_last_not_of(" \t\r");
-        Item item;
-        item.model = line.substr(begin, end - begin + 1);
-        const std::filesystem::path folder = arguments.outputs.front();
-        item.output =
-            (folder / (std::filesystem::path(item.model).stem().string() + "." + arguments.format)).string();
-        const auto [writer, fresh] = writers.emplace(item.output, item.model);
-        if (!fresh) {
-            throw Error(ExitCode::kUsage, arguments.file + ":" + std::to_string(number) + ": '" + item.model +
-                                              "' and '" + writer->second + "' would both be written to '" +
-                                              item.output + "'; rename one, or use two folders");
-        }
-        items.push_back(std::move(item));
+        items.push_back({line.substr(begin, end - begin + 1), {}, number});
     }
     if (items.empty()) throw Error(ExitCode::kUsage, arguments.file + ": lists no models");
+    name_outputs(arguments, items);
     return items;
+}
+
+void make_folder_of(const Item& item) {
+    std::error_code told_when_written;
+    std::filesystem::create_directories(std::filesystem::path(item.output).parent_path(), told_when_written);
 }
 
 /// Warnings of thousands of models would bury everything else: --json has them.
@@ -95,6 +137,7 @@ Json mesh_one(Mesher& mesher, const Arguments& arguments, const MeshOptions& opt
         document["warnings"] = report.warnings;
         refuse_inverted(figures);
         if (arguments.check) refuse_defects(check_mesh(mesh));
+        make_folder_of(item);
         write_mesh(mesh, item.output, report.scaled_jacobians, arguments.file_options);
         if (arguments.json) document.update(mesh_document(report, figures));
         document["outputs"] = Json::array({item.output});
@@ -144,9 +187,13 @@ class Teller {
     ExitCode finish(double seconds) {
         progress_.clear();
         if (!arguments_.json && !arguments_.quiet) {
+            const std::string poor =
+                below_floor_ > 0 ? ", " + std::to_string(below_floor_) + " of them below the quality floor"
+                                 : "";
             print(std::to_string(items_.size() - failed_) + " of " + std::to_string(items_.size()) +
                   " models meshed in " + short_number(seconds, 3) + " s, " +
-                  short_number(60 * static_cast<double>(items_.size()) / seconds, 3) + " a minute\n");
+                  short_number(60 * static_cast<double>(items_.size()) / seconds, 3) + " a minute" + poor +
+                  "\n");
         }
         return first_failure_;
     }
@@ -157,7 +204,7 @@ class Teller {
         const auto code = static_cast<ExitCode>(outcome["code"].get<int>());
         const std::string line = outcome["line"];
         if (code != ExitCode::kOk) {
-            ++failed_;
+            ++(code == ExitCode::kQuality ? below_floor_ : failed_);
             if (first_failure_ == ExitCode::kOk) first_failure_ = code;
             if (!arguments_.json) std::cerr << "mortise: " << line << "\n";
         }
@@ -175,6 +222,7 @@ class Teller {
     std::vector<Json> outcomes_;
     std::size_t next_ = 0;
     std::size_t failed_ = 0;
+    std::size_t below_floor_ = 0;  ///< meshed, and written
     ExitCode first_failure_ = ExitCode::kOk;
 };
 
@@ -183,8 +231,7 @@ class Teller {
 ExitCode batch_command(const Arguments& arguments) {
     const auto start = Clock::now();
     const std::vector<Item> items = read_list(arguments);
-    std::error_code trouble;
-    std::filesystem::create_directories(arguments.outputs.front(), trouble);
+    make_folder_of(items.front());
     check_mesh_output(items.front().output);
 
     MeshOptions options = arguments.options;

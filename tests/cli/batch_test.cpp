@@ -4,6 +4,7 @@
 #include <signal.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
@@ -108,6 +109,34 @@ TEST_CASE("batch: names that are not UTF-8 are meshed and told of like others") 
     }
 }
 
+TEST_CASE("batch: models of one name keep their folders") {
+    const ScratchFolder scratch;
+    std::string list;
+    for (const char* folder : {"shapes/1", "shapes/2/inner", "shapes"}) {
+        std::filesystem::create_directories(scratch.file(folder));
+        list += scratch.write(std::string(folder) + "/part.csg", "cube(1);") + "\n";
+    }
+    list += scratch.write("shapes/1/other.csg", "cube(2);");
+    const Outcome batch =
+        run({"batch", scratch.write("list.txt", list), "-o", scratch.file("meshes"), "--level", "2"});
+    CHECK(batch.code == 0);
+    CHECK(scratch.names("meshes") == Names{"1", "2", "part.vtu"});
+    CHECK(scratch.names("meshes/1") == Names{"other.vtu", "part.vtu"});
+    CHECK(scratch.names("meshes/2/inner") == Names{"part.vtu"});
+}
+
+TEST_CASE("batch: a mesh below the quality floor counts as meshed") {
+    const ScratchFolder scratch;
+    const std::string cube = scratch.write("cube.csg", "cube(1);");
+    const std::string list = scratch.write("list.txt", asset("bracket.csg") + "\n" + cube);
+    const Outcome batch =
+        run({"batch", list, "-o", scratch.file("meshes"), "--level", "4", "--quality-floor", "0.9"});
+    CHECK(batch.code == 4);
+    CHECK(contains(batch.out, "2 of 2 models meshed"));
+    CHECK(contains(batch.out, ", 1 of them below the quality floor"));
+    CHECK(scratch.names("meshes") == Names{"bracket.vtu", "cube.vtu"});
+}
+
 TEST_CASE("batch: warnings are counted; --json has them") {
     const ScratchFolder scratch;
     const std::string list = scratch.write(
@@ -150,9 +179,8 @@ TEST_CASE("batch: bad command lines and lists") {
     refused({"batch", list, "-o", folder, "--level", "77"}, 1, "77");
     refused({"batch", scratch.file("no list"), "-o", folder}, 6, "no list");
     refused({"batch", scratch.write("blank.txt", "\n# nothing\n"), "-o", folder}, 1, "lists no models");
-    refused(
-        {"batch", scratch.write("twice.txt", asset("block.csg") + "\n/elsewhere/block.geo\n"), "-o", folder},
-        1, "twice.txt:2: ");
+    const std::string twice = asset("block.csg") + "\n\n" + asset("star.csg") + "\n" + asset("block.csg");
+    refused({"batch", scratch.write("twice.txt", twice), "-o", folder}, 1, "twice.txt:4: ");
     refused({"batch", list, "-o", "/proc/nowhere/meshes"}, 6, "/proc/nowhere");
     refused({"batch", scratch.file("."), "-o", scratch.file("meshes")}, 6, "is a folder; expected a list");
 }
