@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 
 #include "tests/mesher/meshed.hpp"
 #include "tests/mesher/random_source.hpp"
@@ -56,6 +57,42 @@ const std::vector<Joint>& joints() {
 
 }  // namespace
 
+/// How the rods of a joint are given: each is a cylinder and a ball at its end, and there is one in the
+/// middle; or it is the hull of two balls.
+enum class Form { kCylinders, kHulls };
+
+Model make_joint(const Joint& joint, const Affine& pose, double radius, bool is_rounded, Form form) {
+    return one_solid([&](Model& m) {
+        std::vector<NodeIndex> parts;
+        const Vec3 middle = test::apply(pose, {0, 0, 0});
+        for (const Vec3& direction : joint.directions) {
+            const double length = std::hypot(direction[0], direction[1], direction[2]);
+            Vec3 end;
+            for (std::size_t j = 0; j < 3; ++j) end[j] = kLength / length * direction[j];
+            end = test::apply(pose, end);
+            if (form == Form::kHulls) {
+                RoundedSolid rod;
+                rod.balls = {{middle, radius}, {end, radius}};
+                parts.push_back(m.add_primitive(mortise::rounded(rod)));
+                continue;
+            }
+            parts.push_back(add_rod(m, pose, direction, radius, is_rounded));
+            parts.push_back(add_ball(m, end, radius));
+        }
+        if (form == Form::kCylinders) parts.push_back(add_ball(m, middle, radius));
+        return unite(m, parts);
+    });
+}
+
+void check_joint(const Model& model, const MeshOptions& options) {
+    const Meshed m = mesh_and_check(model, options);
+    CHECK(m.defects == "");
+    CHECK(m.check.euler_characteristic == 2);
+    CHECK(m.report.hinge_edges + m.report.hinge_nodes == 0);
+    CHECK(m.report.dropped_features == 0);
+    CHECK(*std::min_element(m.check.min_scaled_jacobian.begin(), m.check.min_scaled_jacobian.end()) >= 0.15);
+}
+
 TEST_CASE("rods that meet in a ball of their radius") {
     RandomSource random(environment_number("MORTISE_RANDOM_SEED", 7));
     const int count = static_cast<int>(environment_number("MORTISE_RODS", 4));
@@ -69,27 +106,50 @@ TEST_CASE("rods that meet in a ball of their radius") {
             const Vec3 by = {random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
             Affine pose = translation(by);
             if (turned) pose = compose(pose, rotation(axis, random.uniform(0, 2 * kPi)));
-            const Model model = one_solid([&](Model& m) {
-                std::vector<NodeIndex> parts;
-                for (const Vec3& direction : joint.directions) {
-                    parts.push_back(add_rod(m, pose, direction, radius, i % 2 == 1));
-                    const double length = std::hypot(direction[0], direction[1], direction[2]);
-                    Vec3 end;
-                    for (std::size_t j = 0; j < 3; ++j) end[j] = kLength / length * direction[j];
-                    parts.push_back(add_ball(m, test::apply(pose, end), radius));
-                }
-                parts.push_back(add_ball(m, test::apply(pose, {0, 0, 0}), radius));
-                return unite(m, parts);
-            });
             MeshOptions options;
             options.size = random.uniform(0.28, 0.4) * radius;
-            const Meshed m = mesh_and_check(model, options);
-            CHECK(m.defects == "");
-            CHECK(m.check.euler_characteristic == 2);
-            CHECK(m.report.hinge_edges + m.report.hinge_nodes == 0);
-            CHECK(m.report.dropped_features == 0);
-            CHECK(*std::min_element(m.check.min_scaled_jacobian.begin(), m.check.min_scaled_jacobian.end()) >=
-                  0.15);
+            for (const Form form : {Form::kCylinders, Form::kHulls})
+                check_joint(make_joint(joint, pose, radius, i % 2 == 1, form), options);
+        }
+    }
+}
+
+TEST_CASE("springs, chains of hulls or of rods with balls, are smooth outside their bends") {
+    const auto text_of = [](Form form) {
+        std::ostringstream text;  // six figures
+        for (int i = 0; i < 12; ++i) {
+            const auto ball = [](int at) {
+                std::ostringstream out;
+                out << "multmatrix([[1,0,0," << 2 * std::cos(kPi / 12 * at) << "],[0,1,0,"
+                    << 2 * std::sin(kPi / 12 * at) << "],[0,0,1," << 0.12 * at
+                    << "],[0,0,0,1]]) { sphere(r = 0.35); }\n";
+                return out.str();
+            };
+            if (form == Form::kHulls) {
+                text << "hull() {\n" << ball(i) << ball(i + 1) << "}\n";
+                continue;
+            }
+            const double middle = kPi / 12 * (i + 0.5);
+            const double chord = 4 * std::sin(kPi / 24);
+            const double length = std::hypot(chord, 0.12);
+            const Vec3 z = {-std::sin(middle) * chord / length, std::cos(middle) * chord / length,
+                            0.12 / length};
+            const Vec3 x = {std::cos(middle), std::sin(middle), 0};
+            const Vec3 y = {z[1] * x[2] - z[2] * x[1], z[2] * x[0] - z[0] * x[2], z[0] * x[1] - z[1] * x[0]};
+            const Vec3 at = {2 * std::cos(kPi / 12 * i), 2 * std::sin(kPi / 12 * i), 0.12 * i};
+            text << ball(i) << "multmatrix([";
+            for (std::size_t j = 0; j < 3; ++j)
+                text << "[" << x[j] << "," << y[j] << "," << z[j] << "," << at[j] << "],";
+            text << "[0,0,0,1]]) { cylinder(h = " << length << ", r1 = 0.35, r2 = 0.35); }\n" << ball(i + 1);
+        }
+        return text.str();
+    };
+    for (const Form form : {Form::kHulls, Form::kCylinders}) {
+        for (const double size : {0.16, 0.08}) {
+            CAPTURE(size);
+            MeshOptions options;
+            options.size = size;
+            check_joint(parse_model(text_of(form), "csg", "spring.csg"), options);
         }
     }
 }

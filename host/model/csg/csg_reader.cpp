@@ -13,6 +13,7 @@
 #include "host/model/csg/csg_nodes.hpp"
 #include "host/model/readers.hpp"
 #include "host/model/solids/box_unions.hpp"
+#include "host/model/solids/rod_unions.hpp"
 
 namespace mortise::model_reader {
 namespace {
@@ -63,6 +64,7 @@ class CsgReader {
                           : scene_.model.add_operation(CsgNode::Op::kUnion, {});
         scene_.model.regions.push_back(std::move(result));
         merge_boxes(scene_.model);
+        join_rods(scene_.model);
         return std::move(scene_.model);
     }
 

@@ -9,13 +9,11 @@
 #include <utility>
 
 #include "host/model/affine.hpp"
+#include "host/model/solids/union_parts.hpp"
 
 namespace mortise::model_reader {
 namespace {
 
-using Op = CsgNode::Op;
-
-constexpr std::uint32_t kNone = static_cast<std::uint32_t>(-1);
 constexpr std::size_t kFewest = 16;
 /// Each is compared with all for being inside.
 constexpr std::size_t kMostCompared = 2000;
@@ -146,88 +144,33 @@ std::vector<Block> merged(const std::vector<Block>& blocks) {
     return best;
 }
 
-/// By the topmost union: its boxes.
-std::map<std::uint32_t, std::vector<Block>> boxes_of_unions(const Model& model) {
-    std::vector<std::uint32_t> parents(model.nodes.size());
-    for (const CsgNode& node : model.nodes) {
-        for (const std::uint32_t child : node.children) ++parents[child];
-    }
-    for (const Region& region : model.regions) ++parents[region.root];
-    std::vector<std::uint32_t> top(model.nodes.size(), kNone);
-    std::vector<Placement> places(model.nodes.size());
-    std::map<std::uint32_t, std::vector<Block>> boxes;
-    // Parents come after their children.
-    for (auto i = static_cast<std::uint32_t>(model.nodes.size()); i-- > 0;) {
-        const CsgNode& node = model.nodes[i];
-        if (node.max_size != 0 || node.surface_size != 0 || node.bounds) continue;
-        if (node.op == Op::kPrimitive && top[i] != kNone) {
-            if (const auto block = block_of(node, i, places[i])) boxes[top[i]].push_back(*block);
-            continue;
-        }
-        Placement place = places[i];
-        if (node.op == Op::kUnion) {
-            if (top[i] == kNone) top[i] = i;
-        } else if (node.op == Op::kTransform && top[i] != kNone) {
-            const auto below = placement(node.map);
-            if (!below) continue;
-            for (std::size_t k = 0; k < 3; ++k) {
-                place.shift[k] += place.scale[k] * below->shift[k];
-                place.scale[k] *= below->scale[k];
-            }
-        } else {
-            continue;
-        }
-        for (const std::uint32_t child : node.children) {
-            if (parents[child] != 1) continue;
-            top[child] = top[i];
-            places[child] = place;
-        }
-    }
-    return boxes;
-}
-
 }  // namespace
 
 void merge_boxes(Model& model) {
-    std::map<std::uint32_t, std::vector<Block>> unions;
+    std::map<std::uint32_t, std::vector<PartMaker>> added;
     std::vector<char> gone(model.nodes.size());
-    for (auto& [root, blocks] : boxes_of_unions(model)) {
+    for (const auto& [root, parts] : union_parts(model)) {
+        std::vector<Block> blocks;
+        for (const UnionPart& part : parts) {
+            const std::optional<Placement> place = placement(part.map);
+            if (!place) continue;
+            if (const auto block = block_of(model.nodes[part.node], part.node, *place))
+                blocks.push_back(*block);
+        }
         if (blocks.size() < kFewest) continue;
         unify(blocks);
-        std::vector<Block> fewer = merged(blocks);
+        const std::vector<Block> fewer = merged(blocks);
         if (fewer.size() > blocks.size() - blocks.size() / 4) continue;
         for (const Block& block : blocks) gone[block.node] = 1;
-        unions[root] = std::move(fewer);
-    }
-    if (unions.empty()) return;
-
-    Model result;
-    result.nodes.reserve(model.nodes.size());
-    std::vector<std::uint32_t> renamed(model.nodes.size(), kNone);
-    for (std::uint32_t i = 0; i < model.nodes.size(); ++i) {
-        if (gone[i] != 0) continue;
-        CsgNode node = model.nodes[i];
-        const bool had_children = !node.children.empty();
-        std::vector<std::uint32_t> children;
-        for (const std::uint32_t child : node.children) {
-            if (renamed[child] != kNone) children.push_back(renamed[child]);
-        }
-        const auto found = unions.find(i);
-        if (found != unions.end()) {
-            for (const Block& block : found->second) {
+        for (const Block& block : fewer) {
+            added[root].push_back([block, first = model.nodes[block.node]](Model& result) {
                 const auto& [x, y, z] = block.side;
-                const CsgNode& first = model.nodes[block.node];
-                children.push_back(result.add_primitive(box({x[0], y[0], z[0]}, {x[1], y[1], z[1]}),
-                                                        first.name, first.where));
-            }
+                return result.add_primitive(box({x[0], y[0], z[0]}, {x[1], y[1], z[1]}), first.name,
+                                            first.where);
+            });
         }
-        // Nodes that held nothing but boxes.
-        if (had_children && children.empty()) continue;
-        node.children = std::move(children);
-        renamed[i] = result.add(std::move(node));
     }
-    for (Region& region : model.regions) region.root = renamed[region.root];
-    model.nodes = std::move(result.nodes);
+    if (!added.empty()) replace_parts(model, gone, added);
 }
 
 }  // namespace mortise::model_reader

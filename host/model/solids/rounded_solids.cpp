@@ -17,8 +17,6 @@ namespace {
 
 constexpr double kSame = 1e-6;
 
-Vec3 difference(const Vec3& a, const Vec3& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
-
 std::uint32_t add_half_spaces(Model& model, std::vector<Plane> planes, const std::string& name) {
     Primitive primitive;
     primitive.planes = std::move(planes);
@@ -136,33 +134,8 @@ std::optional<std::uint32_t> add_hull_of_spheres(Model& model, std::vector<Ball>
     solid.balls.clear();
     for (const auto& cap : parts.caps) solid.balls.push_back(parts.balls[cap.ball]);
     if (solid.balls.size() == 1) return add_ball(model, solid.balls[0].center, solid.balls[0].radius, name);
-    if (solid.balls.size() == 2) {
-        const auto& [a, b] = std::pair{solid.balls[0], solid.balls[1]};
-        return add_hull_of_two_spheres(model, a.center, a.radius, b.center, b.radius, name);
-    }
     if (solid.balls.size() > kMostBalls) return std::nullopt;
     return add_rounded(model, std::move(solid), kIdentity, name);
-}
-
-std::optional<std::uint32_t> add_hull_of_two_spheres(Model& model, const Vec3& a, double ra, const Vec3& b,
-                                                     double rb, const std::string& name) {
-    if (ra < rb) return add_hull_of_two_spheres(model, b, rb, a, ra, name);
-    // The cone touches both: its normal makes an angle of this cosine with the axis.
-    const Vec3 axis = difference(b, a);
-    const double apart = length(axis);
-    const double cosine = (ra - rb) / apart;
-    const double sine = std::sqrt(std::max(0.0, 1 - cosine * cosine));
-    const Primitive side = ra == rb ? infinite_cylinder(ra) : cone(ra / sine, -cosine / sine);
-    const std::uint32_t tube = model.add_operation(
-        CsgNode::Op::kIntersection,
-        {model.add_primitive(side, name + "_side"),
-         add_half_spaces(
-             model, {{{0, 0, -1}, -ra * cosine, "start"}, {{0, 0, 1}, apart + rb * cosine, "end"}}, name)});
-    return model.add_operation(
-        CsgNode::Op::kUnion,
-        {add_ball(model, a, ra, name + "_ball1"), add_ball(model, b, rb, name + "_ball2"),
-         model.add_transform(frame_along(axis, a), tube)},
-        name);
 }
 
 }  // namespace mortise::model_reader

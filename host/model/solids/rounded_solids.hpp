@@ -27,8 +27,4 @@ std::uint32_t add_rounded(Model& model, RoundedSolid solid, const Affine& frame,
 std::optional<std::uint32_t> add_hull_of_spheres(Model& model, std::vector<Ball> balls,
                                                  const std::string& name);
 
-/// The hull of two spheres, none inside the other.
-std::optional<std::uint32_t> add_hull_of_two_spheres(Model& model, const Vec3& a, double ra, const Vec3& b,
-                                                     double rb, const std::string& name);
-
 }  // namespace mortise::model_reader
