@@ -109,6 +109,14 @@ TEST_CASE("other rods and balls stay as they are") {
     CHECK(is_left_alone(rod(a, b, 0.5) + ball(a, 0.5) + ball({4, 3, 1.01}, 0.5)));
     CHECK(is_left_alone("difference() { " + rod(a, b, 0.5) + " group() { " + ball(a, 0.5) + ball(b, 0.5) +
                         "} }"));
+    // The rounded edge of a box; not one that a rod ends in.
+    const Vec3 o = {0, 0, 0};
+    const Vec3 x = {3, 0, 0};
+    const std::string capped = rod(o, x, 0.5) + ball(o, 0.5) + ball(x, 0.5);
+    CHECK(is_left_alone(capped + moved({1, 0, 0, 0, 0, 1, 0, -4, 0, 0, 1, -0.5}, "cube(size = [3, 4, 1]);")));
+    CHECK(is_left_alone(capped + moved({3, 0, 0, 0, 0, 0, 4, -4, 0, 1, 0, -0.5}, "cube(size = [1, 1, 1]);")));
+    CHECK_FALSE(
+        is_left_alone(capped + moved({1, 0, 0, 3, 0, 1, 0, -4, 0, 0, 1, -4}, "cube(size = [3, 8, 8]);")));
     // A ball that two rods have, one of which ends flat, is part of the other.
     const Model mixed = read(rod(a, b, 0.5) + rod(b, {7, 7, 7}, 0.5) + ball(a, 0.5) + ball(b, 0.5));
     CHECK(count(mixed, Primitive::Kind::kRounded) == 1);

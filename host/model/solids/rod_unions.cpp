@@ -75,6 +75,36 @@ std::optional<Rod> rod_of(const Model& model, const UnionPart& part) {
                part.node};
 }
 
+/// A plane of a convex part, in the frame of the union.
+struct PlacedPlane {
+    Vec3 normal;  ///< of length 1
+    double offset;
+};
+
+void add_planes(const CsgNode& node, const UnionPart& part, std::vector<PlacedPlane>& planes) {
+    if (node.op != CsgNode::Op::kPrimitive || node.primitive.kind != Primitive::Kind::kConvex) return;
+    const Affine back = inverse_of(part.map);
+    for (const Plane& plane : node.primitive.planes) {
+        const Vec3& n = plane.normal;
+        Vec3 normal;
+        for (std::size_t j = 0; j < 3; ++j)
+            normal[j] = back[j] * n[0] + back[4 + j] * n[1] + back[8 + j] * n[2];
+        const double shift = back[3] * n[0] + back[7] * n[1] + back[11] * n[2];
+        const double norm = length(normal);
+        for (double& x : normal) x /= norm;
+        planes.push_back({normal, (plane.offset - shift) / norm});
+    }
+}
+
+/// Whether a plane touches the rod along a line, from either side.
+bool touches(const PlacedPlane& plane, const Rod& rod) {
+    const double reach = kFarthest * rod.end[0].radius;
+    return std::all_of(rod.end, rod.end + 2, [&](const Ball& end) {
+        const double away = std::fabs(dot(plane.normal, end.center) - plane.offset);
+        return std::fabs(away - end.radius) <= reach;
+    });
+}
+
 /// The ball at the end of a rod, or null. `balls` are sorted.
 PlacedBall* ball_at(const Ball& end, std::vector<PlacedBall>& balls) {
     const Vec3& e = end.center;
@@ -116,13 +146,18 @@ void join_rods(Model& model) {
     for (const auto& [root, parts] : union_parts(model)) {
         std::vector<PlacedBall> balls;
         std::vector<Rod> rods;
+        std::vector<PlacedPlane> planes;
         for (const UnionPart& part : parts) {
+            add_planes(model.nodes[part.node], part, planes);
             if (const auto ball = ball_of(model.nodes[part.node], part)) balls.push_back(*ball);
             if (const auto rod = rod_of(model, part)) rods.push_back(*rod);
         }
         balls = distinct(std::move(balls));
         // Parts come with the last node first; names are given in the order of the file.
         for (auto rod = rods.rbegin(); rod != rods.rend(); ++rod) {
+            if (std::any_of(planes.begin(), planes.end(),
+                            [&](const auto& plane) { return touches(plane, *rod); }))
+                continue;
             PlacedBall* low = ball_at(rod->end[0], balls);
             PlacedBall* high = ball_at(rod->end[1], balls);
             if (low == nullptr || high == nullptr || low == high) continue;

@@ -9,8 +9,9 @@ namespace mortise::model_reader {
 /// both, and the balls, which are parts of it, vanish. The solid is the same, but for what is lost by the six
 /// figures that OpenSCAD writes (1/1000 of the radius at most); but the rod is one smooth surface (kRounded)
 /// in place of a cylinder and two balls that touch along circles, and all rods of a joint share their ball
-/// exactly. The hull has the cylinder's name. Shared nodes, and those with sizes or bounds of their own, are
-/// left alone.
+/// exactly. The hull has the cylinder's name. Rods that touch a plane of another part along a line (a rounded
+/// box made of boxes, cylinders and balls) stay: what goes on smoothly there is told apart better. Shared
+/// nodes, and those with sizes or bounds of their own, are left alone.
 void join_rods(Model& model);
 
 }  // namespace mortise::model_reader
