@@ -262,10 +262,12 @@ void report_improvement(const improve::Counters& counters, const MeshOptions& op
     }
     out.merged_nodes = counters.block.merged;
     if (out.merged_nodes == 0) return;
-    out.warnings.push_back(std::to_string(out.merged_nodes) + " nodes of features closer than " +
-                           number(options.merge_distance) +
-                           " cells were merged with others, or elements would be slivers; --merge 0 keeps "
-                           "them apart");
+    const bool is_one = out.merged_nodes == 1;
+    out.warnings.push_back(std::to_string(out.merged_nodes) + (is_one ? " node" : " nodes") +
+                           " of features closer than " + number(options.merge_distance) + " cells " +
+                           (is_one ? "was" : "were") +
+                           " merged with others, or elements would be slivers; --merge 0 keeps " +
+                           (is_one ? "it" : "them") + " apart");
 }
 
 void report_hinges(const features::Hinges& hinges, const std::vector<double>& points,

@@ -180,6 +180,10 @@ TEST_CASE("hull of other curved solids is facetted, with a warning") {
     REQUIRE(mixed.model.warnings.size() == 1);
     CHECK(mixed.model.warnings[0].find("m.csg:3:4: 'hull' of these curved solids is approximated") == 0);
     compare(mixed, hull_of({ball({0, 0, 1}, 0.5), box_of({-0.5, -0.5, -0.25}, {0.5, 0.5, 0.25})}), 1.6, 0.02);
+    const std::string rounded_off = "hull() { sphere(r = 1); " + at(0, 0, 2, "cube(0.5);") + " }\n";
+    const Model many = parse_model(rounded_off + rounded_off + rounded_off, "csg", "many.csg");
+    REQUIRE(many.warnings.size() == 1);
+    CHECK(many.warnings[0].find("many.csg:1:1: 'hull' of these") == 0);
     const Built cones = build(rod_at(0, 0, 0, 1, 1, 0) + rod_at(1, 0, 0, 1, 0.2, 0.6));
     compare(cones, hull_of({frustum(0, 0, 0, 1, 1, 0), frustum(1, 0, 0, 1, 0.2, 0.6)}), 2, 0.02);
     // Half a sphere: an intersection.

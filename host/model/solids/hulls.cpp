@@ -204,9 +204,15 @@ std::uint32_t hull_of_pieces(Model& model, const std::vector<ConvexPiece>& piece
              "'" + wanted.name + "': the result is flat; expected children that span a volume");
     }
     if (any_facetted) {
-        model.warnings.push_back(place_text(wanted.source, wanted.where) + "'" + wanted.name +
-                                 "' of these curved solids is approximated, with " + std::to_string(kFacets) +
-                                 " facets around");
+        // Told once a file, with its first place.
+        const std::string text = "'" + wanted.name + "' of these curved solids is approximated, with " +
+                                 std::to_string(kFacets) + " facets around";
+        const bool is_told =
+            std::any_of(model.warnings.begin(), model.warnings.end(), [&](const std::string& warning) {
+                return warning.size() >= text.size() &&
+                       warning.compare(warning.size() - text.size(), text.size(), text) == 0;
+            });
+        if (!is_told) model.warnings.push_back(place_text(wanted.source, wanted.where) + text);
     }
     return add_polytope(model, *polytope, any_facetted || any_curved, name);
 }
