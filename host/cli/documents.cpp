@@ -117,6 +117,7 @@ Json mesh_document(const MeshReport& report, const MeshFigures& figures) {
     json["hinge_edges"] = report.hinge_edges;
     json["hinge_nodes"] = report.hinge_nodes;
     json["dropped_features"] = report.dropped_features;
+    json["first_dropped_feature"] = report.first_dropped ? Json(*report.first_dropped) : Json(nullptr);
     json["missed_features"] = missed_document(report.missed);
     json["stages"] = Json::array();
     for (const StageTime& stage : report.stages) {

@@ -15,6 +15,7 @@ constexpr double kMargin = 0.35;    ///< the apex may move this far along each a
 constexpr double kReach = 0.7;      ///< in all
 constexpr double kTangent = 0.1;    ///< sine between gradients below which surfaces do not cross
 constexpr double kSettled = 1e-10;  ///< the last step
+constexpr double kSectionsAreOne = 1e-6;
 
 double dot(const double* a, const double* b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
@@ -62,17 +63,50 @@ bool Cell::apex_on(const ApexSearch& search, const std::vector<std::size_t>& sur
     return true;
 }
 
+/// In a face that lies in a surface: leaves out this one, and of those whose sections are one there (two
+/// solids that meet in it) all but one.
+void Cell::leave_distinct(int fixed_axis, const double* middle, NearSurfaces& near) const {
+    struct Section {
+        double distance;
+        double normal[3];
+    };
+    std::vector<Section> sections;
+    const auto is_seen = [&](const std::pair<double, std::size_t>& entry) {
+        bool negated = false;
+        const std::uint32_t at = surface_at(entry.second, middle, &negated);
+        const SurfaceSample s = surface_sample(&model_.surfaces[at], model_.expression_ops.data(), middle[0],
+                                               middle[1], middle[2]);
+        Section own{s.value, {s.gradient[0], s.gradient[1], s.gradient[2]}};
+        own.normal[fixed_axis] = 0;
+        const double steepness = std::sqrt(dot(own.normal, own.normal));
+        const double slope = std::sqrt(dot(s.gradient, s.gradient));
+        if (!(steepness > kTangent * slope)) return std::fabs(s.value) <= kSectionsAreOne * slope * size_;
+        own.distance /= steepness;
+        for (double& x : own.normal) x /= steepness;
+        for (const Section& other : sections) {
+            const double cosine = dot(own.normal, other.normal);
+            const double apart = own.distance - (cosine < 0 ? -other.distance : other.distance);
+            if (std::fabs(cosine) >= 1 - kSectionsAreOne && std::fabs(apart) <= kSectionsAreOne * size_)
+                return true;
+        }
+        sections.push_back(own);
+        return false;
+    };
+    near.erase(std::remove_if(near.begin(), near.end(), is_seen), near.end());
+}
+
 /// The middle, or the point next to it on up to three surfaces that pass close to it; of a joint where both
 /// its surfaces meet, if it can be had, so that their facets part there.
 LatticePoint Cell::apex_near(const ApexSearch& search, const std::vector<std::size_t>& surfaces) const {
     double start[3];
     position(search.middle, start);
-    std::vector<std::pair<double, std::size_t>> near;
+    NearSurfaces near;
     for (const std::size_t s : surfaces) {
         const double distance = distance_to(s, start);
         if (distance < kNear * search.scale.size) near.push_back({distance, s});
     }
     std::sort(near.begin(), near.end());
+    if (search.fixed_axis < 3) leave_distinct(search.fixed_axis, start, near);
     LatticePoint apex;
     for (std::size_t count = std::min<std::size_t>(near.size(), 3); count > 0; --count) {
         std::vector<std::size_t> on;

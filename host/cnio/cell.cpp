@@ -411,7 +411,8 @@ void Cell::load_segment(LocalNode low, LocalNode high, int axis, const std::uint
                                      nodes_[low].middles & nodes_[high].middles);
         out.push_back(m);
         for (std::size_t s = 0; s < n; ++s) {
-            if (active[s] == 0) continue;
+            // A surface that touches the line just there stays on the node.
+            if (active[s] == 0 || sign(m, s) == 0) continue;
             const int sa = sign(low, s);
             const int sb = sign(high, s);
             if (sa * sb > 0 || (sa == 0) != (sb == 0)) set_sign(m, s, sa != 0 ? sa : sb);

@@ -218,6 +218,8 @@ class Cell {
         int fixed_axis;  ///< of a face: both cells find the same apex in its plane; 3: none
         Scale scale;     ///< the apex lies on its lattice
     };
+    using NearSurfaces = std::vector<std::pair<double, std::size_t>>;  ///< with their distances, ascending
+    void leave_distinct(int fixed_axis, const double* middle, NearSurfaces& near) const;
     LatticePoint apex_near(const ApexSearch& search, const std::vector<std::size_t>& surfaces) const;
     std::vector<std::uint32_t> model_surfaces(const std::vector<std::size_t>& surfaces,
                                               const double* x) const;
@@ -292,6 +294,8 @@ class Cell {
                (nodes_[a].middles & nodes_[b].middles) == 0;
     }
     // crossing.cpp
+    LatticePoint on_shared_curve(const Patch& patch, std::size_t k, const std::array<std::uint16_t, 2>& edge,
+                                 const LatticePoint& at, int round);
     bool insert_crossings(const Patch& patch, std::size_t k);
     bool insert_crossing(const Patch& patch, std::size_t p, const std::array<std::uint16_t, 3>& corner);
     bool meets_third(const Patch& patch, std::size_t p, std::size_t q, const LatticePoint& at) const;

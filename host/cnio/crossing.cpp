@@ -13,6 +13,44 @@ constexpr double kInside = 1e-9;  ///< of a triangle's area: what its parts may 
 
 }  // namespace
 
+/// In place of the point where surface p cuts an edge that is a chord of several others: where it cuts the
+/// first of these. In a face where two solids meet, their sections are one curve, and on its chord the node
+/// would be on the one that has been cut, and beside the other.
+LatticePoint Cell::on_shared_curve(const Patch& patch, std::size_t k,
+                                   const std::array<std::uint16_t, 2>& edge, const LatticePoint& at,
+                                   int round) {
+    const LocalNode a = fan_nodes_[edge[0]];
+    const LocalNode b = fan_nodes_[edge[1]];
+    const std::size_t done = round == 0 ? k : patch_order_.size();
+    std::size_t first = surfaces_.size();
+    int through = 0;
+    for (std::size_t i = 0; i < patch_order_.size(); ++i) {
+        const std::size_t s = patch_order_[i];
+        if (sign(a, s) != 0 || sign(b, s) != 0) continue;
+        const bool holds_face = std::all_of(patch.corner.begin(), patch.corner.end(),
+                                            [&](LocalNode corner) { return sign(corner, s) == 0; });
+        if (holds_face) continue;
+        ++through;
+        if (i < done && first == surfaces_.size()) first = s;
+    }
+    LatticePoint settled;
+    if (through < 2 || first == surfaces_.size()) return at;
+    if (!apex_on({at, patch.face / 2, patch.scale}, {patch_order_[k], first}, settled)) return at;
+    double whole = 0;
+    double parts = 0;
+    for (const auto& t : fan_) {
+        for (std::size_t i = 0; i < 3; ++i) {
+            const LocalNode u = fan_nodes_[t[i]];
+            const LocalNode v = fan_nodes_[t[(i + 1) % 3]];
+            if (!((u == a && v == b) || (u == b && v == a))) continue;
+            const LatticePoint& tip = nodes_[fan_nodes_[t[(i + 2) % 3]]].point;
+            whole += twice_area(nodes_[u].point, nodes_[v].point, tip);
+            parts += twice_area(nodes_[u].point, settled, tip) + twice_area(settled, nodes_[v].point, tip);
+        }
+    }
+    return parts <= (1 + kInside) * whole ? settled : at;
+}
+
 /// Puts such points into triangles one of whose corners is on surface p.
 bool Cell::insert_crossings(const Patch& patch, std::size_t k) {
     const std::size_t p = patch_order_[k];

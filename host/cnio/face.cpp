@@ -446,11 +446,12 @@ bool Cell::split_patch(const Patch& patch, std::size_t k, int round) {
             ++counters.limited;
             return false;
         }
-        const LatticePoint at = root(p, nodes_[na].point, nodes_[nb].point);
+        LatticePoint at = root(p, nodes_[na].point, nodes_[nb].point);
         if (snap_end(p, na, nb, at, kMergeDistance, true)) {
             any = true;
             continue;
         }
+        at = on_shared_curve(patch, k, {a, b}, at, round);
         const LocalNode m = split_node(patch_order_, k, na, nb, at, round, active);
         const auto local = static_cast<std::uint16_t>(fan_nodes_.size());
         fan_nodes_.push_back(m);

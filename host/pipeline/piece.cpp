@@ -1,5 +1,7 @@
 #include "host/pipeline/piece.hpp"
 
+#include <algorithm>
+
 #include "host/cnio/extract.hpp"
 
 namespace mortise::pipeline {
@@ -21,7 +23,9 @@ assembly::Piece make_piece(device::Device& device, const MeshOptions& options, P
         extracted.refused += record.refused;
         extracted.unresolved += record.unresolved;
         // A split that is refused leaves out what is flatter than the lattice tells, if all is labelled.
-        if (record.unresolved + record.limited > 0) ++extracted.troubled;
+        if (record.unresolved + record.limited == 0) continue;
+        ++extracted.troubled;
+        extracted.first_troubled = std::min(extracted.first_troubled, tree.nio[leaves[i]].morton);
     }
     stages.end(leaves.size());
     stages.begin("assemble", begin + 0.6 * (end - begin));

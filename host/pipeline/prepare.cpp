@@ -23,6 +23,10 @@ std::string number(double value) {
     return text;
 }
 
+std::string place(const Vec3& x) {
+    return "(" + number(x[0]) + ", " + number(x[1]) + ", " + number(x[2]) + ")";
+}
+
 /// Model coordinates must tell apart the lattice steps that keep simplices from being flat (cnio::kMinHeight,
 /// 6e-8 of a cell): farther from the origin, double precision would turn valid elements over.
 void check_precision(const Root& root, int finest_level, const std::string& source) {
@@ -48,7 +52,8 @@ std::string describe_missed(const std::vector<MissedFeature>& missed, const Root
         thinnest = std::min(thinnest, feature.thickness);
         if (largest == nullptr || (largest->kept && !feature.kept)) largest = &feature;
     }
-    // A ball holds a vertex of the grid, wherever it lies, if its diameter is that of a cell.
+    // A ball holds a vertex of the grid, wherever it lies, if its diameter is that of a cell. What rises from
+    // other material is seen by coarser cells as a rule.
     int level = root.level;
     while (level < kMaxLevel && std::ldexp(root.side, -level) * std::sqrt(3.0) > thinnest) ++level;
     std::string text = std::to_string(missed.size()) + " feature" + (missed.size() == 1 ? "" : "s") +
@@ -56,11 +61,11 @@ std::string describe_missed(const std::vector<MissedFeature>& missed, const Root
     text += lost == 0 ? "kept coarsely" : std::to_string(lost) + " of them lost";
     text += std::string("; the largest") + (lost == 0 ? "" : " lost") + ": " +
             (largest->material ? "material, " : "a hole, ") + number(largest->size) + " long and " +
-            number(largest->thickness) + " thick, at (" + number(largest->position[0]) + ", " +
-            number(largest->position[1]) + ", " + number(largest->position[2]) + "); level " +
-            std::to_string(level) + ", or --refine " + std::to_string(level - root.level) +
+            number(largest->thickness) + " thick, at " + place(largest->position) + "; ";
+    if (level > root.level + 1) text += "--refine 1 may show more, ";
+    text += "level " + std::to_string(level) + ", or --refine " + std::to_string(level - root.level) +
             ", would resolve ";
-    return text + (missed.size() == 1 ? "it" : "them all");
+    return text + (missed.size() == 1 ? "it" : "them all") + (level > root.level + 1 ? " for certain" : "");
 }
 
 void refuse_missed(const std::vector<MissedFeature>& missed, const Root& root, const std::string& source) {
@@ -228,10 +233,17 @@ void report_cells(const Prepared& prepared, const Extracted& extracted, const Mo
     out.warnings.insert(out.warnings.begin(), model.warnings.begin(), model.warnings.end());
     if (!out.missed.empty()) out.warnings.push_back(describe_missed(out.missed, root));
     if (extracted.troubled > 0) {
-        const std::string text = std::to_string(extracted.troubled) + " of " +
-                                 std::to_string(out.cnio_cells) +
-                                 " complex cells hold features too fine to be kept exactly; --refine, or "
-                                 "smaller cells, would keep more of them";
+        const double edge = octree::Octree::edge_of(tree.level_of(extracted.first_troubled));
+        Vec3 at{};
+        for (std::size_t j = 0; j < 3; ++j) {
+            const double low = gather_bits(extracted.first_troubled >> j) * tree.finest_edge();
+            at[j] = root.origin[j] + root.side * (low + 0.5 * edge);
+        }
+        out.first_dropped = at;
+        const std::string text =
+            std::to_string(extracted.troubled) + " of " + std::to_string(out.cnio_cells) +
+            " complex cells hold features too fine to be kept exactly, the first around " + place(at) +
+            "; --refine, or smaller cells, would keep more of them";
         if (options.strict) throw Error(ExitCode::kMeshing, model.source + ": strict: " + text);
         out.warnings.push_back(text);
     }
@@ -255,8 +267,7 @@ void report_improvement(const improve::Counters& counters, const MeshOptions& op
         const improve::Point& at = *counters.crumbs.first;
         const std::string text = std::to_string(out.crumbs) +
                                  (out.crumbs == 1 ? " loose piece was" : " loose pieces were") +
-                                 " left out, of less than 1/20000 of a cell; the first at (" + number(at[0]) +
-                                 ", " + number(at[1]) + ", " + number(at[2]) + ")";
+                                 " left out, of less than 1/20000 of a cell; the first at " + place(at);
         if (options.strict) throw Error(ExitCode::kMeshing, source + ": strict: " + text);
         out.warnings.push_back(text);
     }
@@ -281,9 +292,9 @@ void report_hinges(const features::Hinges& hinges, const std::vector<double>& po
     std::string by = hinges.edges > 0 ? counted(hinges.edges, "edge") : "";
     if (hinges.nodes > 0) by += (by.empty() ? "" : " and ") + counted(hinges.nodes, "node");
     const double* at = points.data() + 3 * std::size_t{*hinges.first};
-    const std::string text = "the skin of the mesh touches itself at " + by + ", the first at (" +
-                             number(at[0]) + ", " + number(at[1]) + ", " + number(at[2]) +
-                             "): a wall or a gap is thinner than the cells there, or parts of the model only "
+    const std::string text = "the skin of the mesh touches itself at " + by + ", the first at " +
+                             place({at[0], at[1], at[2]}) +
+                             ": a wall or a gap is thinner than the cells there, or parts of the model only "
                              "touch; smaller cells, or --refine, may show which";
     if (options.strict) throw Error(ExitCode::kMeshing, source + ": strict: " + text);
     out.warnings.push_back(text);

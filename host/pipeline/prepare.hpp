@@ -34,9 +34,10 @@ struct Prepared {
 
 /// What the report wants of all extractions.
 struct Extracted {
-    std::uint64_t refused = 0;     ///< as cnio::CellCounters
-    std::uint64_t unresolved = 0;  ///< the same
-    std::uint64_t troubled = 0;    ///< cells that show less of the model than they could
+    std::uint64_t refused = 0;                         ///< as cnio::CellCounters
+    std::uint64_t unresolved = 0;                      ///< the same
+    std::uint64_t troubled = 0;                        ///< cells that show less of the model than they could
+    std::uint64_t first_troubled = ~std::uint64_t{0};  ///< Morton code of the first of them
 };
 
 /// Throws Error(kUsage) for options out of range.

@@ -103,6 +103,7 @@ struct MeshReport {
     std::uint64_t hinge_edges = 0;       ///< with more than two boundary facets
     std::uint64_t hinge_nodes = 0;       ///< others at which parts of the boundary touch
     std::uint64_t dropped_features = 0;  ///< complex cells with a refused split or an unresolved tetrahedron
+    std::optional<Vec3> first_dropped;   ///< centre of the first of these, in Morton order
     std::vector<MissedFeature> missed;   ///< features smaller than a cell, the largest first
     Features features;                   ///< nodes against the model, creases and corners
     std::optional<QualityReport> quality;  ///< if MeshOptions::quality

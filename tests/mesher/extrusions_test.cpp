@@ -187,4 +187,78 @@ TEST_CASE("a twist beside solids without planes along the axes is bounded") {
     CHECK(result.check.volume == doctest::Approx(head + 16 * kPi * 16).epsilon(0.01));
 }
 
+TEST_CASE("what a revolved shape has beyond the axis and then loses is not swept") {
+    // A polygon around (5, 0), of enough sides to be a curve, without what has x < 0.
+    constexpr int kSides = 24;
+    constexpr double kRadius = 12;
+    std::string polygon = "polygon(points = [";
+    double volume = 0;
+    std::array<double, 2> before{};
+    for (int i = 0; i <= kSides; ++i) {
+        const double angle = 2 * kPi * (i % kSides) / kSides;
+        std::array<double, 2> at = {5 + kRadius * std::cos(angle), kRadius * std::sin(angle)};
+        if (i < kSides)
+            polygon += (i == 0 ? "[" : ",[") + std::to_string(at[0]) + "," + std::to_string(at[1]) + "]";
+        const std::array<double, 2> end = at;
+        if (i > 0 && (before[0] > 0 || at[0] > 0)) {
+            const double t = before[0] / (before[0] - at[0]);  // where the side crosses the axis
+            const double crossing = before[1] + t * (at[1] - before[1]);
+            if (before[0] < 0) before = {0, crossing};
+            if (at[0] < 0) at = {0, crossing};
+            const double rings = before[0] * before[0] + before[0] * at[0] + at[0] * at[0];
+            volume += kPi / 3 * (at[1] - before[1]) * rings;
+        }
+        before = end;
+    }
+    polygon += "]);";
+    const std::string cut = "rotate_extrude($fn = 96) { difference() { " + polygon +
+                            " multmatrix([[1,0,0,-30],[0,1,0,-30],[0,0,1,0],[0,0,0,1]]) { square(size = "
+                            "[30, 60]); } } }";
+    check({"cut at the axis", cut.c_str(), volume, 0.01, 2});
+}
+
+namespace {
+
+/// The outline of a gear whose teeth have eight corners, the inner ones at radius 20, and its area.
+std::string gear(int teeth, double& area) {
+    const double profile[8][2] = {{20, -0.3}, {22, -0.22},  {23.5, -0.15}, {24, -0.1},
+                                  {24, 0.1},  {23.5, 0.15}, {22, 0.22},    {20, 0.3}};
+    std::vector<std::array<double, 2>> points;
+    std::string text = "polygon(points = [";
+    for (int tooth = 0; tooth < teeth; ++tooth) {
+        for (const auto& corner : profile) {
+            const double angle = 2 * kPi / teeth * (tooth + corner[1]);
+            points.push_back({corner[0] * std::cos(angle), corner[0] * std::sin(angle)});
+            text += (points.size() == 1 ? "[" : ",[") + std::to_string(points.back()[0]) + "," +
+                    std::to_string(points.back()[1]) + "]";
+        }
+    }
+    area = 0;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        const auto& p = points[i];
+        const auto& q = points[(i + 1) % points.size()];
+        area += 0.5 * (p[0] * q[1] - q[0] * p[1]);
+    }
+    return text + "]);";
+}
+
+}  // namespace
+
+// The halves have one section in the plane in which they meet, which the grid's faces lie in. Cut by each
+// half on its own, those faces had two curves beside each other, and elements of 5e-6 between them.
+TEST_CASE("twisted halves that mirror each other meet in the grid's faces without slivers") {
+    double area = 0;
+    const std::string half = "linear_extrude(height = 6, twist = 15) { " + gear(20, area) + " }";
+    const std::string text =
+        half + " multmatrix([[1,0,0,0],[0,1,0,0],[0,0,-1,0],[0,0,0,1]]) { " + half + " }";
+    const Meshed result = mesh_and_check(parse_model(text, "csg", "herringbone.csg"), 5);
+    CHECK(result.defects == "");
+    CHECK(result.check.volume == doctest::Approx(12 * area).epsilon(0.005));
+    CHECK(result.check.euler_characteristic == 2);
+    CHECK(result.report.merged_nodes == 0);
+    CHECK(result.report.dropped_features == 0);
+    CHECK(*std::min_element(result.check.min_scaled_jacobian.begin(),
+                            result.check.min_scaled_jacobian.end()) > 0.15);
+}
+
 }  // namespace mortise::test

@@ -295,6 +295,13 @@ TEST_CASE("a thousand surfaces in one cell") {
     const double cell = result.report.cell_size;
     CHECK(std::fabs(result.check.volume - volume) <= 2 * 0.2 * cell * cell);
     CHECK((result.report.dropped_features == 0) == result.report.warnings.empty());
+    REQUIRE(result.report.first_dropped.has_value() == (result.report.dropped_features > 0));
+    if (result.report.first_dropped) {
+        // Planes of the rounding pass through cells along both sides that meet in it.
+        const Vec3& at = *result.report.first_dropped;
+        CHECK(std::fabs(std::max(at[0], at[1]) - 10.8) < 2 * cell);
+        CHECK(std::fabs(at[2] - 1) < 2 * cell);
+    }
     if (std::fabs(result.check.volume / volume - 1) > 1e-4) CHECK(result.report.dropped_features > 0);
 }
 
@@ -369,6 +376,20 @@ TEST_CASE("three surfaces through one curve make no slivers") {
     CHECK(meshed.defects == "");
     CHECK(meshed.check.volume == doctest::Approx(6 * 4 * 2 + 6 * 4).epsilon(1e-9));
     CHECK(worst(meshed) > 0.05);
+}
+
+// The plane and an edge of the grid meet where the torus touches the edge: the node there had the sign of the
+// edge's ends for the torus, and four cells were told to hold features too fine.
+TEST_CASE("a surface that touches an edge of the grid at a node of another one is on it") {
+    const Model model = one_solid([](Model& m) {
+        const NodeIndex ring = add_torus(m, 10, 2);
+        return intersect(m, {ring, m.add_primitive(half_space({0, 0, 0}, {0, -1, 0}))});
+    });
+    const Meshed meshed = mesh_and_check(model, 5);
+    CHECK(meshed.defects == "");
+    CHECK(meshed.report.dropped_features == 0);
+    CHECK(meshed.check.volume == doctest::Approx(kPi * kPi * 10 * 4).epsilon(0.05));
+    CHECK(meshed.check.euler_characteristic == 2);
 }
 
 }  // namespace mortise::test

@@ -75,6 +75,7 @@ void check_same_report(const MeshReport& whole, const MeshReport& parts) {
     for (std::size_t i = 0; i < whole.warnings.size(); ++i) CHECK(whole.warnings[i] == parts.warnings[i]);
     CHECK(whole.refused_splits == parts.refused_splits);
     CHECK(whole.dropped_features == parts.dropped_features);
+    CHECK(whole.first_dropped == parts.first_dropped);
     CHECK(whole.cnio_cells == parts.cnio_cells);
     CHECK(whole.snio_cells == parts.snio_cells);
     check_same_features(whole.features, parts.features);

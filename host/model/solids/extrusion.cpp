@@ -187,16 +187,31 @@ class RotaryBuilder final : public Sweep {
         : Sweep(model, name, where), facets_(std::move(facets)), reach_(reach) {}
 
   protected:
+    /// What lies beyond the axis is cut away by others, and would be swept to the wrong side.
     void adjust(Contours& loops) const override {
         bool changed = false;
+        Box2 box = {{0, HUGE_VAL}, {0, -HUGE_VAL}};
         for (auto& loop : loops) {
             for (Vec2& point : loop) {
-                if (point[0] == 0 || std::fabs(point[0]) > kOnAxis * reach_) continue;
-                point[0] = 0;
-                changed = true;
+                if (point[0] != 0 && std::fabs(point[0]) <= kOnAxis * reach_) {
+                    point[0] = 0;
+                    changed = true;
+                }
+                for (std::size_t k = 0; k < 2; ++k) {
+                    box.min[k] = std::min(box.min[k], point[k]);
+                    box.max[k] = std::max(box.max[k], point[k]);
+                }
             }
         }
         if (changed) loops = normalised(loops);
+        if (!(box.min[0] < 0)) return;
+        FlatTree tree;
+        const std::uint32_t all = tree.add_contours(loops);
+        const std::uint32_t right = tree.add_contours({{{0, box.min[1] - reach_},
+                                                        {box.max[0] + reach_, box.min[1] - reach_},
+                                                        {box.max[0] + reach_, box.max[1] + reach_},
+                                                        {0, box.max[1] + reach_}}});
+        loops = to_contours(tree, tree.add_operation(FlatNode::Op::kIntersection, {all, right}));
     }
 
     std::optional<Piece> rounded_outline(const std::vector<Disc>& discs) override {
