@@ -20,6 +20,7 @@ constexpr double kOnSurface = 1e-6;   ///< edges: closer than signs can tell (kS
 constexpr double kIndependent = 0.1;  ///< sine between two gradients
 constexpr double kAlong = 1e-3;       ///< sine between the crease and the third surface
 constexpr double kReach = 1.5;        ///< edges from the leaf's centre, along each axis
+constexpr double kHalfTurn = 3.14159265358979323846;
 constexpr int kDirections = 360;
 
 struct Frame {
@@ -28,6 +29,12 @@ struct Frame {
     Vec3 second{};
     Vec3 along{};  ///< unit direction of the crease
 };
+
+/// Between unit vectors, in radians.
+double angle(const Vec3& a, const Vec3& b) {
+    const Vec3 normal = cross(a, b);
+    return std::atan2(std::sqrt(dot(normal, normal)), dot(a, b));
+}
 
 class LeafSimplifier {
   public:
@@ -60,8 +67,9 @@ class LeafSimplifier {
                 Frame frame;
                 if (!find_crease(a, b, centre_, frame)) continue;
                 for (std::size_t c = 0; c < n; ++c) {
-                    if (c != a && c != b && holds_crease(a, b, c, frame) && replace(a, b, c, frame))
-                        return true;
+                    if (c == a || c == b || !holds_crease(a, b, c, frame)) continue;
+                    if (may_meet_again({a, b, c}, frame.at)) continue;
+                    if (replace(a, b, c, frame)) return true;
                 }
             }
         }
@@ -124,6 +132,32 @@ class LeafSimplifier {
         return true;
     }
 
+    /// Whether surfaces that share a crease may meet beside it in the leaf, too, as a chord and its circle
+    /// do: other signs would occur there than around the crease. They cannot where their normals turn by
+    /// less than the angle between them.
+    bool may_meet_again(const std::array<std::size_t, 3>& three, const Vec3& on_crease) const {
+        std::array<Vec3, 3> normal;
+        std::array<double, 3> turn{};
+        double distance = 0;
+        for (std::size_t i = 0; i < 3; ++i) {
+            if (!sample(three[i], on_crease, distance, normal[i])) return true;
+            for (int k = 0; k < 27; ++k) {
+                const Vec3 step = {0.5 * (k % 3 - 1), 0.5 * (k / 3 % 3 - 1), 0.5 * (k / 9 - 1)};
+                Vec3 at = centre_;
+                for (std::size_t j = 0; j < 3; ++j) at[j] += step[j] * edge_;
+                Vec3 there;
+                if (!sample(three[i], at, distance, there)) return true;
+                turn[i] = std::max(turn[i], angle(normal[i], there));
+            }
+        }
+        for (std::size_t i = 0; i < 3; ++i) {
+            const std::size_t k = (i + 1) % 3;
+            const double between = angle(normal[i], normal[k]);
+            if (turn[i] + turn[k] >= std::min(between, kHalfTurn - between)) return true;
+        }
+        return false;
+    }
+
     /// Puts another literal for that of c, if the solid stays the same for all signs that occur.
     bool replace(std::size_t a, std::size_t b, std::size_t c, const Frame& frame) {
         double distance = 0;
@@ -132,7 +166,7 @@ class LeafSimplifier {
         bool occurs[8] = {};  // bit 0: inside a, 1: inside b, 2: inside c
         const Vec3 across = cross(frame.along, frame.first);
         for (int i = 0; i < kDirections; ++i) {
-            const double angle = 2 * 3.14159265358979323846 * i / kDirections;
+            const double angle = 2 * kHalfTurn * i / kDirections;
             Vec3 d{};
             for (std::size_t j = 0; j < 3; ++j)
                 d[j] = std::cos(angle) * frame.first[j] + std::sin(angle) * across[j];

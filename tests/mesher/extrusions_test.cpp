@@ -261,4 +261,50 @@ TEST_CASE("twisted halves that mirror each other meet in the grid's faces withou
                             result.check.min_scaled_jacobian.end()) > 0.15);
 }
 
+// Chords of a curve, swept steeply, are grooves: triangles across them turned by more than any smooth surface
+// does, each was a plane, and cells with thousands of planes took minutes.
+TEST_CASE("a curve that is twisted steeply sweeps one smooth surface") {
+    constexpr int kPoints = 60;
+    std::string points;
+    double area = 0;
+    const auto at = [](int i) {
+        const double angle = 2 * kPi * i / kPoints;
+        const double radius = 6.5 + 1.5 * std::tanh(3 * std::cos(angle));
+        return std::array<double, 2>{radius * std::cos(angle), radius * std::sin(angle)};
+    };
+    for (int i = 0; i < kPoints; ++i) {
+        const auto p = at(i);
+        const auto q = at(i + 1);
+        area += 0.5 * (p[0] * q[1] - q[0] * p[1]);
+        points += (i == 0 ? "[" : ",[") + std::to_string(p[0]) + "," + std::to_string(p[1]) + "]";
+    }
+    const Meshed result = mesh_and_check(
+        parse_model("linear_extrude(height = 5, twist = 360) { polygon(points = [" + points + "]); }", "csg",
+                    "cam.csg"),
+        5);
+    CHECK(result.defects == "");
+    CHECK(result.mesh.surface_names.size() == 3);
+    CHECK(result.check.volume == doctest::Approx(5 * area).epsilon(0.01));
+    CHECK(result.check.euler_characteristic == 2);
+    CHECK(result.report.dropped_features == 0);
+    CHECK(*std::min_element(result.check.min_scaled_jacobian.begin(),
+                            result.check.min_scaled_jacobian.end()) > 0.1);
+}
+
+// Where the edge of the blade lies in the shaft, blade, side and shaft share a curve. Cells took the blade
+// for hidden there, and it was in some of those where it had come out again: an internal error.
+TEST_CASE("a twisted blade whose edge lies in the surface of its shaft") {
+    const char* text =
+        "union() { linear_extrude(height = 80, twist = 720) {"
+        " polygon(points = [[0, 5], [25, 1.25], [25, -1.25], [0, -5]]); }"
+        " cylinder(h = 80, r1 = 5, r2 = 5); }";
+    constexpr double kVolume = 15650.36;  // 80 times the area of the trapezoid and the disc together
+    for (const int level : {4, 5}) {
+        CAPTURE(level);
+        const Meshed result = mesh_and_check(parse_model(text, "csg", "auger.csg"), level);
+        CHECK(result.defects == "");
+        CHECK(result.check.volume == doctest::Approx(kVolume).epsilon(0.01));
+    }
+}
+
 }  // namespace mortise::test

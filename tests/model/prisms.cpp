@@ -194,7 +194,8 @@ TEST_CASE("which outlines become prisms") {
     CHECK(kind(polygon(comb(3)), Facets::kSmooth, "height = 2, twist = 10") == -1);
     CHECK(kind(polygon(comb(3)), Facets::kSmooth, "height = 2, scale = [1, 2]") == -1);
     CHECK(kind(polygon(comb(3)), Facets::kSmooth, "height = 2, scale = 0") == 0);
-    CHECK(kind(round, Facets::kSmooth, "height = 2, twist = 10") == model_reader::kSmoothTurn);
+    // Along a curve that is twisted steeply, triangles turn by more.
+    CHECK(kind(round, Facets::kSmooth, "height = 2, twist = 10") > model_reader::kSmoothTurn);
     CHECK(kind(round, Facets::kSmooth, "height = 2, scale = [1, 2]") == model_reader::kSmoothTurn);
     CHECK(kind(round, Facets::kSmooth, "height = 2, twist = 10, scale = 0") == -1);
     CHECK(kind(round, Facets::kExact, "height = 2, twist = 10") == -1);

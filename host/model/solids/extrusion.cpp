@@ -162,6 +162,7 @@ class LinearBuilder final : public Sweep {
             std::fabs(sweep_.twist) + std::fabs(sweep_.scale[0] - sweep_.scale[1]) / kRadiansPerDegree;
         OutlineRows rows;
         rows.count = 2 + static_cast<std::size_t>(std::ceil(change * (span.high - span.low) / sweep_.height));
+        rows.twist = sweep_.twist * kRadiansPerDegree / sweep_.height;
         rows.place = [this, &span](const Vec2& p, std::size_t row, std::size_t count) {
             const double along = static_cast<double>(row) / static_cast<double>(count - 1);
             const double z = span.low + along * (span.high - span.low);

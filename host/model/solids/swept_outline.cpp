@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <numeric>
 
 #include "host/model/outlines/polygon_triangles.hpp"
 #include "host/model/outlines/polygons.hpp"
@@ -13,6 +14,8 @@ namespace {
 
 constexpr std::size_t kMostNamedSides = 24;
 constexpr std::size_t kFewEdges = 8;
+// Corners of twisted outlines part sides, whatever the angle; within a side triangles turn by this at most.
+constexpr double kTwistedTurn = 60;
 constexpr double kDegree = 3.14159265358979323846 / 180;
 
 using Loop = std::vector<Vec2>;
@@ -23,15 +26,19 @@ double cross(const Vec2& o, const Vec2& a, const Vec2& b) {
     return (a[0] - o[0]) * (b[1] - o[1]) - (a[1] - o[1]) * (b[0] - o[0]);
 }
 
-/// Whether the outline turns by no more than that many degrees where edge i ends.
-bool is_smooth_after(const Loop& loop, std::size_t i, double degrees) {
+/// Angle to the left by which the outline turns where edge i ends.
+double turn_after(const Loop& loop, std::size_t i) {
     const Vec2& a = at(loop, i);
     const Vec2& b = at(loop, i + 1);
     const Vec2& c = at(loop, i + 2);
     const Vec2 u = {b[0] - a[0], b[1] - a[1]};
     const Vec2 v = {c[0] - b[0], c[1] - b[1]};
-    const double turn = std::fabs(std::atan2(u[0] * v[1] - u[1] * v[0], u[0] * v[0] + u[1] * v[1]));
-    return turn <= (degrees + 1e-6) * kDegree;
+    return std::atan2(u[0] * v[1] - u[1] * v[0], u[0] * v[0] + u[1] * v[1]);
+}
+
+/// Whether the outline turns by no more than that many degrees where edge i ends.
+bool is_smooth_after(const Loop& loop, std::size_t i, double degrees) {
+    return std::fabs(turn_after(loop, i)) <= (degrees + 1e-6) * kDegree;
 }
 
 bool is_curved(const Loop& loop, double degrees) {
@@ -178,23 +185,70 @@ bool wants_prism(const Contours& loops, bool smooth) {
 
 namespace {
 
-/// Loops and per edge the number of its side.
+double length_of(const Loop& loop, std::size_t i) {
+    const Vec2& p = at(loop, i);
+    const Vec2& q = at(loop, i + 1);
+    return std::hypot(q[0] - p[0], q[1] - p[1]);
+}
+
+/// Slopes, seen from edge i, of the curve that its side stands for, where the edge starts and ends: as of an
+/// arc through three corners. Where a side ends it goes on as it came; zero: the edge is straight.
+std::array<double, 2> end_slopes(const Loop& loop, std::size_t i, const std::vector<std::uint32_t>& side) {
+    const std::size_t n = loop.size();
+    const std::size_t before = (i + n - 1) % n;
+    const std::size_t after = (i + 1) % n;
+    const auto share = [&](std::size_t first, std::size_t other) {
+        const double turn = turn_after(loop, first);
+        return std::tan(turn * length_of(loop, i) / (length_of(loop, i) + length_of(loop, other)));
+    };
+    const bool joins_before = before != i && side[before] == side[i];
+    const bool joins_after = after != i && side[after] == side[i];
+    const double start = joins_before ? share(before, before) : 0;
+    const double end = joins_after ? share(i, after) : 0;
+    return {-(joins_before ? start : end), joins_after ? end : start};
+}
+
+/// Loops with divided edges and per edge the number of its side.
 struct Outline {
     Contours loops;
     std::vector<std::vector<std::uint32_t>> sides;
 
-    Outline(const Contours& given, double sharp_angle, double longest_edge) : loops(given.size()) {
+    std::size_t edge_count() const {
+        return std::accumulate(loops.begin(), loops.end(), std::size_t{0},
+                               [](std::size_t sum, const Loop& loop) { return sum + loop.size(); });
+    }
+
+    /// `twist`: angle by which the outline turns per unit of height. An edge sweeps a part of a helicoid,
+    /// and is divided where the normal turns by more than `most_turn` along it.
+    Outline(const Contours& given, double sharp_angle, double longest_edge, double twist, double most_turn)
+        : loops(given.size()) {
         for (std::size_t l = 0; l < given.size(); ++l) {
-            const std::vector<std::uint32_t> side = sides_of(given[l], sharp_angle);
+            const Loop& loop = given[l];
+            const std::vector<std::uint32_t> side = sides_of(loop, sharp_angle);
             sides.emplace_back();
-            for (std::size_t i = 0; i < given[l].size(); ++i) {
-                const Vec2& p = given[l][i];
-                const Vec2& q = at(given[l], i + 1);
-                const double parts =
-                    std::max(1.0, std::ceil(std::hypot(q[0] - p[0], q[1] - p[1]) / longest_edge));
+            for (std::size_t i = 0; i < loop.size(); ++i) {
+                const Vec2& p = loop[i];
+                const Vec2& q = at(loop, i + 1);
+                const double length = length_of(loop, i);
+                const Vec2 along = {(q[0] - p[0]) / length, (q[1] - p[1]) / length};
+                const std::array<double, 2> slopes =
+                    twist == 0 ? std::array<double, 2>{0, 0} : end_slopes(loop, i, side);
+                const bool is_curve = slopes[0] != 0 || slopes[1] != 0;
+                const double from = std::atan(twist * (along[0] * p[0] + along[1] * p[1]));
+                const double to = std::atan(twist * (along[0] * q[0] + along[1] * q[1]));
+                const double parts = std::max(
+                    {1.0, std::ceil(length / longest_edge), std::ceil(std::fabs(to - from) / most_turn)});
                 for (double k = 0; k < parts; ++k) {
-                    const double t = k / parts;
-                    loops[l].push_back(k == 0 ? p : Vec2{p[0] + t * (q[0] - p[0]), p[1] + t * (q[1] - p[1])});
+                    // Of a straight edge by equal angles of the normal, of a curve by equal lengths.
+                    double t = k / parts;
+                    if (k > 0 && !is_curve && std::fabs(to - from) > most_turn) {
+                        t = (std::tan(from + t * (to - from)) - std::tan(from)) /
+                            (std::tan(to) - std::tan(from));
+                    }
+                    const double rise = t * (1 - t) * (slopes[0] * (1 - t) - slopes[1] * t);
+                    loops[l].push_back(k == 0 ? p
+                                              : Vec2{p[0] + t * (q[0] - p[0]) - rise * (q[1] - p[1]),
+                                                     p[1] + t * (q[1] - p[1]) + rise * (q[0] - p[0])});
                     sides[l].push_back(side[i]);
                 }
             }
@@ -242,9 +296,10 @@ TriangleSurface joined_rows(const Outline& outline, const OutlineRows& rows,
         const std::vector<std::uint32_t>& sides = outline.sides[l];
         const std::uint32_t side_count = 1 + *std::max_element(sides.begin(), sides.end());
         const bool named = side_count <= kMostNamedSides;
+        const bool parted = named || rows.twist != 0;
         const std::size_t group = surface.group_names.size();
-        for (std::uint32_t k = 0; k < (named ? side_count : 1); ++k)
-            surface.group_names.push_back(next_side());
+        for (std::uint32_t k = 0; k < (parted ? side_count : 1); ++k)
+            surface.group_names.push_back(named || k == 0 ? next_side() : surface.group_names.back());
         const std::size_t n = loops[l].size();
         for (std::size_t row = 0; row + (rows.is_ring ? 0 : 1) < rows.count; ++row) {
             const std::size_t here = row * count;
@@ -252,7 +307,7 @@ TriangleSurface joined_rows(const Outline& outline, const OutlineRows& rows,
             for (std::size_t i = 0; i < n; ++i) {
                 const std::size_t a = first + i;
                 const std::size_t b = first + (i + 1) % n;
-                const std::size_t side = group + (named ? sides[i] : 0);
+                const std::size_t side = group + (parted ? sides[i] : 0);
                 add(here + a, here + b, next + b, side);
                 add(here + a, next + b, next + a, side);
             }
@@ -288,22 +343,28 @@ Primitive prism(const Contours& loops, const PrismSpan& span, double sharp_angle
         return Vec3{p[0] * scale, p[1] * scale, row == 0 ? span.low : span.high};
     };
     constexpr double kAnyLength = std::numeric_limits<double>::infinity();
-    return polyhedron(joined_rows(Outline(loops, sharp_angle, kAnyLength), rows, next_side), sharp_angle);
+    return polyhedron(joined_rows(Outline(loops, sharp_angle, kAnyLength, 0, kAnyLength), rows, next_side),
+                      sharp_angle);
 }
 
 std::optional<Primitive> swept_outline(const Contours& loops, OutlineRows rows, double width, bool smooth,
                                        const std::function<std::string()>& next_side) {
     constexpr double kLongestEdge = 1.0 / 16;
+    constexpr double kFineTurn = 6;
+    constexpr double kCoarseTurn = 12;
     constexpr std::size_t kManyQuads = 200000;
     constexpr std::size_t kMostQuads = 500000;
-    const Outline outline(loops, outline_sharp_angle(loops, smooth), kLongestEdge * width);
-    std::size_t edges = 0;
-    for (const Loop& loop : outline.loops) edges += loop.size();
+    const double sharp_angle = outline_sharp_angle(loops, smooth);
+    const double longest_edge = kLongestEdge * width;
+    Outline outline(loops, sharp_angle, longest_edge, rows.twist, kFineTurn * kDegree);
+    if (outline.edge_count() * rows.count > kManyQuads)
+        outline = Outline(loops, sharp_angle, longest_edge, rows.twist, kCoarseTurn * kDegree);
+    const std::size_t edges = outline.edge_count();
     const std::size_t fewest = rows.count / 4;
-    if (fewest > kMostQuads / std::max<std::size_t>(edges, 1)) return std::nullopt;
-    const std::size_t affordable = kManyQuads / std::max<std::size_t>(edges, 1) / 4 * 4;
+    if (fewest > kMostQuads / edges) return std::nullopt;
+    const std::size_t affordable = kManyQuads / edges / 4 * 4;
     rows.count = std::min(rows.count, std::max(fewest, affordable));
-    return polyhedron(joined_rows(outline, rows, next_side), kSmoothTurn);
+    return polyhedron(joined_rows(outline, rows, next_side), rows.twist != 0 ? kTwistedTurn : kSmoothTurn);
 }
 
 }  // namespace mortise::model_reader

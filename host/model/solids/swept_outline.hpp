@@ -39,6 +39,7 @@ Primitive prism(const Contours& loops, const PrismSpan& span, double sharp_angle
 /// Where copies of an outline stand, row after row; neighbours are joined by triangles.
 struct OutlineRows {
     std::size_t count = 0;  ///< a multiple of four in a ring
+    double twist = 0;       ///< radians by which the outline turns per unit of height
     bool is_ring = false;   ///< the last row is joined to the first; else both are capped
     /// Edges (with the inside on their left) and the way to the next row make an outward normal. `row` is
     /// less than `count`, which may be less than given.
@@ -47,8 +48,10 @@ struct OutlineRows {
 
 /// As `prism`. Rows join if they turn by no more than kSmoothTurn; so do sides of an outline with curves.
 /// Edges are divided where they are long beside `width`, that of the outline: thin triangles are slow, and a
-/// twisted edge leaves the surface that it sweeps by a quarter of its length times the angle. Where that
-/// would be very many triangles there are fewer rows, a quarter at least; no surface if these are too many.
+/// twisted edge leaves the surface that it sweeps by a quarter of its length times the angle. So they are
+/// where the normal of that surface turns along them, those of curves by points of an arc: the chord of a
+/// circle, swept steeply, is a groove. Where that would be very many triangles there are fewer rows, a
+/// quarter at least; no surface if these are too many.
 std::optional<Primitive> swept_outline(const Contours& loops, OutlineRows rows, double width, bool smooth,
                                        const std::function<std::string()>& next_side);
 
