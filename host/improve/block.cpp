@@ -1,6 +1,7 @@
 #include "host/improve/block.hpp"
 
 #include <algorithm>
+#include <limits>
 
 namespace mortise::improve {
 namespace {
@@ -365,12 +366,14 @@ void Block::sweep() {
 
 void Block::run(const BlockOptions& options) {
     options_ = options;
+    last_evaluation_ = std::numeric_limits<std::uint64_t>::max();
     running_.on = false;
     if (options_.watch_facets) list_all_facets();
     merge_close_nodes();
     if (options_.watch_facets) collapse_short_edges();  // what goes now need not be watched while it moves
     const bool all_placed = project_nodes();
     collapse_short_edges();
+    if (!options_.watch_facets && has_crossed()) return;  // what follows would be done in vain
     mend(static_cast<std::uint64_t>(std::count(alive_.begin(), alive_.end(), 1)));
     if (all_placed || is_hopeless()) return;
     // Nodes that could not be put on their stratum may have room there now.
@@ -381,8 +384,8 @@ void Block::run(const BlockOptions& options) {
 /// Where the model itself has no room for good elements, the search must end: `tetrahedra` bounds it.
 void Block::mend(std::uint64_t tetrahedra) {
     most_tried_ = counters.tried + kMostTries * tetrahedra;
-    most_evaluated_ =
-        evaluated_ + (options_.watch_facets ? kMostWatchedEvaluations : kMostEvaluations) * tetrahedra;
+    const std::uint64_t each = options_.watch_facets ? kMostWatchedEvaluations : kMostEvaluations;
+    most_evaluated_ = std::min(evaluated_ + each * tetrahedra, last_evaluation_);
     trials_left_ = options_.look_ahead ? kLeastTrials + tetrahedra / kTetrahedraPerTrial : 0;
     mend_further();
 }

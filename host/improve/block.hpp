@@ -221,6 +221,8 @@ class Block {
 
     // lookahead.cpp
     struct Candidate;
+    std::size_t count_poor() const;
+    /// Whether so much is poor that the model must be the reason: it has no room for good elements.
     bool is_hopeless() const;
     bool look_ahead_all();
     bool look_ahead(std::uint32_t tetrahedron);
@@ -315,6 +317,7 @@ class Block {
     std::vector<std::array<Point, 3>> views_;
     mutable std::uint64_t evaluated_ = 0;  ///< qualities computed
     std::uint64_t most_evaluated_ = 0;     ///< until they are these,
+    std::uint64_t last_evaluation_ = 0;    ///< which are no more than these
     std::uint64_t most_tried_ = 0;         ///< or so many searches are made, the block is worked on
 
     /// A change must lift the worst quality by this factor: kLeastGain, but for the first step of a trial.

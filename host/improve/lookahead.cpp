@@ -199,13 +199,14 @@ bool Block::look_ahead(std::uint32_t tetrahedron) {
     return false;
 }
 
-/// Whether so much is poor that the model must be the reason: it has no room for good elements.
-bool Block::is_hopeless() const {
+std::size_t Block::count_poor() const {
     std::size_t poor = 0;
     for (std::size_t i = 0; i < tetrahedra_.size(); ++i)
         poor += alive_[i] != 0 && tetrahedra_[i].quality < options_.target ? 1 : 0;
-    return poor > kFewPoor + original_.size() / kTetrahedraPerPoor;
+    return poor;
 }
+
+bool Block::is_hopeless() const { return count_poor() > kFewPoor + original_.size() / kTetrahedraPerPoor; }
 
 /// Looks ahead from every element that is still poor and whose nodes are all free, the worst first.
 bool Block::look_ahead_all() {

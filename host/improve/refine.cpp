@@ -20,9 +20,11 @@ constexpr double kShortestAsked = 0.07;  ///< edges of the smallest leaf: what i
 constexpr double kLongestAsked = 0.5;
 constexpr double kGrowth = 0.7;   ///< of the length, with distance from the poor element
 constexpr double kTooLong = 1.5;  ///< edges are split that are longer than this times what is asked
-constexpr std::uint64_t kMostEvaluations = 100;  ///< of qualities, per tetrahedron of the block
+constexpr std::uint64_t kMostEvaluations = 100;      ///< of qualities, per tetrahedron of the block,
+constexpr std::uint64_t kLeastEvaluations = 300000;  ///< and besides, since few may become many
 /// Tetrahedra around a split edge, more or less, that improvement then works on.
 constexpr std::uint64_t kTetrahedraPerSplit = 24;
+constexpr std::size_t kMostPoor = 1000;    ///< and one in 16: of more, smaller elements leave too many
 constexpr std::size_t kMostMembers = 256;  ///< of a cluster: where all is poor, the model has no room
 /// Edges split around a cluster, at most: more make too many elements, and as a rule in vain.
 constexpr std::size_t kMostSplits = 64;
@@ -305,10 +307,11 @@ bool Block::relieve(const Cluster& cluster, const std::vector<std::uint32_t>& me
 }
 
 bool Block::refine() {
-    if (!options_.look_ahead || !options_.change_boundary) return false;
+    if (!options_.look_ahead || !options_.change_boundary || count_poor() > kMostPoor + original_.size() / 16)
+        return false;
     std::vector<Cluster> clusters = find_clusters();
     const auto alive = static_cast<std::uint64_t>(std::count(alive_.begin(), alive_.end(), 1));
-    const std::uint64_t budget = evaluated_ + kMostEvaluations * alive;
+    last_evaluation_ = evaluated_ + kLeastEvaluations + kMostEvaluations * alive;
     bool any = false;
     for (const Cluster& cluster : clusters) {
         std::vector<std::uint32_t> members;
@@ -316,7 +319,7 @@ bool Block::refine() {
             if (alive_[i] != 0 && tetrahedra_[i].quality < kGoodQuality) members.push_back(i);
         }
         if (members.empty() || members.size() > kMostMembers) continue;
-        if (evaluated_ > budget || cluster.worst >= kRefineBelow) break;
+        if (evaluated_ > last_evaluation_ || cluster.worst >= kRefineBelow) break;
         if (relieve(cluster, members)) any = true;
     }
     return any;
