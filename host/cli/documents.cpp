@@ -72,10 +72,30 @@ void MeshFigures::add_elements(const Mesh& mesh, const std::vector<float>& jacob
     }
 }
 
+namespace {
+
+Vec3 worst_place(const Mesh& mesh, const std::vector<float>& jacobians) {
+    auto index = static_cast<std::size_t>(
+        std::distance(jacobians.begin(), std::min_element(jacobians.begin(), jacobians.end())));
+    std::size_t type = 0;
+    while (index >= mesh.elements[type].size()) index -= mesh.elements[type++].size();
+    const auto count = static_cast<std::size_t>(kElementNodes[type]);
+    Vec3 place{};
+    for (std::size_t k = 0; k < count; ++k) {
+        const NodeId node = mesh.elements[type].nodes[count * index + k];
+        for (std::size_t j = 0; j < 3; ++j)
+            place[j] += mesh.points[3 * node + j] / static_cast<double>(count);
+    }
+    return place;
+}
+
+}  // namespace
+
 MeshFigures figures_of(const Mesh& mesh, const std::vector<float>& jacobians) {
     MeshFigures figures;
     figures.add_outline(mesh);
     figures.add_elements(mesh, jacobians);
+    if (!jacobians.empty()) figures.worst_place = worst_place(mesh, jacobians);
     return figures;
 }
 
@@ -98,6 +118,7 @@ Json mesh_document(const MeshReport& report, const MeshFigures& figures) {
                                 {"cnio", figures.kinds[2]},
                                 {"transition", figures.kinds[3]}};
     json["min_scaled_jacobian"] = worst_by_type(figures.elements, figures.min_scaled_jacobian);
+    json["worst_place"] = figures.worst_place ? Json(*figures.worst_place) : Json(nullptr);
     json["regions"] = names_with_counts(figures.regions, figures.in_region, "elements");
     json["surfaces"] = names_with_counts(figures.surfaces, figures.on_surface, "facets");
     double crease_length = 0;
@@ -180,6 +201,11 @@ std::string list_jacobians(const std::array<std::uint64_t, kElementTypes>& eleme
         list += (list.empty() ? "" : ", ") + short_number(jacobians[t], 3) + " " + kElementNames[t];
     }
     return list.empty() ? "none" : list;
+}
+
+std::string place_text(const Vec3& place) {
+    return "(" + short_number(place[0], 6) + ", " + short_number(place[1], 6) + ", " +
+           short_number(place[2], 6) + ")";
 }
 
 std::string short_number(double value, int digits) {

@@ -4,6 +4,7 @@
 #include <array>
 #include <nlohmann/json.hpp>
 #include <numeric>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -23,6 +24,7 @@ struct MeshFigures {
     std::array<std::uint64_t, kElementTypes> elements{};
     std::array<std::uint64_t, 4> kinds{};                               ///< by ElementKind
     std::array<double, kElementTypes> min_scaled_jacobian{1, 1, 1, 1};  ///< 1 where a type has no elements
+    std::optional<Vec3> worst_place;  ///< mean of the worst element's nodes; of a mesh in one piece
     std::vector<std::string> regions;
     std::vector<std::uint64_t> in_region;  ///< elements
     std::vector<std::string> surfaces;
@@ -48,6 +50,9 @@ std::string to_line(const Json& document);
 
 /// "120 hexahedra, 8 wedges": types without elements are left out.
 std::string list_elements(const std::array<std::uint64_t, kElementTypes>& elements);
+
+/// "(1, 2.5, -3)".
+std::string place_text(const Vec3& place);
 
 /// "0.71 hexahedra, 0.2 wedges".
 std::string list_jacobians(const std::array<std::uint64_t, kElementTypes>& elements,

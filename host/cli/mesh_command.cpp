@@ -75,8 +75,9 @@ std::string summary(const Arguments& arguments, const MeshReport& report, const 
         text += "\n";
     }
     text += "  elements   " + list_elements(figures.elements) + "\n";
-    text += "  worst      scaled Jacobian " + list_jacobians(figures.elements, figures.min_scaled_jacobian) +
-            "\n";
+    text += "  worst      scaled Jacobian " + list_jacobians(figures.elements, figures.min_scaled_jacobian);
+    if (figures.worst_place) text += "; the lowest at " + place_text(*figures.worst_place);
+    text += "\n";
     double total = 0;
     std::string stages;
     for (const StageTime& stage : report.stages) {

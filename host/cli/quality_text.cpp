@@ -20,8 +20,6 @@ std::string format(const char* pattern, Values... values) {
     return text;
 }
 
-std::string place_text(const Vec3& p) { return format("(%.6g, %.6g, %.6g)", p[0], p[1], p[2]); }
-
 const char* kind_name(ElementKind kind) {
     const auto i = static_cast<std::size_t>(kind);
     return i < kKindName.size() ? kKindName[i] : "other";

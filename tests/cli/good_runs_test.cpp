@@ -300,6 +300,11 @@ TEST_CASE("--memory writes the same file, and tells how much it took") {
         CAPTURE(key);
         CHECK(in_parts[key] == at_once[key]);
     }
+    // Where the worst element is, as --quality has it; parts are gone when that is known.
+    CHECK(in_parts["worst_place"].is_null());
+    const std::string with_quality =
+        run({asset("bracket.csg"), "--level", "5", "-o", whole, "--json", "--quality"}).out;
+    CHECK(at_once["worst_place"] == Json::parse(with_quality)["quality"]["worst"][0]["place"]);
     CHECK(in_parts["peak_memory_bytes"].get<double>() > 1e6);
 
     const Outcome floor =
