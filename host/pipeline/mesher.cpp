@@ -12,6 +12,7 @@
 #include "host/pipeline/piece.hpp"
 #include "host/pipeline/prepare.hpp"
 #include "host/pipeline/stream.hpp"
+#include "host/quality/face_pairs.hpp"
 #include "host/report/report.hpp"
 #include "host/tetrahedra/split.hpp"
 
@@ -139,6 +140,14 @@ Mesh Mesher::generate(const Model& model, const MeshOptions& options, MeshReport
         mesh = tetrahedra::split(mesh, copy_of.empty() ? nullptr : &copy_of);
         stages.end(mesh.element_count());
     }
+    stages.begin("faces", 0.955);
+    if (!quality::faces_are_paired(mesh, options.threads)) {
+        throw Error(ExitCode::kMeshing,
+                    model.source +
+                        ": internal error: faces of the mesh do not fit together; please report the "
+                        "model (--no-templates, or another --level, may mesh it)");
+    }
+    stages.end(mesh.element_count());
     describe_mesh(prepared.compiled, prepared.bound, prepared.leaves, options, model.source, stages, mesh,
                   out);
     pipeline::warn_of_empty_regions(mesh.region_names, regions_present(mesh), model.source, out);

@@ -3,6 +3,7 @@
 
 #include <doctest/doctest.h>
 
+#include "host/quality/face_pairs.hpp"
 #include "host/quality/jacobian.hpp"
 #include "mortise/check.hpp"
 #include "tests/quality/sample_meshes.hpp"
@@ -93,6 +94,42 @@ TEST_CASE("a hexahedron inverted only in its interior, all corners well shaped")
                    -0.5, -0.2, 0.8,  1.3, 0.9,  1.5, 1.5, 1.4, 0.7, -0.7, 0.3, 1.0};
     CHECK(scaled_jacobians(mesh)[0] > 0.5f);
     CHECK(find(mesh, "hexahedron with non-positive Jacobian").count == 1);
+}
+
+TEST_CASE("faces that do not fit together are seen by one sum") {
+    for (const Mesh& whole : {mixed(), two_regions()}) {
+        CHECK(quality::faces_are_paired(whole, 1));
+        CHECK(quality::faces_are_paired(whole, 2));
+        for (std::size_t t = 0; t < kElementTypes; ++t) {
+            if (whole.elements[t].size() == 0) continue;
+            Mesh mesh = whole;
+            std::swap(mesh.elements[t].nodes[0], mesh.elements[t].nodes[1]);  // a face the other way round
+            CHECK_FALSE(quality::faces_are_paired(mesh, 1));
+            mesh = whole;
+            mesh.elements[t].nodes[0] = add_node(mesh, 0, 0, 0);  // a crack
+            CHECK_FALSE(quality::faces_are_paired(mesh, 1));
+            mesh = whole;
+            const auto end = mesh.elements[t].nodes.begin() + kElementNodes[t];
+            add_element(mesh, static_cast<ElementType>(t), {mesh.elements[t].nodes.begin(), end});
+            CHECK_FALSE(quality::faces_are_paired(mesh, 1));
+        }
+        Mesh mesh = whole;
+        remove_facet(mesh, facet_with_outside(mesh, 0));
+        CHECK_FALSE(quality::faces_are_paired(mesh, 1));
+        mesh = whole;
+        // Two triangles in the place of a quadrilateral.
+        std::size_t i = 0;
+        while (mesh.facets.outside[i] != 0 || mesh.facets.nodes[4 * i + 2] == mesh.facets.nodes[4 * i + 3])
+            ++i;
+        const std::vector<NodeId> n(mesh.facets.nodes.begin() + 4 * static_cast<std::ptrdiff_t>(i),
+                                    mesh.facets.nodes.begin() + 4 * static_cast<std::ptrdiff_t>(i) + 4);
+        mesh.facets.nodes[4 * i + 3] = n[2];
+        mesh.facets.nodes.insert(mesh.facets.nodes.end(), {n[0], n[2], n[3], n[3]});
+        mesh.facets.surface.push_back(mesh.facets.surface[i]);
+        mesh.facets.inside.push_back(mesh.facets.inside[i]);
+        mesh.facets.outside.push_back(0);
+        CHECK_FALSE(quality::faces_are_paired(mesh, 1));
+    }
 }
 
 TEST_CASE("duplicate element") {
