@@ -141,12 +141,7 @@ Mesh Mesher::generate(const Model& model, const MeshOptions& options, MeshReport
         stages.end(mesh.element_count());
     }
     stages.begin("faces", 0.955);
-    if (!quality::faces_are_paired(mesh, options.threads)) {
-        throw Error(ExitCode::kMeshing,
-                    model.source +
-                        ": internal error: faces of the mesh do not fit together; please report the "
-                        "model (--no-templates, or another --level, may mesh it)");
-    }
+    if (!quality::faces_are_paired(mesh, options.threads)) pipeline::refuse_unpaired(model.source);
     stages.end(mesh.element_count());
     describe_mesh(prepared.compiled, prepared.bound, prepared.leaves, options, model.source, stages, mesh,
                   out);

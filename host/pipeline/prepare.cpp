@@ -310,6 +310,13 @@ void warn_of_empty_regions(const std::vector<std::string>& names, const std::vec
     }
 }
 
+void refuse_unpaired(const std::string& source) {
+    throw Error(ExitCode::kMeshing,
+                source +
+                    ": internal error: faces of the mesh do not fit together; please report the model "
+                    "(--no-templates, or another --level, may mesh it)");
+}
+
 void refuse_empty(const std::string& source) {
     throw Error(ExitCode::kInput, source +
                                       ": the solid is empty, or thinner than the cells everywhere; "

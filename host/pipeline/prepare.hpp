@@ -68,5 +68,7 @@ void warn_of_empty_regions(const std::vector<std::string>& names, const std::vec
 
 /// Error(kInput): a model without elements.
 [[noreturn]] void refuse_empty(const std::string& source);
+/// Of a mesh whose faces do not fit together.
+[[noreturn]] void refuse_unpaired(const std::string& source);
 
 }  // namespace mortise::pipeline

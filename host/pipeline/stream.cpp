@@ -13,6 +13,7 @@
 #include "host/pipeline/names.hpp"
 #include "host/pipeline/partial_improvement.hpp"
 #include "host/pipeline/stream.hpp"
+#include "host/quality/face_pairs.hpp"
 
 namespace mortise::pipeline {
 namespace {
@@ -66,6 +67,7 @@ class Streamer {
         begin(model.source, sink, out);
         for (std::size_t p = 0; p < parts_.count(); ++p) hand_on(p, sink);
         hand_on_added(sink);
+        if (unpaired_ != 0) refuse_unpaired(model.source);
         warn_of_empty_regions(prepared_.compiled.region_names, present_, model.source, out);
     }
 
@@ -152,6 +154,7 @@ class Streamer {
         outline.region_names = prepared_.compiled.region_names;
         outline.surface_names = skin_.mesh.surface_names;
         skin_.mesh = {};
+        unpaired_ = quality::sum_of_outer_facets(outline.facets, options_.threads);
         MeshTotals totals = parts_.totals();
         totals.nodes = changes_.final_nodes();
         for (std::size_t t = 0; t < kElementTypes; ++t)
@@ -275,6 +278,9 @@ class Streamer {
         for (const ElementBlock& block : part.elements) {
             for (const std::uint16_t region : block.region) present_[region] = true;
         }
+        stages_.begin("faces", progress);
+        unpaired_ -= quality::sum_of_faces(part, options_.threads);
+        stages_.end(part.element_count());
         stages_.begin("write", progress);
         sink.add(part, jacobians);
         stages_.end(part.element_count());
@@ -304,6 +310,7 @@ class Streamer {
     Skin skin_;
     std::vector<std::uint8_t> dimension_;  ///< per node of the skin
     std::vector<bool> present_;            ///< by region
+    std::uint64_t unpaired_ = 0;           ///< outer facets less the faces of elements (face_pairs.hpp)
 };
 
 }  // namespace

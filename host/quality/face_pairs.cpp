@@ -50,7 +50,7 @@ std::uint64_t sum_of(std::size_t count, int threads, const Hash& hash) {
 
 }  // namespace
 
-bool faces_are_paired(const Mesh& mesh, int threads) {
+std::uint64_t sum_of_faces(const Mesh& mesh, int threads) {
     std::uint64_t sum = 0;
     for (std::size_t t = 0; t < kElementTypes; ++t) {
         const LocalFaces faces = local_faces(static_cast<ElementType>(t));
@@ -69,12 +69,15 @@ bool faces_are_paired(const Mesh& mesh, int threads) {
             return part;
         });
     }
-    const FacetBlock& facets = mesh.facets;
-    return sum == sum_of(facets.size(), threads, [&](std::size_t i) {
-               if (facets.outside[i] != 0) return std::uint64_t{0};
-               const NodeId* node = facets.nodes.data() + 4 * i;
-               return signed_hash(node, node[2] == node[3] ? 3 : 4);
-           });
+    return sum;
+}
+
+std::uint64_t sum_of_outer_facets(const FacetBlock& facets, int threads) {
+    return sum_of(facets.size(), threads, [&](std::size_t i) {
+        if (facets.outside[i] != 0) return std::uint64_t{0};
+        const NodeId* node = facets.nodes.data() + 4 * i;
+        return signed_hash(node, node[2] == node[3] ? 3 : 4);
+    });
 }
 
 }  // namespace mortise::quality
