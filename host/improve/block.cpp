@@ -13,6 +13,7 @@ constexpr std::uint64_t kMostTries = 4;
 constexpr std::uint64_t kMostEvaluations = 100;
 /// Where skins have crossed there is little room, and much to look at.
 constexpr std::uint64_t kMostWatchedEvaluations = 25;
+constexpr std::size_t kManyPoor = 1000;
 constexpr int kLookAheads = 4;
 /// Trials of several steps in a block, at most; one per 16 tetrahedra are enough for ordinary parts.
 constexpr std::uint64_t kLeastTrials = 64;
@@ -373,7 +374,8 @@ void Block::run(const BlockOptions& options) {
     if (options_.watch_facets) collapse_short_edges();  // what goes now need not be watched while it moves
     const bool all_placed = project_nodes();
     collapse_short_edges();
-    if (!options_.watch_facets && has_crossed()) return;  // what follows would be done in vain
+    // What follows may mend that, but not where there is so much to do: it would be done in vain.
+    if (!options_.watch_facets && count_poor() > kManyPoor + original_.size() / 4 && has_crossed()) return;
     mend(static_cast<std::uint64_t>(std::count(alive_.begin(), alive_.end(), 1)));
     if (all_placed || is_hopeless()) return;
     // Nodes that could not be put on their stratum may have room there now.
