@@ -16,6 +16,8 @@ constexpr std::size_t kMostNamedSides = 24;
 constexpr std::size_t kFewEdges = 8;
 // Corners of twisted outlines part sides, whatever the angle; within a side triangles turn by this at most.
 constexpr double kTwistedTurn = 60;
+constexpr double kMostRise =
+    0.016;  ///< of an arc over its chord, in longest edges: 0.001 of the outline's width
 constexpr double kDegree = 3.14159265358979323846 / 180;
 
 using Loop = std::vector<Vec2>;
@@ -231,8 +233,11 @@ struct Outline {
                 const Vec2& q = at(loop, i + 1);
                 const double length = length_of(loop, i);
                 const Vec2 along = {(q[0] - p[0]) / length, (q[1] - p[1]) / length};
-                const std::array<double, 2> slopes =
+                std::array<double, 2> slopes =
                     twist == 0 ? std::array<double, 2>{0, 0} : end_slopes(loop, i, side);
+                // Far from its chord the arc would be another solid.
+                if (length * (std::fabs(slopes[0]) + std::fabs(slopes[1])) / 8 > kMostRise * longest_edge)
+                    slopes = {0, 0};
                 const bool is_curve = slopes[0] != 0 || slopes[1] != 0;
                 const double from = std::atan(twist * (along[0] * p[0] + along[1] * p[1]));
                 const double to = std::atan(twist * (along[0] * q[0] + along[1] * q[1]));
