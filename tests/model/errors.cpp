@@ -36,7 +36,7 @@ TEST_CASE(".csg errors name the place, the thing and what was expected") {
         {"\x89PNG\r\n", "1:1", "byte 0x89"},
         {"cube();\nunion() {\n cube();\n", "4:1", "'{' at line 2, column 9"},
         {"cube(); }", "1:9", "unexpected '}'"},
-        {"cube()\ncube();", "2:1", "expected ';' or '{'"},
+        {"cube()\ncube();", "2:1", "expected ';' after"},
         {"cube(", "1:6", "expected a value"},
         {"cube", "1:5", "expected '('"},
         {"cube(size = [1, 2", "1:13", "never closed"},

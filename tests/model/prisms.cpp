@@ -252,6 +252,24 @@ TEST_CASE("swept outlines are closed and have the volume of what sweeps them") {
         CHECK(is_closed(*turned->triangles));
         CHECK(volume(*turned->triangles) == doctest::Approx(30 * area_of(loops)).epsilon(2e-3));
     }
+    // A coarse outline that is twisted steeply keeps its straight edges: arcs would make it another solid.
+    std::vector<Vec2> coarse;
+    for (int i = 0; i < 14; ++i) {
+        coarse.push_back({7 * std::cos(2 * kPi * i / 14), 7 * std::sin(2 * kPi * i / 14)});
+    }
+    model_reader::OutlineRows steep;
+    steep.count = 541;
+    steep.place = [](const Vec2& p, std::size_t row, std::size_t count) {
+        const double along = static_cast<double>(row) / static_cast<double>(count - 1);
+        const double angle = along * 3 * kPi;
+        return Vec3{p[0] * std::cos(angle) - p[1] * std::sin(angle),
+                    p[0] * std::sin(angle) + p[1] * std::cos(angle), 18 * along};
+    };
+    const Contours coarse_loops = model_reader::normalised({coarse});
+    const auto worm = model_reader::swept_outline(coarse_loops, steep, 40, true, next_name);
+    REQUIRE(worm);
+    CHECK(is_closed(*worm->triangles));
+    CHECK(volume(*worm->triangles) == doctest::Approx(18 * area_of(coarse_loops)).epsilon(3e-3));
     // No more triangles than it can do with.
     model_reader::OutlineRows many;
     many.count = 1000;

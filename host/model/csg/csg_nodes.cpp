@@ -4,11 +4,11 @@
 #include <array>
 #include <cmath>
 
-#include "host/model/affine.hpp"
 #include "host/model/csg/csg_implicit.hpp"
 #include "host/model/csg/csg_imports.hpp"
 #include "host/model/csg/csg_primitives.hpp"
 #include "host/model/csg/csg_shapes.hpp"
+#include "host/model/csg/csg_transforms.hpp"
 
 namespace mortise::model_reader {
 namespace {
@@ -29,34 +29,6 @@ CsgOperand read_solid(CsgScene& scene, const CsgNodeText& node) {
     return {Kind::kSolid, solid, node.where};
 }
 
-/// Of plane shapes the xy part moves them.
-CsgFinish read_multmatrix(CsgScene&, const CsgNodeText& node) {
-    const Affine map = csg_matrix(node);
-    const CsgArgument* argument = node.arguments.find("m", 0);
-    return [map, where = node.where, place = argument->where](CsgScene& scene,
-                                                              std::vector<CsgOperand> children) {
-        CsgOperand child = scene.united(std::move(children));
-        const FlatMap flat = {map[0], map[1], map[3], map[4], map[5], map[7]};
-        const Affine lifted = {flat[0], flat[1], 0, flat[2], flat[3], flat[4], 0, flat[5], 0, 0, 1, 0};
-        const bool is_flat = child.kind == Kind::kFlat;
-        if (child.kind == Kind::kNothing) return child;
-        if (std::fabs(relative_determinant(is_flat ? lifted : map)) <= kSingular) {
-            if (!is_flat && scene.flat_counts > 0) {
-                fail(scene.source, place,
-                     "'multmatrix': the matrix is singular, it flattens the solid, which is not supported "
-                     "inside hull, minkowski and projection; expected a determinant other than 0");
-            }
-            return scene.leave_out(place, "'multmatrix' with a singular matrix");
-        }
-        if (is_flat && flat != kFlatIdentity) child.node = scene.flat.add_transform(flat, child.node);
-        if (child.kind == Kind::kSolid && map != kIdentity) {
-            child.node = scene.model.add_transform(map, child.node);
-            scene.model.nodes[child.node].where = where;
-        }
-        return child;
-    };
-}
-
 constexpr CsgNodeType operation(std::string_view name, Op op) { return {name, op, nullptr, nullptr}; }
 constexpr CsgNodeType leaf(std::string_view name, CsgOperand (*read)(CsgScene&, const CsgNodeText&)) {
     return {name, Op::kPrimitive, read, nullptr};
@@ -66,7 +38,7 @@ constexpr CsgNodeType branch(std::string_view name, CsgFinish (*read)(CsgScene&,
 }
 
 /// The commonest first.
-constexpr std::array<CsgNodeType, 29> kTypes = {branch("multmatrix", read_multmatrix),
+constexpr std::array<CsgNodeType, 33> kTypes = {branch("multmatrix", read_multmatrix),
                                                 leaf("cube", read_solid<add_csg_cube>),
                                                 operation("group", Op::kUnion),
                                                 leaf("cylinder", read_solid<add_csg_cylinder>),
@@ -94,7 +66,11 @@ constexpr std::array<CsgNodeType, 29> kTypes = {branch("multmatrix", read_multma
                                                 leaf("polyhedron", read_polyhedron),
                                                 leaf("text", read_text),
                                                 leaf("import", read_import),
-                                                leaf("surface", read_surface)};
+                                                leaf("surface", read_surface),
+                                                branch("translate", read_translate),
+                                                branch("rotate", read_rotate),
+                                                branch("scale", read_scale),
+                                                branch("mirror", read_mirror)};
 
 /// OpenSCAD's other node types, to tell a gap in this reader from a typing error.
 constexpr std::array<std::string_view, 2> kNotYet = {"roof", "path_extrude"};

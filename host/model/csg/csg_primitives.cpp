@@ -96,24 +96,4 @@ std::uint32_t add_csg_cylinder(Model& model, const CsgNodeText& node) {
     return model.add_operation(CsgNode::Op::kIntersection, {side, cap}, node.surface);
 }
 
-Affine csg_matrix(const CsgNodeText& node) {
-    const CsgArgument* argument = node.arguments.find("m", 0);
-    if (argument == nullptr || argument->kind != CsgArgument::Kind::kList || !argument->regular ||
-        argument->direct != 0 || argument->rows != 4 || argument->row_length != 4) {
-        fail(node.source, argument != nullptr ? argument->where : node.where,
-             "'multmatrix': expected a matrix of four rows of four numbers");
-    }
-    if (argument->not_finite.line != 0) {
-        throw NoExtent{argument->not_finite, "'multmatrix' with an entry that is nan or inf"};
-    }
-    const double* numbers = node.arguments.numbers(*argument);
-    if (numbers[12] != 0 || numbers[13] != 0 || numbers[14] != 0 || numbers[15] != 1) {
-        fail(node.source, argument->where,
-             "'multmatrix': the last row is not 0, 0, 0, 1; expected an affine map");
-    }
-    Affine map{};
-    std::copy_n(numbers, 12, map.begin());
-    return map;
-}
-
 }  // namespace mortise::model_reader

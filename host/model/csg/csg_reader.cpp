@@ -1,10 +1,11 @@
 // Reader of OpenSCAD's .csg files: the evaluated tree that `openscad -o model.csg model.scad` writes.
 //
-// Grammar: file = { node }; node = { "#" | "%" | "*" | "!" } name "(" arguments ")" ( ";" | "{" { node } "}"
-// ). Groups, colours and the file itself are unions. An empty child is neutral in a union, empties an
-// intersection, and as first child empties a difference. % and * remove a node; ! makes it the whole model.
-// Anything that we cannot represent is an error that names it. Plane shapes become solids by extrusion; among
-// solids they count as empty.
+// Grammar: file = { node }; node = { "#" | "%" | "*" | "!" } name "(" arguments ")" ( ";" | node | "{" { node
+// }
+// "}" ). OpenSCAD itself always writes braces. Groups, colours and the file itself are unions. An empty child
+// is neutral in a union, empties an intersection, and as first child empties a difference. % and * remove a
+// node; ! makes it the whole model. Anything that we cannot represent is an error that names it. Plane shapes
+// become solids by extrusion; among solids they count as empty.
 //
 // An explicit stack replaces recursion, so nesting depth is limited by memory only.
 #include <algorithm>
@@ -18,12 +19,13 @@
 namespace mortise::model_reader {
 namespace {
 
-/// A node whose '{' is open.
+/// A node whose children are being read.
 struct Frame {
     CsgNode::Op operation = CsgNode::Op::kUnion;
     CsgFinish finish{};             ///< instead of an operation
     bool active = true;             ///< false: read for its grammar only
     bool removed = false;           ///< it or a node around it carries % or *
+    bool is_single = false;         ///< one child, without braces
     SourceLocation brace{};         ///< of the '{'
     std::size_t first_operand = 0;  ///< its children's values start here in CsgReader::operands_
 };
@@ -85,6 +87,7 @@ class CsgReader {
                 if (frames_.size() == 1) cursor.fail_here("unexpected '}': no '{' is open here");
                 cursor.advance();
                 close_frame();
+                close_single_frames();
             } else {
                 read_node(cursor);
                 any = true;
@@ -105,7 +108,7 @@ class CsgReader {
         bool removed = frames_.back().removed;
         bool marked_as_root = false;
         const std::size_t offset = cursor.offset();
-        for (char c = cursor.peek(); c == '!' || c == '%' || c == '*' || c == '#'; c = cursor.peek()) {
+        for (char c = cursor.peek(); is_modifier(c); c = cursor.peek()) {
             if (c == '!') marked_as_root = true;
             if (c == '%' || c == '*') removed = true;
             cursor.advance();
@@ -146,22 +149,31 @@ class CsgReader {
 
         skip_csg_blanks(cursor);
         const bool opens = cursor.peek() == '{';
-        if (!opens && cursor.peek() != ';') {
-            cursor.fail_here("expected ';' or '{' after '" + std::string(name) + "(...)', found " +
-                             cursor.found());
+        frame.is_single = !is_leaf && starts_node(cursor.peek());
+        if (!opens && !frame.is_single && cursor.peek() != ';') {
+            cursor.fail_here("expected " + std::string(is_leaf ? "';'" : "';', '{' or a node") + " after '" +
+                             std::string(name) + "(...)', found " + cursor.found());
         }
         if (opens && is_leaf) {
             cursor.fail_here("'" + std::string(name) + "' takes no children; expected ';'");
         }
         frame.brace = cursor.where();
         frame.first_operand = operands_.size();
+        if (frame.is_single) {
+            frames_.push_back(std::move(frame));
+            return;
+        }
         cursor.advance();
         if (opens) {
             frames_.push_back(std::move(frame));
-        } else if (active && !is_leaf) {
-            operands_.push_back(value_of(frame));
+            return;
         }
+        if (active && !is_leaf) operands_.push_back(value_of(frame));
+        close_single_frames();
     }
+
+    static bool is_modifier(char c) { return c == '!' || c == '%' || c == '*' || c == '#'; }
+    static bool starts_node(char c) { return is_name_start(c) || is_modifier(c); }
 
     /// Surfaces are called after the node's type and its number in the file.
     std::string type_name(const CsgNodeType& type) {
@@ -181,6 +193,11 @@ class CsgReader {
         const Frame frame = std::move(frames_.back());
         frames_.pop_back();
         if (frame.active) operands_.push_back(value_of(frame));
+    }
+
+    /// After a node is complete: ends the nodes whose only child it is.
+    void close_single_frames() {
+        while (frames_.back().is_single) close_frame();
     }
 
     CsgOperand value_of(const Frame& frame) {
