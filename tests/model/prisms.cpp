@@ -254,11 +254,12 @@ TEST_CASE("swept outlines are closed and have the volume of what sweeps them") {
     }
     // A coarse outline that is twisted steeply keeps its straight edges: arcs would make it another solid.
     std::vector<Vec2> coarse;
-    for (int i = 0; i < 14; ++i) {
-        coarse.push_back({7 * std::cos(2 * kPi * i / 14), 7 * std::sin(2 * kPi * i / 14)});
+    for (int i = 0; i < 20; ++i) {
+        coarse.push_back({7 * std::cos(2 * kPi * i / 20), 7 * std::sin(2 * kPi * i / 20)});
     }
     model_reader::OutlineRows steep;
     steep.count = 541;
+    steep.twist = 3 * kPi / 18;
     steep.place = [](const Vec2& p, std::size_t row, std::size_t count) {
         const double along = static_cast<double>(row) / static_cast<double>(count - 1);
         const double angle = along * 3 * kPi;
@@ -266,7 +267,7 @@ TEST_CASE("swept outlines are closed and have the volume of what sweeps them") {
                     p[0] * std::sin(angle) + p[1] * std::cos(angle), 18 * along};
     };
     const Contours coarse_loops = model_reader::normalised({coarse});
-    const auto worm = model_reader::swept_outline(coarse_loops, steep, 40, true, next_name);
+    const auto worm = model_reader::swept_outline(coarse_loops, steep, 14, true, next_name);
     REQUIRE(worm);
     CHECK(is_closed(*worm->triangles));
     CHECK(volume(*worm->triangles) == doctest::Approx(18 * area_of(coarse_loops)).epsilon(3e-3));
