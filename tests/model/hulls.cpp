@@ -4,6 +4,7 @@
 #include <cmath>
 #include <random>
 
+#include "host/model/solids/tangent_hull.hpp"
 #include "tests/model/built_hull.hpp"
 #include "tests/model/membership.hpp"
 #include "tests/model/support_functions.hpp"
@@ -195,6 +196,47 @@ TEST_CASE("hull of other curved solids is facetted, with a warning") {
     const Built cone = build(rod_at(0, 0, 0, 1, 1, 0));
     CHECK(exact(cone));
     compare(cone, frustum(0, 0, 0, 1, 1, 0), 1.2);
+}
+
+TEST_CASE("planes that touch round parts of a hull in one point each are exact") {
+    // Points of the planes, 1e-7 to either side of them.
+    const auto is_plane = [](const Built& built, const Vec3& normal, double offset, const Vec3& near) {
+        const double size = std::sqrt(dot(normal, normal));
+        for (const double beside : {-1e-7, 1e-7}) {
+            Vec3 p = near;
+            const double by = (offset + beside * size - dot(normal, near)) / (size * size);
+            for (std::size_t k = 0; k < 3; ++k) p[k] += by * normal[k];
+            CAPTURE(beside);
+            CHECK(test::holds(built.model, built.node, p) == (beside < 0));
+        }
+    };
+    // A cylinder of radius 4 and a plate of another height: the sides touch its circles and the edges
+    // x = 20, y = ±0.01.
+    const Built plate =
+        build(rod_at(0, 0, 0, 30, 4, 4) + at(10, 0, 1, "cube([20, 0.02, 32], center = true);"));
+    // Normal (a, b): 20 a + 0.01 b = 4.
+    const double t = 0.01 / 20;
+    const double b = (0.2 * t + std::sqrt(1 + t * t - 0.04)) / (1 + t * t);
+    const double a = 0.2 - t * b;
+    REQUIRE(a * a + b * b == doctest::Approx(1).epsilon(1e-12));
+    is_plane(plate, {a, b, 0}, 4, {10, 2, 10});
+    is_plane(plate, {a, -b, 0}, 4, {10, -2, 3});
+    // Three balls of different sizes and a point below: the plane on top of the balls, and one at their side.
+    const Built balls =
+        build(ball_at(0, 0, 0, 1) + ball_at(10, 0, 0, 2) + ball_at(0, 10, 0, 3) + at(3, 3, -4, "cube(0.1);"));
+    // Normal (x, y, z): 1 = 10 x + 2 = 10 y + 3.
+    is_plane(balls, {-0.1, -0.2, std::sqrt(0.95)}, 1, {3, 3, 1.5});
+    // A slanted cone over a disc.
+    model_reader::ConvexPiece disc;
+    disc.kind = model_reader::ConvexPiece::Kind::kDisc;
+    disc.b = {0, 0, 1};
+    disc.ra = 3;
+    model_reader::ConvexPiece tip;
+    tip.points = {{5, 0, 6}};
+    const auto cone = model_reader::tangent_hull({disc, tip});
+    REQUIRE(cone);
+    CHECK(model_reader::volume_of(*cone) == doctest::Approx(18 * 3.14159265358979).epsilon(3e-4));
+    CHECK_FALSE(model_reader::tangent_hull({disc}));
 }
 
 TEST_CASE("minkowski sums") {

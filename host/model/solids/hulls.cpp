@@ -13,6 +13,7 @@
 #include "host/model/solids/convex_pieces.hpp"
 #include "host/model/solids/rounded_solids.hpp"
 #include "host/model/solids/swept_outline.hpp"
+#include "host/model/solids/tangent_hull.hpp"
 #include "host/model/text.hpp"
 #include "host/model/triangles/surface_repair.hpp"
 
@@ -189,24 +190,22 @@ std::uint32_t hull_of_pieces(Model& model, const std::vector<ConvexPiece>& piece
     if (pieces.size() == 1 && pieces[0].kind == Kind::kRounded && !is_prism(pieces[0]) &&
         pieces[0].rounded->shape != RoundedSolid::Shape::kRing)
         return add_rounded(model, *pieces[0].rounded, pieces[0].frame, name);
-    bool any_facetted = false;
-    bool any_curved = false;
-    std::vector<Vec3> points;
-    for (const ConvexPiece& piece : pieces) {
-        const ConvexPiece as_points = facetted(piece);
-        any_facetted = any_facetted || as_points.facetted;
-        any_curved = any_curved || as_points.curved;
-        points.insert(points.end(), as_points.points.begin(), as_points.points.end());
-    }
-    const std::optional<Polytope> polytope = convex_hull(points);
+    const std::optional<Polytope> polytope = tangent_hull(pieces);
     if (!polytope) {
         fail(wanted.source, wanted.where,
              "'" + wanted.name + "': the result is flat; expected children that span a volume");
     }
+    const auto is_facetted = [](const ConvexPiece& piece) {
+        return piece.kind != Kind::kPoints || piece.facetted;
+    };
+    const bool any_facetted = std::any_of(pieces.begin(), pieces.end(), is_facetted);
+    const bool any_curved =
+        std::any_of(pieces.begin(), pieces.end(), [](const ConvexPiece& piece) { return piece.curved; });
     if (any_facetted) {
         // Told once a file, with its first place.
-        const std::string text = "'" + wanted.name + "' of these curved solids is approximated, with " +
-                                 std::to_string(kFacets) + " facets around";
+        const std::string text = "'" + wanted.name +
+                                 "' of these curved solids is approximated by flat facets, " +
+                                 std::to_string(kDiscFacets) + " around cylinders";
         const bool is_told =
             std::any_of(model.warnings.begin(), model.warnings.end(), [&](const std::string& warning) {
                 return warning.size() >= text.size() &&

@@ -4,7 +4,7 @@
 // and minkowski() of a polytope, a cylinder, a cone or such a prism with a sphere, of a prism or a box with a
 // cylinder along it, and of two polytopes. Prisms over discs and points, such as cylinders and boxes of one
 // height, are smooth facetted surfaces with exact flat faces (rounded_solids.hpp). All else is the hull of
-// its curved solids' points, 96 to a circle.
+// many points of its curved solids, with exact planes between these (tangent_hull.hpp).
 #pragma once
 
 #include <cstdint>
