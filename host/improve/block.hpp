@@ -168,7 +168,7 @@ class Block {
     void list_facets(std::uint32_t tetrahedron);
     void list_all_facets();
     template <class Stays>
-    bool any_crosses(const std::vector<std::array<Local, 3>>& facets, const Stays& stays) const;
+    bool any_crosses(const std::vector<std::array<Local, 3>>& facets, const Stays& stays);
     bool crosses(const Change& change);
     bool facets_cross(Local node);
 
@@ -305,7 +305,11 @@ class Block {
     std::vector<std::vector<std::uint32_t>> pyramid_star_;  ///< per node: its pyramids
     FacetGrid grid_;                                        ///< of the outer boundary's
     std::size_t most_listed_ = 0;                           ///< entries of it
-    std::vector<std::array<Local, 3>> facets_;              ///< scratch of crosses
+    // Scratch of crosses.
+    std::vector<std::array<Local, 3>> facets_;
+    std::vector<std::array<Local, 3>> faces_before_;
+    std::vector<std::uint32_t> removed_;
+    std::vector<Bounds> boxes_;
     Change trial_;
     Change best_;
     Ring ring_;

@@ -75,13 +75,16 @@ void Block::list_all_facets() {
 
 /// Whether one of `facets` crosses another one of them, or one of the block's that `stays` keeps.
 template <class Stays>
-bool Block::any_crosses(const std::vector<std::array<Local, 3>>& facets, const Stays& stays) const {
+bool Block::any_crosses(const std::vector<std::array<Local, 3>>& facets, const Stays& stays) {
+    boxes_.clear();
     for (std::size_t i = 0; i < facets.size(); ++i) {
         const std::array<Local, 3>& facet = facets[i];
-        for (std::size_t k = 0; k < i; ++k) {
-            if (cross_each_other(facet, facets[k])) return true;
-        }
         const Bounds box = bounds(triangle(facet));
+        for (std::size_t k = 0; k < i; ++k) {
+            ++evaluated_;
+            if (box.overlap(boxes_[k]) && stab_each_other(facet, facets[k])) return true;
+        }
+        boxes_.push_back(box);
         const bool crossed = grid_.any(box, [&](std::uint32_t t, std::uint32_t f) {
             if (t >= tetrahedra_.size() || alive_[t] == 0 || !is_outer(tetrahedra_[t].tag[f])) return false;
             const std::array<Local, 3> other = face_nodes(tetrahedra_[t], f);
@@ -121,16 +124,21 @@ bool Block::has_crossed() {
 /// Whether facets that the change makes would cross others.
 bool Block::crosses(const Change& change) {
     if (!options_.watch_facets) return false;
+    // Merged nodes have stars of hundreds of elements.
+    faces_before_.clear();
+    removed_.assign(change.removed.begin(), change.removed.end());
+    std::sort(removed_.begin(), removed_.end());
+    for (const std::uint32_t i : removed_) {
+        const Tetrahedron& t = tetrahedra_[i];
+        for (std::size_t f = 0; f < 4; ++f) {
+            if (is_outer(t.tag[f])) faces_before_.push_back(sorted(face_nodes(t, f)));
+        }
+    }
+    std::sort(faces_before_.begin(), faces_before_.end());
     facets_.clear();
     const auto add = [&](const std::array<Local, 3>& facet) {
-        const std::array<Local, 3> key = sorted(facet);
-        for (const std::uint32_t i : change.removed) {
-            const Tetrahedron& t = tetrahedra_[i];
-            for (std::size_t f = 0; f < 4; ++f) {
-                if (is_outer(t.tag[f]) && sorted(face_nodes(t, f)) == key) return;  // it was there
-            }
-        }
-        facets_.push_back(facet);
+        const bool was_there = std::binary_search(faces_before_.begin(), faces_before_.end(), sorted(facet));
+        if (!was_there) facets_.push_back(facet);
     };
     for (const Tetrahedron& t : change.added) {
         for (std::size_t f = 0; f < 4; ++f) {
@@ -141,7 +149,7 @@ bool Block::crosses(const Change& change) {
         if (is_outer(r.tag)) add(face_nodes(tetrahedra_[r.tetrahedron], r.face));
     }
     return any_crosses(facets_, [&](std::uint32_t t, const std::array<Local, 3>&) {
-        return std::find(change.removed.begin(), change.removed.end(), t) == change.removed.end();
+        return !std::binary_search(removed_.begin(), removed_.end(), t);
     });
 }
 

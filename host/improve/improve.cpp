@@ -25,11 +25,15 @@ constexpr int kPlaceBits = 20;
 constexpr int kRuns = 3;
 constexpr std::size_t kTetrahedraPerPoor = 16;
 constexpr std::uint32_t kMixed = 0xfffffffeu;
+/// Cells with more tetrahedra hold far more surfaces than they can show; those of a gyroid or a bracket have
+/// 80 at most.
+constexpr std::size_t kCrowdedCell = 400;
 
 struct Group {
     std::vector<std::uint32_t> tetrahedra;
     std::vector<std::uint32_t> pyramids;
     bool poor = false;
+    bool crowded = false;  ///< most tetrahedra are in crowded cells: nothing would become good, in hours
 };
 
 class Improver {
@@ -64,6 +68,10 @@ class Improver {
         parallel_chunks(groups_.size(), 1, options_.threads, [&](std::size_t begin, std::size_t, int thread) {
             const Group& group = groups_[begin];
             if (!group.poor) return;
+            if (group.crowded) {
+                counted[begin].given_up = 1;
+                return;
+            }
             auto& scratch = place[static_cast<std::size_t>(thread)];
             if (scratch.empty()) scratch.assign(zone_.points.size(), kNone);
             Block& block = blocks[static_cast<std::size_t>(thread)];
@@ -202,23 +210,55 @@ class Improver {
 
     /// An element counts as large as the largest of its nodes' leaves. So those around a node have, if it
     /// touches leaves of two sizes, these two.
+    struct Place {
+        Point sum = {0, 0, 0};  ///< of the corners
+        int size_class = 0;
+    };
+    template <class Nodes>
+    Place place_of(const Nodes& nodes) const {
+        Place place;
+        for (const ZoneNode n : nodes) {
+            place.sum = place.sum + zone_.points[n];
+            place.size_class = std::max<int>(place.size_class, zone_.size_class[n]);
+        }
+        return place;
+    }
+
     template <class Nodes>
     std::uint64_t block_of(const Nodes& nodes, int pairing, double shift) const {
-        Point sum = {0, 0, 0};
-        int size_class = 0;
-        for (const ZoneNode n : nodes) {
-            sum = sum + zone_.points[n];
-            size_class = std::max<int>(size_class, zone_.size_class[n]);
-        }
-        const int pair = (size_class - zone_.finest_class + 1 - pairing) / 2;
+        const Place place = place_of(nodes);
+        const int pair = (place.size_class - zone_.finest_class + 1 - pairing) / 2;
         const double per_cell = 1 / edge_of(zone_.finest_class + 2 * pair + pairing);
         auto key = static_cast<std::uint64_t>(pair);
-        for (const double x : sum) {
+        for (const double x : place.sum) {
             const double at = x * per_cell / static_cast<double>(nodes.size()) + shift + kBlockCells;
             key =
                 (key << kPlaceBits) | static_cast<std::uint64_t>(std::max(0.0, std::floor(at / kBlockCells)));
         }
         return key;
+    }
+
+    /// Whether most of these are in cells with more than kCrowdedCell of them.
+    bool is_crowded(const std::vector<std::uint32_t>& tetrahedra) const {
+        if (tetrahedra.size() <= kCrowdedCell) return false;
+        std::vector<std::array<std::int32_t, 3>> cells;
+        for (const std::uint32_t t : tetrahedra) {
+            const Place place = place_of(zone_.tetrahedra[t].node);
+            const double per_cell = 0.25 / edge_of(place.size_class);
+            std::array<std::int32_t, 3> cell{};
+            for (std::size_t k = 0; k < 3; ++k)
+                cell[k] = static_cast<std::int32_t>(std::floor(place.sum[k] * per_cell));
+            cells.push_back(cell);
+        }
+        std::sort(cells.begin(), cells.end());
+        std::size_t crowded = 0;
+        for (auto first = cells.begin(); first != cells.end();) {
+            const auto last = std::upper_bound(first, cells.end(), *first);
+            const auto count = static_cast<std::size_t>(last - first);
+            if (count > kCrowdedCell) crowded += count;
+            first = last;
+        }
+        return 2 * crowded > cells.size();
     }
 
     bool is_unplaced(const std::pair<ZoneNode, Point>& tip) const {
@@ -313,6 +353,7 @@ class Improver {
                     group.poor = group.poor || quality_of(zone_.pyramids[at - tetrahedra]) < kGoodQuality;
                 }
             }
+            group.crowded = group.poor && is_crowded(group.tetrahedra);
         });
     }
 
