@@ -10,7 +10,7 @@ std::string build_options(const FoundDevice& device, int lanes, int work_group_s
                           const std::string& defines) {
     std::string options = "-cl-std=CL1.2";
     // Other vendors' compilers warn about things that are none of the kernels' fault.
-    if (device.is_pocl) options += " -Werror -cl-kernel-arg-info";  // programs.cpp asks for it
+    if (device.is_pocl) options += " -Werror";
     if (device.has_exact_float) options += " -cl-fp32-correctly-rounded-divide-sqrt";
     options += " -DLANES=" + std::to_string(lanes);
     options += " -DMORTISE_WORK_GROUP=" + std::to_string(work_group_size);

@@ -273,8 +273,7 @@ class Device {
     /// "-DTOPOLOGY=3"); programs are kept in memory, and in the cache folder between runs.
     Kernel kernel(const std::string& file, const std::string& entry, const std::string& defines = {});
 
-    /// Builds a program, unless it is there already, and on PoCL compiles all of its kernels for this
-    /// device's work-groups, which otherwise happens at their first launches.
+    /// Builds a program with all its kernels, unless it is there already.
     void build(const ProgramName& program);
 
     /// Runs a kernel over `items` work-items; the kernel's last parameter `uint items` is added here.

@@ -114,8 +114,7 @@ struct Device::Implementation {
     void harvest(bool all);
     /// The program of kernels/`file`: from memory, the cache folder, or its text.
     const compute::program& program(const std::string& file, const std::string& defines);
-    /// `whole`: its kernels are compiled, too, where the driver would put that off.
-    compute::program build(const std::string& file, const std::string& defines, bool whole) const;
+    compute::program build(const std::string& file, const std::string& defines) const;
     int lanes() const;
     int work_group_size() const;
 };

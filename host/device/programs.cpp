@@ -8,63 +8,15 @@
 #include "host/device/kernel_source.hpp"
 
 namespace mortise::device {
-namespace {
-
-constexpr std::size_t kLargestArgument = 512;  // bytes, passed by value
-
-/// Zeros, whatever the argument is. Sizes are tried from above: a driver that does not compare them reads no
-/// more than it needs.
-void set_to_zeros(cl_kernel kernel, cl_uint argument) {
-    static const char zeros[kLargestArgument] = {};
-    cl_kernel_arg_address_qualifier space = 0;
-    check(
-        clGetKernelArgInfo(kernel, argument, CL_KERNEL_ARG_ADDRESS_QUALIFIER, sizeof space, &space, nullptr),
-        "clGetKernelArgInfo", "compiling kernels");
-    cl_int code = CL_INVALID_ARG_SIZE;
-    if (space == CL_KERNEL_ARG_ADDRESS_PRIVATE) {
-        for (std::size_t size = kLargestArgument; size > 0 && code != CL_SUCCESS; --size) {
-            code = clSetKernelArg(kernel, argument, size, zeros);
-        }
-    } else {
-        code = clSetKernelArg(kernel, argument, sizeof(cl_mem), zeros);
-    }
-    check(code, "clSetKernelArg", "compiling kernels");
-}
-
-/// PoCL compiles a kernel at its first launch, for that size of work-groups. A launch with zeros for all
-/// arguments makes it do so now: with `items` of 0 no work-item does anything.
-void launch_without_items(const compute::command_queue& queue, const compute::program& program,
-                          std::size_t group) {
-    cl_uint count = 0;
-    check(clCreateKernelsInProgram(program.get(), 0, nullptr, &count), "clCreateKernelsInProgram",
-          "compiling kernels");
-    std::vector<cl_kernel> handles(count);
-    check(clCreateKernelsInProgram(program.get(), count, handles.data(), nullptr), "clCreateKernelsInProgram",
-          "compiling kernels");
-    std::vector<compute::kernel> kernels;
-    for (const cl_kernel handle : handles) kernels.emplace_back(handle, false);
-    for (const cl_kernel handle : handles) {
-        cl_uint arguments = 0;
-        check(clGetKernelInfo(handle, CL_KERNEL_NUM_ARGS, sizeof arguments, &arguments, nullptr),
-              "clGetKernelInfo", "compiling kernels");
-        for (cl_uint i = 0; i < arguments; ++i) set_to_zeros(handle, i);
-        check(clEnqueueNDRangeKernel(queue.get(), handle, 1, nullptr, &group, &group, 0, nullptr, nullptr),
-              "clEnqueueNDRangeKernel", "compiling kernels");
-    }
-    check(clFinish(queue.get()), "clFinish", "compiling kernels");
-}
-
-}  // namespace
 
 const compute::program& Device::Implementation::program(const std::string& file, const std::string& defines) {
     const std::string key = file + "\n" + defines;
     auto known = programs.find(key);
-    if (known == programs.end()) known = programs.emplace(key, build(file, defines, false)).first;
+    if (known == programs.end()) known = programs.emplace(key, build(file, defines)).first;
     return known->second;
 }
 
-compute::program Device::Implementation::build(const std::string& file, const std::string& defines,
-                                               bool whole) const {
+compute::program Device::Implementation::build(const std::string& file, const std::string& defines) const {
     const std::string source = with_prelude(kernel_source(file, kernels_folder));
     const std::string build_flags = build_options(found, lanes(), work_group_size(), defines);
     const std::string key = binary_key(found, build_flags) + source;
@@ -90,8 +42,7 @@ compute::program Device::Implementation::build(const std::string& file, const st
     }
     if (!cache_folder.empty()) {
         try {
-            if (whole && found.is_pocl)
-                launch_without_items(queue, program, static_cast<std::size_t>(work_group_size()));
+            // PoCL compiles kernels when they are asked for, or else at their first launch.
             const std::vector<unsigned char> bytes = program.binary();
             cache.store(key, std::string(bytes.begin(), bytes.end()));
         } catch (const compute::opencl_error&) {
@@ -105,7 +56,7 @@ void Device::build(const ProgramName& program) {
     Implementation& self = *implementation_;
     const std::string key = program.file + "\n" + program.defines;
     if (self.programs.count(key) != 0) return;
-    self.programs.emplace(key, self.build(program.file, program.defines, true));
+    self.programs.emplace(key, self.build(program.file, program.defines));
 }
 
 Kernel Device::kernel(const std::string& file, const std::string& entry, const std::string& defines) {

@@ -5,6 +5,8 @@
 #include <doctest/doctest.h>
 #include <sys/wait.h>
 
+#include <algorithm>
+
 #include "host/device/device.hpp"
 #include "host/device/doctor.hpp"
 #include "scratch.hpp"
@@ -90,6 +92,32 @@ TEST_CASE("cache folders that cannot be written are replaced or done without") {
                     "child: unwritable cache") == 0);
     CHECK(run_again("-u POCL_CACHE_DIR -u MORTISE_CACHE -u XDG_CACHE_HOME -u HOME",
                     "child: unwritable cache") == 0);
+}
+
+TEST_CASE("child: small and large launches" * doctest::skip()) {
+    DeviceOptions options;
+    options.probe = false;
+    Device device("cpu", options);
+    for (const std::size_t count : {std::size_t{3}, std::size_t{1} << 20}) {
+        const Buffer in = device.upload(std::vector<std::uint32_t>(count, 1));
+        Buffer out = device.allocate((count + 1) * sizeof(std::uint32_t));
+        CHECK(device.exclusive_scan_u32(in, out, count) == count);
+    }
+}
+
+TEST_CASE("PoCL compiles each kernel once, for launches of every size") {
+    if (list_devices()[choose_device("cpu", list_devices())].platform != "Portable Computing Language")
+        return;
+    ScratchFolder folder;
+    REQUIRE(run_again("-u POCL_WORK_GROUP_SPECIALIZATION POCL_CACHE_DIR='" + folder.path() +
+                          "' MORTISE_CACHE='" + folder.path() + "'",
+                      "child: small and large launches") == 0);
+    std::vector<std::string> compiled;
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(folder.path())) {
+        if (entry.path().extension() == ".so") compiled.push_back(entry.path().stem().string());
+    }
+    std::sort(compiled.begin(), compiled.end());
+    CHECK(compiled == std::vector<std::string>{"scan_fill", "scan_sums"});
 }
 
 TEST_CASE("the cache folder follows the environment") {
