@@ -5,6 +5,7 @@
 
 #include "host/model/affine.hpp"
 #include "host/model/csg/csg_shapes.hpp"
+#include "host/model/outlines/polygon_unions.hpp"
 #include "host/model/solids/extrusion.hpp"
 
 namespace mortise::model_reader {
@@ -89,6 +90,7 @@ CsgFinish read_linear_extrude(CsgScene&, const CsgNodeText& node) {
                                                                std::vector<CsgOperand> children) {
         const CsgOperand child = scene.united_flat(std::move(children), "linear_extrude", where);
         if (child.kind == Kind::kNothing) return child;
+        unite_polygons(scene.flat, child.node);
         CsgOperand result =
             solid(linear_extrusion(scene.model, scene.flat, child.node, sweep, name, where), where);
         if (result.kind == Kind::kSolid) {
@@ -124,6 +126,7 @@ CsgFinish read_rotate_extrude(CsgScene&, const CsgNodeText& node) {
     return [=, name = node.surface](CsgScene& scene, std::vector<CsgOperand> children) mutable {
         CsgOperand child = scene.united_flat(std::move(children), "rotate_extrude", where);
         if (child.kind == Kind::kNothing) return child;
+        unite_polygons(scene.flat, child.node);
         Box2 box = flat_bounds(scene.flat, child.node);
         if (box.is_empty()) return CsgOperand{};
         double reach = std::max(-box.min[0], box.max[0]);

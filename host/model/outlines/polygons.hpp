@@ -18,6 +18,8 @@ class PolygonLattice {
   public:
     explicit PolygonLattice(double reach);
 
+    /// Rounds loops, and nothing else.
+    LatticePaths rounded(const Contours& loops) const;
     /// Rounds loops, even-odd, and resolves their crossings.
     LatticePaths paths(const Contours& loops) const;
     /// Rounds oriented loops; what they wind around at least once.
@@ -28,8 +30,6 @@ class PolygonLattice {
     double step() const { return step_; }
 
   private:
-    LatticePaths rounded(const Contours& loops) const;
-
     double reach_;
     double step_;
 };
