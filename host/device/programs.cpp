@@ -52,12 +52,7 @@ compute::program Device::Implementation::build(const std::string& file, const st
     return program;
 }
 
-void Device::build(const ProgramName& program) {
-    Implementation& self = *implementation_;
-    const std::string key = program.file + "\n" + program.defines;
-    if (self.programs.count(key) != 0) return;
-    self.programs.emplace(key, self.build(program.file, program.defines));
-}
+void Device::build(const ProgramName& program) { implementation_->program(program.file, program.defines); }
 
 Kernel Device::kernel(const std::string& file, const std::string& entry, const std::string& defines) {
     Implementation& self = *implementation_;
