@@ -291,6 +291,51 @@ TEST_CASE("a curve that is twisted steeply sweeps one smooth surface") {
                             result.check.min_scaled_jacobian.end()) > 0.1);
 }
 
+// Flanks of three edges that turn by a few degrees: as planes of their own they swept nearly the same surface
+// three times, with elements of 0.0001 between them.
+TEST_CASE("teeth of few edges that hardly turn are twisted as smooth flanks") {
+    const std::array<std::array<double, 2>, 4> flank = {{{7.2, 0.9}, {8, 0.8}, {8.6, 0.74}, {9.4, 0.7}}};
+    std::string points;
+    for (std::size_t i = 0; i < 8; ++i) {
+        const auto& p = flank[i < 4 ? i : 7 - i];
+        points +=
+            (i == 0 ? "[" : ",[") + std::to_string(p[0]) + "," + std::to_string(i < 4 ? -p[1] : p[1]) + "]";
+    }
+    constexpr int kTeeth = 13;
+    std::string text = "circle(r = 7.5);";
+    for (int i = 0; i < kTeeth; ++i) {
+        const std::string c = std::to_string(std::cos(2 * kPi * i / kTeeth));
+        const std::string s = std::to_string(std::sin(2 * kPi * i / kTeeth));
+        const std::string minus = std::to_string(-std::sin(2 * kPi * i / kTeeth));
+        text += "multmatrix([[" + c + "," + minus + ",0,0],[" + s + "," + c +
+                ",0,0],[0,0,1,0],[0,0,0,1]]) polygon(points = [" + points + "]);";
+    }
+    // Of a tooth beyond the disc, strips of constant y.
+    double tooth = 0;
+    constexpr int kStrips = 10000;
+    for (int i = 0; i < kStrips; ++i) {
+        const double y = 0.9 * (i + 0.5) / kStrips;
+        double x = 9.4;
+        for (std::size_t k = 1; k < 4; ++k) {
+            const auto& a = flank[k - 1];
+            const auto& b = flank[k];
+            if (y <= a[1] && y >= b[1]) x = a[0] + (b[0] - a[0]) * (a[1] - y) / (a[1] - b[1]);
+        }
+        tooth += 2 * 0.9 / kStrips * std::max(0.0, x - std::sqrt(7.5 * 7.5 - y * y));
+    }
+    const std::string c = std::to_string(std::cos(23 * kPi / 180));
+    const std::string s = std::to_string(std::sin(23 * kPi / 180));
+    text = "multmatrix([[" + c + ",-" + s + ",0,0],[" + s + "," + c +
+           ",0,0],[0,0,1,0],[0,0,0,1]]) linear_extrude(height = 10, twist = -45) {" + text + "}";
+    const Meshed result = mesh_and_check(parse_model(text, "csg", "gear.csg"), 5);
+    CHECK(result.defects == "");
+    CHECK(result.check.volume == doctest::Approx(10 * (kPi * 7.5 * 7.5 + kTeeth * tooth)).epsilon(0.01));
+    CHECK(result.check.euler_characteristic == 2);
+    CHECK(result.report.dropped_features == 0);
+    CHECK(*std::min_element(result.check.min_scaled_jacobian.begin(),
+                            result.check.min_scaled_jacobian.end()) > 0.15);
+}
+
 // Where the edge of the blade lies in the shaft, blade, side and shaft share a curve. Cells took the blade
 // for hidden there, and it was in some of those where it had come out again: an internal error.
 TEST_CASE("a twisted blade whose edge lies in the surface of its shaft") {

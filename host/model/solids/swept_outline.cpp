@@ -44,7 +44,13 @@ bool is_smooth_after(const Loop& loop, std::size_t i, double degrees) {
 }
 
 bool is_curved(const Loop& loop, double degrees) {
-    if (loop.size() <= kMostSharpEdges) return false;
+    if (loop.size() <= kMostSharpEdges) {
+        for (std::size_t i = 0; i < loop.size(); ++i) {
+            if (is_smooth_after(loop, i, kHardlyTurn) && is_smooth_after(loop, i + 1, kHardlyTurn))
+                return true;
+        }
+        return false;
+    }
     for (std::size_t i = 0; i < loop.size(); ++i) {
         if (is_smooth_after(loop, i, degrees)) return true;
     }

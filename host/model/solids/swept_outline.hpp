@@ -11,9 +11,11 @@
 
 namespace mortise::model_reader {
 
-/// Sides of an outline that turn by no more degrees stand for one curve, in a loop of more edges than this.
+/// Sides of an outline that turn by no more degrees stand for one curve, in a loop of more edges than this,
+/// or one that turns twice in a row by no more than the last: the flank of a tooth.
 inline constexpr double kSmoothTurn = 25;
 inline constexpr std::size_t kMostSharpEdges = 12;
+inline constexpr double kHardlyTurn = 10;
 
 /// The angle up to which sides join: kSmoothTurn if some loop has a curve (and `smooth` is wanted), else 0.
 double outline_sharp_angle(const Contours& loops, bool smooth);
