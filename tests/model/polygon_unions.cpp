@@ -10,6 +10,7 @@
 
 #include "host/common/random.hpp"
 #include "mortise/model.hpp"
+#include "tests/model/even_odd.hpp"
 #include "tests/model/membership.hpp"
 
 using namespace mortise;
@@ -19,27 +20,12 @@ namespace {
 
 using Op = FlatNode::Op;
 
-bool in_contours(const Contours& loops, const Vec2& p) {
-    bool inside = false;
-    for (const auto& loop : loops) {
-        for (std::size_t i = 0; i < loop.size(); ++i) {
-            const Vec2& a = loop[i];
-            const Vec2& b = loop[(i + 1) % loop.size()];
-            if ((a[1] > p[1]) != (b[1] > p[1]) &&
-                p[0] < a[0] + (b[0] - a[0]) * (p[1] - a[1]) / (b[1] - a[1])) {
-                inside = !inside;
-            }
-        }
-    }
-    return inside;
-}
-
 bool holds(const FlatTree& tree, std::uint32_t root, const Vec2& p) {
     const FlatNode& node = tree.nodes[root];
     const auto child = [&](std::size_t i) { return holds(tree, node.children[i], p); };
     switch (node.op) {
         case Op::kCircle: return std::hypot(p[0], p[1]) <= node.radius;
-        case Op::kContours: return in_contours(node.contours, p);
+        case Op::kContours: return test::even_odd(node.contours, p);
         case Op::kTransform: {
             const double d = determinant(node.map);
             const Vec2 q = {p[0] - node.map[2], p[1] - node.map[5]};

@@ -9,30 +9,16 @@
 
 #include "host/common/random.hpp"
 #include "host/model/outlines/polygon_formula.hpp"
+#include "tests/model/even_odd.hpp"
 
 using namespace mortise;
 using namespace mortise::model_reader;
+using test::even_odd;
 
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 using Loop = std::vector<Vec2>;
-
-/// Even-odd rule: crossings of a ray to the right.
-bool even_odd(const Contours& loops, const Vec2& p) {
-    bool inside = false;
-    for (const Loop& loop : loops) {
-        for (std::size_t i = 0; i < loop.size(); ++i) {
-            const Vec2& a = loop[i];
-            const Vec2& b = loop[(i + 1) % loop.size()];
-            if ((a[1] > p[1]) != (b[1] > p[1]) &&
-                p[0] < a[0] + (b[0] - a[0]) * (p[1] - a[1]) / (b[1] - a[1])) {
-                inside = !inside;
-            }
-        }
-    }
-    return inside;
-}
 
 bool formula_holds(const PolygonFormula& formula, const Loop& loop, const Vec2& p) {
     std::vector<char> value(formula.nodes.size());
