@@ -44,15 +44,12 @@ bool is_smooth_after(const Loop& loop, std::size_t i, double degrees) {
 }
 
 bool is_curved(const Loop& loop, double degrees) {
-    if (loop.size() <= kMostSharpEdges) {
-        for (std::size_t i = 0; i < loop.size(); ++i) {
-            if (is_smooth_after(loop, i, kHardlyTurn) && is_smooth_after(loop, i + 1, kHardlyTurn))
-                return true;
-        }
-        return false;
-    }
+    const bool has_few = loop.size() <= kMostSharpEdges;
     for (std::size_t i = 0; i < loop.size(); ++i) {
-        if (is_smooth_after(loop, i, degrees)) return true;
+        const bool turns_little =
+            has_few ? is_smooth_after(loop, i, kHardlyTurn) && is_smooth_after(loop, i + 1, kHardlyTurn)
+                    : is_smooth_after(loop, i, degrees);
+        if (turns_little) return true;
     }
     return false;
 }
