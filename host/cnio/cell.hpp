@@ -213,6 +213,7 @@ class Cell {
   private:
     // apex.cpp
     double distance_to(std::size_t surface, const double* x) const;
+    double cosine(std::size_t a, std::size_t b, const double* x) const;
     struct ApexSearch {
         LatticePoint middle;
         int fixed_axis;  ///< of a face: both cells find the same apex in its plane; 3: none
@@ -221,6 +222,8 @@ class Cell {
     using NearSurfaces = std::vector<std::pair<double, std::size_t>>;  ///< with their distances, ascending
     void leave_distinct(int fixed_axis, const double* middle, NearSurfaces& near) const;
     LatticePoint apex_near(const ApexSearch& search, const std::vector<std::size_t>& surfaces) const;
+    NearSurfaces::const_iterator beside_boundary(const LatticePoint& point, std::size_t count,
+                                                 const NearSurfaces& near) const;
     std::vector<std::uint32_t> model_surfaces(const std::vector<std::size_t>& surfaces,
                                               const double* x) const;
     bool apex_on(const ApexSearch& search, const std::vector<std::size_t>& surfaces,
