@@ -25,6 +25,7 @@ double dot(const double* a, const double* b) { return a[0] * b[0] + a[1] * b[1] 
 
 /// Distance from a surface, to first order, box-local; infinite where the gradient vanishes.
 double Cell::distance_to(std::size_t surface, const double* x) const {
+    if (is_solid(surface)) return kMortiseInfinity;
     bool negated = false;
     const std::uint32_t at = surface_at(surface, x, &negated);
     const SurfaceSample s =

@@ -41,6 +41,7 @@ int Cell::pure_sign(std::size_t surface, const LatticePoint& p, double size) con
     double x[3];
     bool negated = false;
     position(p, x);
+    if (is_solid(surface)) return solid_sign(x);
     const std::uint32_t at = surface_at(surface, x, &negated);
     const int sign = surface_sign(&model_.surfaces[at], model_.expression_ops.data(), x[0], x[1], x[2], size);
     return negated ? -sign : sign;
@@ -49,6 +50,7 @@ int Cell::pure_sign(std::size_t surface, const LatticePoint& p, double size) con
 int Cell::value_sign(std::size_t surface, const LatticePoint& p) const {
     double x[3];
     position(p, x);
+    if (is_solid(surface)) return solid_sign(x);
     bool negated = false;
     const std::uint32_t at = surface_at(surface, x, &negated);
     return (model_value(at, x) < 0) != negated ? -1 : 1;
@@ -151,12 +153,17 @@ void Cell::load(const TreeNode& leaf) {
 void Cell::load_tape() {
     surfaces_.clear();
     joint_ = nullptr;
+    crowded_ = tree_.is_crowded(leaf_.morton);
     if (leaf_.tape_length == 0) {
         local_tape_.load_constant(octree::in_region(tree_, leaf_.morton));
         return;
     }
     const std::uint32_t* words = tree_.tapes.data() + leaf_.tape_offset;
     tape::list_surfaces(words, leaf_.tape_length, surfaces_);
+    if (crowded_) {
+        load_crowd();
+        return;
+    }
     load_joint();
     if (joint_ == nullptr) {
         local_tape_.load(words, leaf_.tape_length, surfaces_);
@@ -241,6 +248,7 @@ void Cell::load_row(std::size_t row, std::uint32_t nio) {
         if (found != surfaces_.end() && *found == tape_surface(word))
             active_[row * n + static_cast<std::size_t>(found - surfaces_.begin())] = 1;
     }
+    if (crowded_) active_[row * n + n - 1] = tree_.is_crowded(node.morton) ? 1 : 0;
     if (joint_ == nullptr) return;
     const octree::LeafJoint* other = tree_.joint_in(node.morton);
     active_[row * n + n - 1] = other != nullptr && other->joint == joint_->joint ? 1 : 0;
@@ -325,7 +333,7 @@ void Cell::load_edge(int e) {
                 row(half_.row[static_cast<std::size_t>(half_index(at[0], at[1], at[2]))]);
             for (std::size_t s = 0; s < n; ++s) segment_active_[s] &= other[s];
         }
-        settle_joint(segment_active_.data());
+        settle_stand_in(segment_active_.data());
         LocalNode ends[2] = {kEdgeCorners[e][0], kEdgeCorners[e][1]};
         if (split) {
             int middle[3];
@@ -371,7 +379,7 @@ void Cell::load_cross(int f) {
                 row(half_.row[static_cast<std::size_t>(half_index(half[0], half[1], half[2]))]);
             for (std::size_t s = 0; s < n; ++s) segment_active_[s] &= other[s];
         }
-        settle_joint(segment_active_.data());
+        settle_stand_in(segment_active_.data());
         auto& nodes = cross_nodes_[f][i];
         nodes.clear();
         load_segment(low ? middle : centre, low ? centre : middle, along, segment_active_.data(),
@@ -422,7 +430,9 @@ void Cell::load_segment(LocalNode low, LocalNode high, int axis, const std::uint
             set_sign(m, s, group[i] == g ? 0 : g < group[i] ? sign(low, s) : sign(high, s));
         }
     }
-    if (joint_ == nullptr || active[n - 1] != 0) return;
+    if (!has_stand_in() || active[n - 1] != 0) return;
+    if (crowded_) sync_solid(low, high, out.data() + before, out.size() - before);
+    if (joint_ == nullptr) return;
     for (std::size_t i = before; i < out.size(); ++i) sync_joint(out[i]);
 }
 

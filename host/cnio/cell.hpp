@@ -112,6 +112,9 @@ struct Patch {
 
 inline constexpr int kPatches = 24;  ///< four to a face; the first stands for one that is not split
 
+/// Stands for all surfaces of a crowded leaf: the solid's own.
+inline constexpr std::uint32_t kSolidSurface = 0x0ffffffd;
+
 class Cell {
   public:
     Cell(const tape::BoundModel& model, const octree::Octree& tree) : model_(model), tree_(tree) {}
@@ -120,6 +123,8 @@ class Cell {
     void load(const TreeNode& leaf);
 
     std::size_t surface_count() const { return surfaces_.size(); }
+    /// Whether the solid stands for all surfaces of the cell (crowd.cpp).
+    bool is_crowded() const { return crowded_; }
     const std::vector<Node>& nodes() const { return nodes_; }
     std::int8_t sign(std::size_t node, std::size_t surface) const {
         return signs_[node * surfaces_.size() + surface];
@@ -250,8 +255,20 @@ class Cell {
     std::uint32_t surface_at(std::size_t surface, const double* x, bool* negated) const;
     double model_value(std::uint32_t surface, const double* x) const;
     double root_between(std::size_t surface, const double* low, const double* high) const;
-    void settle_joint(std::uint8_t* active) const;
+    void settle_stand_in(std::uint8_t* active) const;
     void sync_joint(LocalNode node);
+    void load_patch_tapes(const Patch& patch);
+    /// Whether the last surface stands for others of the cell.
+    bool has_stand_in() const { return joint_ != nullptr || crowded_; }
+    bool is_solid(std::size_t surface) const { return crowded_ && surface + 1 == surfaces_.size(); }
+    // crowd.cpp
+    void load_crowd();
+    int solid_sign(const double* x) const;
+    bool holds(const TreeNode& leaf, const double* x) const;
+    double solid_root(const double* low, const double* high) const;
+    std::uint32_t surface_of_solid(const double* x) const;
+    void sync_solid(LocalNode node);
+    void sync_solid(LocalNode low, LocalNode high, const LocalNode* nodes, std::size_t count);
     const std::uint8_t* row(std::size_t index) const { return active_.data() + index * surfaces_.size(); }
     bool is_subdivided(int dx, int dy, int dz) const {
         return ((half_.subdivided >> ((dx + 1) + 3 * (dy + 1) + 9 * (dz + 1))) & 1) != 0;
@@ -270,7 +287,6 @@ class Cell {
     void divide_hanging(const std::vector<LocalNode>& loop, const Patch& patch, std::vector<Facet>& facets);
     void cut_patch(const std::vector<LocalNode>& loop, const Patch& patch, std::vector<Facet>& facets);
     void fan_patch(const std::vector<LocalNode>& loop, const Patch& patch, std::vector<Facet>& facets);
-    void load_patch_tapes(const Patch& patch);
     void order_patch(const std::uint8_t* active);
     bool split_patch(const Patch& patch, std::size_t k, int round);
     void load_certain_signs(const std::uint16_t* corners, std::size_t count, const std::uint8_t* active);
@@ -319,7 +335,9 @@ class Cell {
     const octree::LeafPole* pole_ = nullptr;
     const octree::LeafJoint* joint_ = nullptr;  ///< then the last of surfaces_ is kJointSurface
     std::array<std::size_t, 3> joined_{};       ///< places of its chooser, inside and outside
-    tape::LocalTape plain_tape_;                ///< without the joint
+    bool crowded_ = false;                      ///< then the last of surfaces_ is kSolidSurface
+    std::vector<std::uint32_t> crowd_tape_;     ///< over kSolidSurface
+    tape::LocalTape plain_tape_;                ///< without joint or crowd
     std::vector<std::uint8_t> active_;          ///< rows × surfaces: active in a leaf around; row 0: in none
     std::size_t rows_ = 0;
     std::vector<std::uint8_t> segment_active_;  ///< scratch: on one segment

@@ -26,6 +26,7 @@ bool frame_points_outward(int f) {
 
 CellRecord Certificate::run(const TreeNode& leaf, CellArena& arena, const LatticePoint* apex) {
     cell_.load(leaf);
+    if (cell_.is_crowded()) ++cell_.counters.limited;
     simplices_.clear();
     incident_.clear();
     pyramids_.clear();

@@ -18,6 +18,12 @@ struct Extraction {
     CellCounters counters;
 };
 
+/// The codes for Octree::crowded, ascending: leaves with more surfaces than can be cut into elements of any
+/// use, by their number or by what the certificate makes of each while none counts as crowded. Leaves with
+/// several regions or a joint are never among them.
+std::vector<std::uint64_t> find_crowded(const tape::BoundModel& model, const octree::Octree& tree,
+                                        const std::vector<std::uint32_t>& leaves, int threads);
+
 /// Runs the certificate on the leaves tree.nio[leaves[i]]. Cells do not depend on each other. `apexes`, by
 /// Morton code, tell where the cones of some of them have their apex.
 Extraction extract(const tape::BoundModel& model, const octree::Octree& tree,

@@ -145,7 +145,7 @@ void Cell::partition_patch(const Patch& patch, const std::vector<LocalNode>& loo
     auto& facets = patches_[p];
     patch_corners_[p] = patch.corner;
     patch_active_.assign(row(patch.row), row(patch.row) + surfaces_.size());
-    settle_joint(patch_active_.data());
+    settle_stand_in(patch_active_.data());
     scale_ = patch.scale;
     modes_[p] = patch_mode(loop, patch);
     if (modes_[p] == FaceMode::kWhole) {
@@ -315,8 +315,11 @@ void Cell::fan_patch(const std::vector<LocalNode>& loop, const Patch& patch, std
         const LocalNode c = fan_nodes_[t[2]];
         facets.push_back({{fan_nodes_[t[0]], fan_nodes_[t[1]], c, c}, 3});
     }
-    if (joint_ == nullptr || active[n - 1] != 0) return;
-    for (std::size_t i = first; i < nodes_.size(); ++i) sync_joint(static_cast<LocalNode>(i));
+    if (!has_stand_in() || active[n - 1] != 0) return;
+    for (std::size_t i = first; i < nodes_.size(); ++i) {
+        const auto node = static_cast<LocalNode>(i);
+        crowded_ ? sync_solid(node) : sync_joint(node);
+    }
 }
 
 bool Cell::flat(LocalNode a, LocalNode b, LocalNode c) const {
@@ -374,24 +377,6 @@ bool Cell::matters(std::size_t surface) const {
     return other != other_to_own_.end() &&
            other_tape_.depends_on(static_cast<std::size_t>(other - other_to_own_.begin()),
                                   other_signs_.data());
-}
-
-/// The tapes by which both cells mesh the face: those over the joint, if they have it in common.
-void Cell::load_patch_tapes(const Patch& patch) {
-    const TreeNode& other = tree_.nio[patch.beyond];
-    const bool joined = joint_ != nullptr && patch_active_.back() != 0;
-    patch_tape_ = joint_ == nullptr || joined ? &local_tape_ : &plain_tape_;
-    const octree::LeafJoint* beyond = joined ? tree_.joint_in(other.morton) : nullptr;
-    const std::uint32_t* words = joined ? beyond->tape.data() : tree_.tapes.data() + other.tape_offset;
-    const std::size_t length = joined ? beyond->tape.size() : other.tape_length;
-    tape::list_surfaces(words, length, other_surfaces_);
-    other_tape_.load(words, length, other_surfaces_);
-    other_to_own_.clear();
-    for (const std::uint32_t surface : other_surfaces_) {
-        const auto found = std::lower_bound(surfaces_.begin(), surfaces_.end(), surface);
-        const bool own = found != surfaces_.end() && *found == surface;
-        other_to_own_.push_back(own ? static_cast<std::size_t>(found - surfaces_.begin()) : surfaces_.size());
-    }
 }
 
 /// Whether an edge lies on two surfaces, so that a crease of the solid may lie in the face, and surface p

@@ -22,6 +22,7 @@ void Cell::load_joint() {
 /// The model's surface that a surface of the cell is at a point; `negated` if it has the opposite inside.
 std::uint32_t Cell::surface_at(std::size_t surface, const double* x, bool* negated) const {
     *negated = false;
+    if (is_solid(surface)) return surface_of_solid(x);
     if (surfaces_[surface] != octree::kJointSurface) return surfaces_[surface];
     const octree::Joint& joint = joint_->joint;
     if (model_value(joint.chooser, x) < 0) return joint.inside;
@@ -35,6 +36,7 @@ double Cell::model_value(std::uint32_t surface, const double* x) const {
 
 /// Place of a surface's root between two points of opposite signs, 0 to 1.
 double Cell::root_between(std::size_t surface, const double* low, const double* high) const {
+    if (is_solid(surface)) return solid_root(low, high);
     const auto root_of = [this](std::uint32_t s, const double* a, const double* b) {
         return segment_root(&model_.surfaces[s], model_.expression_ops.data(), a, b);
     };
@@ -53,10 +55,14 @@ double Cell::root_between(std::size_t surface, const double* low, const double* 
     return t + (1 - t) * root_of(at_high, middle, high);
 }
 
-/// Where the joint is active, its three surfaces are not.
-void Cell::settle_joint(std::uint8_t* active) const {
-    if (joint_ == nullptr || active[surfaces_.size() - 1] == 0) return;
-    for (const std::size_t s : joined_) active[s] = 0;
+/// Where the joint is active, its three surfaces are not; where the solid is, no other.
+void Cell::settle_stand_in(std::uint8_t* active) const {
+    if (!has_stand_in() || active[surfaces_.size() - 1] == 0) return;
+    if (crowded_) {
+        std::fill(active, active + surfaces_.size() - 1, std::uint8_t{0});
+    } else {
+        for (const std::size_t s : joined_) active[s] = 0;
+    }
 }
 
 /// Gives the joint the sign of that of its surfaces which is valid at a node, of an entity where it is not
@@ -67,6 +73,29 @@ void Cell::sync_joint(LocalNode node) {
     const int outside = joint_->joint.negated ? -sign(node, joined_[2]) : sign(node, joined_[2]);
     const int here = side < 0 ? inside : side > 0 ? outside : inside == outside ? inside : 0;
     set_sign(node, surfaces_.size() - 1, here);
+}
+
+/// The tapes by which both cells mesh the face: those over the joint, or the solid, if both have
+/// it.
+void Cell::load_patch_tapes(const Patch& patch) {
+    const TreeNode& other = tree_.nio[patch.beyond];
+    const bool joined = has_stand_in() && patch_active_.back() != 0;
+    patch_tape_ = !has_stand_in() || joined ? &local_tape_ : &plain_tape_;
+    const std::uint32_t* words = tree_.tapes.data() + other.tape_offset;
+    std::size_t length = other.tape_length;
+    if (joined) {
+        const auto& tape = crowded_ ? crowd_tape_ : tree_.joint_in(other.morton)->tape;
+        words = tape.data();
+        length = tape.size();
+    }
+    tape::list_surfaces(words, length, other_surfaces_);
+    other_tape_.load(words, length, other_surfaces_);
+    other_to_own_.clear();
+    for (const std::uint32_t surface : other_surfaces_) {
+        const auto found = std::lower_bound(surfaces_.begin(), surfaces_.end(), surface);
+        const bool own = found != surfaces_.end() && *found == surface;
+        other_to_own_.push_back(own ? static_cast<std::size_t>(found - surfaces_.begin()) : surfaces_.size());
+    }
 }
 
 }  // namespace mortise::cnio

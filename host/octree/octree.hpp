@@ -33,8 +33,10 @@ struct Octree {
     /// Graded trees: NIO leaves, by index, that touch a finer one, and IN leaves with a finer one at a face
     /// or edge, which join the NIO leaves without a tape. All go to the certificate.
     std::vector<std::uint32_t> transitions;
-    std::vector<LeafJoint> joints;     ///< of NIO leaves, ascending code
-    std::vector<tape::Pole> poles;     ///< of the solid, each once
+    std::vector<LeafJoint> joints;  ///< of NIO leaves, ascending code
+    std::vector<std::uint64_t>
+        crowded;                    ///< NIO leaves in which the solid is one surface (host/cnio), ascending
+    std::vector<tape::Pole> poles;  ///< of the solid, each once
     std::vector<LeafPole> leaf_poles;  ///< of NIO leaves, ascending code; one for a leaf
     std::uint64_t in_count = 0;        ///< IN leaves
     std::uint64_t cells_evaluated = 0;
@@ -68,6 +70,9 @@ struct Octree {
         return leaf_level(&tree, code);
     }
     /// The joint in a leaf; null if it has none.
+    bool is_crowded(std::uint64_t morton) const {
+        return std::binary_search(crowded.begin(), crowded.end(), morton);
+    }
     const LeafJoint* joint_in(std::uint64_t morton) const {
         const auto found =
             std::lower_bound(joints.begin(), joints.end(), morton,

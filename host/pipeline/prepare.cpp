@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <optional>
 
+#include "host/cnio/extract.hpp"
 #include "host/octree/coincident.hpp"
 #include "host/octree/poles.hpp"
 #include "host/pipeline/grading.hpp"
@@ -207,6 +208,10 @@ Prepared prepare(const std::function<device::Device&()>& open_device, const Mode
     result.apexes = std::move(probed.apexes);
     result.leaves = leaf_grid(tree);
     stages.end(tree.nio.size());
+
+    stages.begin("extract", 0.33);
+    tree.crowded = cnio::find_crowded(bound, tree, result.classification.cnio, options.threads);
+    stages.end(0);
     return result;
 }
 
