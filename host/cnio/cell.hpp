@@ -333,12 +333,14 @@ class Cell {
     std::vector<std::uint32_t> surfaces_;  ///< active set, ascending
     tape::LocalTape local_tape_;
     const octree::LeafPole* pole_ = nullptr;
-    const octree::LeafJoint* joint_ = nullptr;  ///< then the last of surfaces_ is kJointSurface
-    std::array<std::size_t, 3> joined_{};       ///< places of its chooser, inside and outside
-    bool crowded_ = false;                      ///< then the last of surfaces_ is kSolidSurface
-    std::vector<std::uint32_t> crowd_tape_;     ///< over kSolidSurface
-    tape::LocalTape plain_tape_;                ///< without joint or crowd
-    std::vector<std::uint8_t> active_;          ///< rows × surfaces: active in a leaf around; row 0: in none
+    const octree::LeafJoint* joint_ = nullptr;            ///< then the last of surfaces_ is kJointSurface
+    std::array<std::size_t, 3> joined_{};                 ///< places of its chooser, inside and outside
+    bool crowded_ = false;                                ///< then the last of surfaces_ is kSolidSurface
+    std::vector<std::uint32_t> crowd_tape_;               ///< over kSolidSurface
+    mutable std::vector<std::uint32_t> around_surfaces_;  ///< scratch of holds()
+    mutable std::vector<std::int8_t> around_signs_;       ///< the same
+    tape::LocalTape plain_tape_;                          ///< without joint or crowd
+    std::vector<std::uint8_t> active_;  ///< rows × surfaces: active in a leaf around; row 0: in none
     std::size_t rows_ = 0;
     std::vector<std::uint8_t> segment_active_;  ///< scratch: on one segment
     std::vector<Node> nodes_;

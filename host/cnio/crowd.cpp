@@ -5,66 +5,15 @@
 #include <algorithm>
 #include <cmath>
 
-#include "host/cnio/certificate.hpp"
-#include "host/cnio/extract.hpp"
-#include "host/common/parallel.hpp"
+#include "host/cnio/cell.hpp"
+#include "host/tape/reference.hpp"
 
 namespace mortise::cnio {
 namespace {
 
-constexpr std::size_t kFewSurfaces = 4;       ///< never too many
-constexpr std::size_t kMostSurfaces = 16;     ///< more are always too many
-constexpr std::size_t kManyTetrahedra = 400;  ///< of a cell that is not cut as it should be; usually 80
-constexpr std::size_t kMostTetrahedra = 700;  ///< of any
 constexpr int kRootHalvings = 30;
 
-/// Whether the tape tells one region from the outside.
-bool has_one_region(const std::uint32_t* words, std::size_t length) {
-    const std::uint32_t last = words[length - 1];
-    return tape_operation(last) == kTapeSelectConst && tape_otherwise(last) == 0 &&
-           std::none_of(words, words + length - 1, [](std::uint32_t word) {
-               return tape_operation(word) == kTapeSelect || tape_operation(word) == kTapeSelectConst;
-           });
-}
-
-/// Whether the certificate makes too many elements of a leaf.
-bool is_overcut(Certificate& certificate, const TreeNode& leaf) {
-    CellArena arena;
-    const CellCounters before = certificate.counters();
-    const CellRecord record = certificate.run(leaf, arena);
-    const CellCounters& after = certificate.counters();
-    const bool in_trouble = after.refused != before.refused || after.unresolved != before.unresolved;
-    return record.element_count[static_cast<std::size_t>(ElementType::kTetrahedron)] >
-           (in_trouble ? kManyTetrahedra : kMostTetrahedra);
-}
-
 }  // namespace
-
-std::vector<std::uint64_t> find_crowded(const tape::BoundModel& model, const octree::Octree& tree,
-                                        const std::vector<std::uint32_t>& leaves, int threads) {
-    constexpr std::size_t kChunk = 64;
-    std::vector<std::uint8_t> is_crowded(leaves.size(), 0);
-    parallel_chunks(leaves.size(), kChunk, thread_count(threads),
-                    [&](std::size_t begin, std::size_t end, int) {
-                        std::vector<std::uint32_t> surfaces;
-                        Certificate certificate(model, tree);
-                        for (std::size_t i = begin; i < end; ++i) {
-                            const TreeNode& leaf = tree.nio[leaves[i]];
-                            const std::uint32_t* words = tree.tapes.data() + leaf.tape_offset;
-                            if (leaf.tape_length <= kFewSurfaces || !has_one_region(words, leaf.tape_length))
-                                continue;
-                            if (tree.joint_in(leaf.morton) != nullptr) continue;
-                            tape::list_surfaces(words, leaf.tape_length, surfaces);
-                            if (surfaces.size() <= kFewSurfaces) continue;
-                            is_crowded[i] = surfaces.size() > kMostSurfaces || is_overcut(certificate, leaf);
-                        }
-                    });
-    std::vector<std::uint64_t> crowded;
-    for (std::size_t i = 0; i < leaves.size(); ++i) {
-        if (is_crowded[i] != 0) crowded.push_back(tree.nio[leaves[i]].morton);
-    }
-    return crowded;
-}
 
 /// Adds the solid to the surfaces; the cell's tape then asks for it alone.
 void Cell::load_crowd() {
@@ -101,23 +50,13 @@ int Cell::solid_sign(const double* x) const {
 /// Whether a leaf's tape has a point in the solid.
 bool Cell::holds(const TreeNode& leaf, const double* x) const {
     if (leaf.tape_length == 0) return octree::in_region(tree_, leaf.morton) != 0;
-    std::int32_t stack[kTapeStack];
-    int top = -1;
-    for (std::uint32_t i = 0; i < leaf.tape_length; ++i) {
-        const std::uint32_t word = tree_.tapes[leaf.tape_offset + i];
-        const std::uint32_t operation = tape_operation(word);
-        if (operation == kTapeLiteral) {
-            stack[++top] = (model_value(tape_surface(word), x) < 0) != (tape_negated(word) != 0) ? 1 : 0;
-        } else if (operation == kTapeSelectConst) {
-            stack[top] = combine_select(tape_otherwise(word), stack[top], tape_region(word));
-        } else {
-            const std::int32_t b = stack[top--];
-            stack[top] = operation == kTapeAnd  ? combine_and(stack[top], b)
-                         : operation == kTapeOr ? combine_or(stack[top], b)
-                                                : combine_select(stack[top], b, tape_region(word));
-        }
-    }
-    return stack[top] > 0;
+    const std::uint32_t* words = tree_.tapes.data() + leaf.tape_offset;
+    tape::list_surfaces(words, leaf.tape_length, around_surfaces_);
+    around_signs_.clear();
+    for (const std::uint32_t surface : around_surfaces_)
+        around_signs_.push_back(model_value(surface, x) < 0 ? -1 : 1);
+    return tape::evaluate_signs(words, leaf.tape_length, around_surfaces_.data(), around_surfaces_.size(),
+                                around_signs_.data()) > 0;
 }
 
 /// Place of a change between two points of which one is in the solid.

@@ -1,6 +1,7 @@
 // Two surfaces that go on from each other at a third one (host/octree/tangent.hpp) as one surface of the
 // cell, in all entities whose NIO leaves all have that joint. On others the leaf beside knows one of the two,
-// and the third has one sign there; or it knows all three, and both cells take them one by one.
+// and the third has one sign there; or it knows all three, and both cells take them one by one. What a cell's
+// last surface stands for, the joint's or all of a crowded cell (crowd.cpp), is asked here.
 #include <algorithm>
 
 #include "host/cnio/cell.hpp"

@@ -33,12 +33,11 @@ struct Octree {
     /// Graded trees: NIO leaves, by index, that touch a finer one, and IN leaves with a finer one at a face
     /// or edge, which join the NIO leaves without a tape. All go to the certificate.
     std::vector<std::uint32_t> transitions;
-    std::vector<LeafJoint> joints;  ///< of NIO leaves, ascending code
-    std::vector<std::uint64_t>
-        crowded;                    ///< NIO leaves in which the solid is one surface (host/cnio), ascending
-    std::vector<tape::Pole> poles;  ///< of the solid, each once
-    std::vector<LeafPole> leaf_poles;  ///< of NIO leaves, ascending code; one for a leaf
-    std::uint64_t in_count = 0;        ///< IN leaves
+    std::vector<LeafJoint> joints;       ///< of NIO leaves, ascending code
+    std::vector<std::uint64_t> crowded;  ///< codes of NIO leaves too full to be cut (host/cnio), ascending
+    std::vector<tape::Pole> poles;       ///< of the solid, each once
+    std::vector<LeafPole> leaf_poles;    ///< of NIO leaves, ascending code; one for a leaf
+    std::uint64_t in_count = 0;          ///< IN leaves
     std::uint64_t cells_evaluated = 0;
 
     std::size_t words() const { return in_bits.size(); }
@@ -69,10 +68,11 @@ struct Octree {
         const Tree tree = view();
         return leaf_level(&tree, code);
     }
-    /// The joint in a leaf; null if it has none.
+    /// Whether the solid stands for all surfaces of a leaf.
     bool is_crowded(std::uint64_t morton) const {
         return std::binary_search(crowded.begin(), crowded.end(), morton);
     }
+    /// The joint in a leaf; null if it has none.
     const LeafJoint* joint_in(std::uint64_t morton) const {
         const auto found =
             std::lower_bound(joints.begin(), joints.end(), morton,
