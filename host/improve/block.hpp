@@ -67,6 +67,16 @@ struct BlockCounters {
     std::uint64_t given_up = 0;  ///< blocks that were left as they were
 };
 
+/// What loosening in blocks must know of the whole zone, by node.
+struct LooseStart {
+    double reach = 0;                   ///< how far nodes may go, in edges of the smallest leaf
+    std::vector<Point> home;            ///< where the nodes are before any is loose
+    std::vector<std::uint8_t> is_wide;  ///< not 0: poor elements there reach over some cells
+};
+LooseStart find_loose_start(const Zone& zone);
+/// Nodes that are not on their surfaces any more.
+std::uint64_t count_loose(const Zone& zone, const LooseStart& start, const Surfaces& surfaces);
+
 class Block {
   public:
     explicit Block(const Surfaces& surfaces) : surfaces_(&surfaces) {}
@@ -81,6 +91,10 @@ class Block {
 
     /// After run(): makes elements smaller where they are poor, if that helps. False if nothing was done.
     bool refine();
+
+    /// Instead of run(): lets nodes of slivers leave their surfaces. False if nothing was
+    /// done.
+    bool loosen(const BlockOptions& options, const LooseStart& start);
 
     /// Whether the block still is a mesh with the same outside: every face has its partner, or is a facet, or
     /// lies on the block's border as before; nodes do not coincide.
@@ -262,6 +276,12 @@ class Block {
     bool makes_blade(Local gone, Local kept) const;
     void renew_strata(const Change& merge);
 
+    // loosen.cpp
+    bool is_within_reach(Local node, const Point& at) const;
+    bool is_in_wall(const std::array<Local, 4>& node) const;
+    bool is_at_sharp_edge(const std::array<Local, 4>& node) const;
+    std::vector<std::uint32_t> list_loosable() const;
+
     // swap.cpp
     bool examine_edge_removal(Local a, Local b, double better_than, Change& change);
     bool examine_face_removal(std::uint32_t tetrahedron, std::size_t face, double better_than,
@@ -292,6 +312,8 @@ class Block {
     std::vector<std::vector<std::uint32_t>> strata_;
     std::vector<Local> renewed_;  ///< nodes whose strata have changed
     bool may_merge_ = false;
+    bool is_loose_ = false;  ///< nodes may leave their surfaces
+    const LooseStart* loose_start_ = nullptr;
     std::vector<Tetrahedron> tetrahedra_;
     std::vector<std::uint8_t> alive_;
     std::vector<Tetrahedron> original_;  ///< as they were loaded

@@ -455,9 +455,11 @@ bool Block::examine_collapse(Local gone, Local kept, bool good_will_do, double b
         tag_added(change, entries_);
         return true;
     }
-    if (!facets_stay_aligned(gone, kept, options_.merge_distance > 0 && change.before < kHopeless))
-        return false;
-    if (strata_[gone].size() > 1) {
+    // A merge of loose nodes turns what is smaller than the distance over which it may be made.
+    const bool is_free = merges && is_loose_;
+    const bool any_narrow = options_.merge_distance > 0 && change.before < kHopeless;
+    if (!is_free && !facets_stay_aligned(gone, kept, any_narrow)) return false;
+    if (strata_[gone].size() > 1 && !is_free) {
         const bool is_crease = count_feature_edges(gone) == 2;
         if (!is_crease && !merges) return false;  // a corner, or where a crease ends
         // The crease's next node on the other side: its new edge must stay close to both surfaces.

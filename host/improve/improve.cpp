@@ -36,6 +36,12 @@ struct Group {
     bool crowded = false;  ///< most tetrahedra are in crowded cells: nothing would become good, in hours
 };
 
+/// Loose nodes go to kMostLoose in so many steps: not farther than needed.
+constexpr int kLooseParts = 3;
+
+/// What a pass does to blocks: single changes, those of several steps, too, or slivers alone (Block::loosen).
+enum class Effort { kPlain, kLookAhead, kLoosen };
+
 class Improver {
   public:
     Improver(Zone& zone, const Surfaces& surfaces, const Options& options)
@@ -50,8 +56,9 @@ class Improver {
     /// Cells of two sizes share their blocks, which have 16 of the larger along an edge: those of classes
     /// -1 and 0, 1 and 2, 3 and 4, … above the finest for `pairing` 0, of 0 and 1, 2 and 3, … for 1. Around a
     /// node of a balanced tree are at most two sizes, so one pairing has all its elements.
-    void pass(int pairing, int shift, bool look_ahead, Counters& counters) {
-        group(pairing, kBlockCells / kShifts * shift);
+    void pass(int pairing, int shift, Effort effort, Counters& counters) {
+        group(pairing, kBlockCells / kShifts * shift,
+              effort == Effort::kLoosen ? kRefineBelow : kGoodQuality);
         find_free_nodes();
         std::vector<Point> before = zone_.points;
         std::vector<std::vector<Block::NewNode>> added(groups_.size());
@@ -61,7 +68,7 @@ class Improver {
         std::vector<std::vector<std::uint32_t>> place(threads);
         std::vector<BlockCounters> counted(groups_.size());
         BlockOptions block_options;
-        block_options.look_ahead = look_ahead;
+        block_options.look_ahead = effort != Effort::kPlain;
         block_options.reposition = options_.smooth > 0;
         block_options.rounds = std::max(2, 2 * options_.smooth);
         std::vector<Block> blocks(threads, Block(surfaces_));
@@ -76,7 +83,9 @@ class Improver {
             if (scratch.empty()) scratch.assign(zone_.points.size(), kNone);
             Block& block = blocks[static_cast<std::size_t>(thread)];
             const auto load = [&] { block.load(zone_, group.tetrahedra, group.pyramids, free_, scratch); };
-            std::optional<Block::Result> result = run_block(block, load, block_options);
+            std::optional<Block::Result> result = effort == Effort::kLoosen
+                                                      ? loosen_block(block, load, block_options)
+                                                      : run_block(block, load, block_options);
             if (!result) {
                 counted[begin].given_up = 1;
                 return;
@@ -134,6 +143,20 @@ class Improver {
         return static_cast<std::size_t>(poor) > zone_.tetrahedra.size() / kTetrahedraPerPoor;
     }
 
+    /// After everything else: later runs would put loose nodes back onto their surfaces.
+    void loosen(int passes, Counters& counters) {
+        const auto has_poor = [this] {
+            return std::any_of(zone_.tetrahedra.begin(), zone_.tetrahedra.end(),
+                               [](const Tetrahedron& t) { return t.quality < kRefineBelow; });
+        };
+        loose_start_ = find_loose_start(zone_);
+        for (int i = 0; i < kLooseParts * passes && has_poor(); ++i) {
+            loose_start_.reach = kMostLoose * options_.merge_distance * (i / passes + 1) / kLooseParts;
+            pass(i % passes / kShifts, i % kShifts, Effort::kLoosen, counters);
+        }
+        counters.loosened = count_loose(zone_, loose_start_, surfaces_);
+    }
+
     bool is_done() const {
         return std::none_of(zone_.tips.begin(), zone_.tips.end(),
                             [this](const auto& tip) { return is_unplaced(tip); }) &&
@@ -163,6 +186,16 @@ class Improver {
             return a.slivers != b.slivers ? a.slivers < b.slivers : a.poor < b.poor;
         };
         return other && (!result || is_better(*other, *result)) ? other : result;
+    }
+
+    template <class Load>
+    std::optional<Block::Result> loosen_block(Block& block, const Load& load, BlockOptions options) const {
+        options.merge_distance = options_.merge_distance;
+        load();
+        block.counters = {};
+        if (!block.loosen(options, loose_start_) || !block.verify() || block.has_crossed())
+            return std::nullopt;
+        return block.result();
     }
 
     template <class Load>
@@ -316,7 +349,8 @@ class Improver {
         return true;
     }
 
-    void group(int pairing, double shift) {
+    /// `least`: blocks with an element of less quality are poor.
+    void group(int pairing, double shift, double least) {
         const std::size_t tetrahedra = zone_.tetrahedra.size();
         std::vector<std::pair<std::uint64_t, std::uint32_t>> order(tetrahedra + zone_.pyramids.size());
         parallel_chunks(order.size(), 4096, options_.threads, [&](std::size_t begin, std::size_t end, int) {
@@ -330,7 +364,7 @@ class Improver {
         std::vector<std::uint8_t> waits(zone_.points.size(), 0);
         for (const auto& tip : zone_.tips) waits[tip.first] = is_unplaced(tip) ? 1 : 0;
         const auto is_poor = [&](const Tetrahedron& t) {
-            return t.quality < kGoodQuality ||
+            return t.quality < least ||
                    std::any_of(t.node.begin(), t.node.end(), [&](ZoneNode n) { return waits[n] != 0; });
         };
         groups_.clear();
@@ -350,7 +384,7 @@ class Improver {
                     group.poor = group.poor || is_poor(zone_.tetrahedra[at]);
                 } else {
                     group.pyramids.push_back(static_cast<std::uint32_t>(at - tetrahedra));
-                    group.poor = group.poor || quality_of(zone_.pyramids[at - tetrahedra]) < kGoodQuality;
+                    group.poor = group.poor || quality_of(zone_.pyramids[at - tetrahedra]) < least;
                 }
             }
             group.crowded = group.poor && is_crowded(group.tetrahedra);
@@ -377,6 +411,7 @@ class Improver {
     Zone& zone_;
     const Surfaces& surfaces_;
     const Options& options_;
+    LooseStart loose_start_;
     std::vector<Group> groups_;
     std::vector<std::size_t> first_;    ///< per group, and behind the last: its first tetrahedron after join
     std::vector<std::uint32_t> owner_;  ///< per node its group; kMixed: several; kNone: not used
@@ -435,11 +470,13 @@ Mesh improve(Mesh mesh, const tape::BoundModel& model, const Options& options, C
         Improver improver(zone, surfaces, options);
         const int passes = improver.is_graded() ? 2 * kShifts : kShifts;
         for (int pass = 0; pass < passes && (pass == 0 || !improver.is_done()); ++pass) {
-            improver.pass(pass / kShifts, pass % kShifts, run > 0, local);
+            improver.pass(pass / kShifts, pass % kShifts, run > 0 ? Effort::kLookAhead : Effort::kPlain,
+                          local);
         }
         // After the first run features may be merged, which may leave room.
         const bool may_help = run == 0 && options.merge_distance > 0;
-        const bool done = improver.is_done() || (improver.is_hopeless() && !may_help);
+        const bool done = improver.is_done() || (improver.is_hopeless() && !may_help) || run + 1 == kRuns;
+        if (done && options.merge_distance > 0) improver.loosen(passes, local);
         mesh = close_zone(std::move(mesh), frame, zone, options.threads, trace, known);
         if (done) break;
         frame.on_lattice = false;

@@ -10,6 +10,9 @@
 
 namespace mortise::improve {
 
+/// Nodes that nothing else helps may lie beside the model by this, in merge distances.
+inline constexpr double kMostLoose = 3;
+
 struct Options {
     int level = 0;                     ///< of the finest cells
     int smooth = 4;                    ///< rounds of repositioning; 0: nodes move only onto the model
@@ -27,7 +30,8 @@ struct Counters {
     std::uint64_t zone_elements = 0;
     bool reached_open = false;  ///< a zone would have held an open node: the result means nothing
     BlockCounters block;
-    Crumbs crumbs;  ///< its place in model coordinates
+    std::uint64_t loosened = 0;  ///< nodes that have left their surfaces (loosen.cpp)
+    Crumbs crumbs;               ///< its place in model coordinates
 };
 
 /// Precondition: the mesh's facets carry surfaces of `model` (indices into BoundModel::surfaces), in model

@@ -93,7 +93,9 @@ bool Block::makes_blade(Local gone, Local kept) const {
 /// Whether `gone`, on a stratum that `kept` is not on, may be merged with it. A crease is not moved onto a
 /// face, nor a corner onto a crease.
 bool Block::may_merge(Local gone, Local kept) {
-    if (!may_merge_ || free_[kept] == 0 || strata_[kept].size() < 2) return false;
+    if (!may_merge_ || free_[kept] == 0) return false;
+    if (is_loose_ && !strata_[kept].empty() && is_within_reach(gone, points_[kept])) return true;
+    if (strata_[kept].size() < 2) return false;
     if (strata_[kept].size() < strata_[gone].size()) return false;
     const auto& star = star_[gone];
     if (std::none_of(star.begin(), star.end(),

@@ -144,10 +144,11 @@ double Block::quality_at(const Point& p, double enough) {
 
 bool Block::smooth(Local node) {
     const std::vector<std::uint32_t>& on = strata_[node];
-    if (free_[node] == 0 || tip_[node] != 0 || on.size() > 2 || star_[node].empty()) return false;
+    if (free_[node] == 0 || tip_[node] != 0 || star_[node].empty()) return false;
     if (!on.empty() && !options_.move_boundary) return false;
     if (rested_[node] > changed_[node]) return false;
-    if (on.size() == 2 && count_feature_edges(node) != 2) return false;
+    const bool is_corner = on.size() > 2 || (on.size() == 2 && count_feature_edges(node) != 2);
+    if (is_corner && !is_loose_) return false;
     rested_[node] = clock_ + 1;
     double best = star_quality(node, kInvertedQuality);
     if (best >= options_.target) return false;
@@ -190,7 +191,7 @@ bool Block::smooth(Local node) {
         direction[directions++] = d;
         direction[directions++] = -1.0 * d;
     };
-    if (on.empty()) {
+    if (on.empty() || is_loose_) {
         direction[directions++] = away;
         add_pair({1, 0, 0});
         add_pair({0, 1, 0});
@@ -230,7 +231,10 @@ bool Block::smooth(Local node) {
     };
     const auto attempt = [&](const Point& from, const Point& candidate) {
         Point p = candidate;
-        if (!on.empty() && !surfaces_->project(on.data(), on.size(), size_[node], &p)) return false;
+        const bool reaches =
+            on.empty() || (is_loose_ ? is_within_reach(node, p)
+                                     : surfaces_->project(on.data(), on.size(), size_[node], &p));
+        if (!reaches) return false;
         const double needed = std::max(best * kLeastGain, kLowestQuality);
         double value = quality_at(p, needed);
         if (!(value > needed)) return false;
@@ -257,7 +261,8 @@ bool Block::smooth(Local node) {
             }
         }
     };
-    search(kFirstStep * size, kHalvings);
+    const double most = is_loose_ && !on.empty() ? loose_start_->reach * size_[node] : kLongest;
+    search(std::min(kFirstStep * size, most), kHalvings);
     // In a cluster of nodes the scale is that of the cluster.
     if (!moved && shortest < kCluster * size) search(0.5 * shortest, kHalvings);
     if (!moved) return false;

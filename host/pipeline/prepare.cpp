@@ -276,14 +276,21 @@ void report_improvement(const improve::Counters& counters, const MeshOptions& op
         if (options.strict) throw Error(ExitCode::kMeshing, source + ": strict: " + text);
         out.warnings.push_back(text);
     }
+    const auto told = [&out](std::uint64_t count, const std::string& which, const std::string& done) {
+        if (count == 0) return;
+        out.warnings.push_back(std::to_string(count) + (count == 1 ? " node" : " nodes") + which +
+                               (count == 1 ? " was " : " were ") + done);
+    };
+    const std::string distance = number(options.merge_distance) + " cells";
     out.merged_nodes = counters.block.merged;
-    if (out.merged_nodes == 0) return;
-    const bool is_one = out.merged_nodes == 1;
-    out.warnings.push_back(std::to_string(out.merged_nodes) + (is_one ? " node" : " nodes") +
-                           " of features closer than " + number(options.merge_distance) + " cells " +
-                           (is_one ? "was" : "were") +
-                           " merged with others, or elements would be slivers; --merge 0 keeps " +
-                           (is_one ? "it" : "them") + " apart");
+    told(out.merged_nodes, " of features closer than " + distance,
+         std::string("merged with others, or elements would be slivers; --merge 0 keeps ") +
+             (out.merged_nodes == 1 ? "it" : "them") + " apart");
+    out.loosened_nodes = counters.loosened;
+    told(out.loosened_nodes, " where features are too fine for good elements",
+         "moved off the model's surfaces, by " + number(improve::kMostLoose * options.merge_distance) +
+             " cells at most" + "; --merge 0 keeps " + (out.loosened_nodes == 1 ? "it" : "them") +
+             " there, smaller cells make that needless");
 }
 
 void report_hinges(const features::Hinges& hinges, const std::vector<double>& points,

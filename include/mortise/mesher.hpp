@@ -49,7 +49,8 @@ struct MeshOptions {
     bool improve = true;      ///< false: elements stay as templates and certificate make them
     int smooth = 4;           ///< rounds of node repositioning; 0: nodes move only onto the model
     /// Nodes of creases and corners closer than this to other features, in cells, may be merged with them
-    /// where elements would be slivers. At most 0.25; 0, or `strict`: never.
+    /// where elements would be slivers, and nodes may lie beside the model by as much where nothing else
+    /// helps. At most 0.25; 0, or `strict`: never.
     double merge_distance = 0.05;
     bool tetrahedra = false;  ///< split everything into tetrahedra
     int pieces = 1;           ///< parts of the Morton range that are meshed apart and merged: the same mesh
@@ -99,6 +100,7 @@ struct MeshReport {
     std::uint64_t refused_splits = 0;    ///< bisections that would have made an element too flat
     std::uint64_t unresolved = 0;        ///< tetrahedra that were labelled by their centroid
     std::uint64_t merged_nodes = 0;      ///< of features closer than MeshOptions::merge_distance
+    std::uint64_t loosened_nodes = 0;    ///< that lie beside the model
     std::uint64_t crumbs = 0;            ///< loose pieces left out, of less than 5e-5 of a cell in volume
     std::uint64_t hinge_edges = 0;       ///< with more than two boundary facets
     std::uint64_t hinge_nodes = 0;       ///< others at which parts of the boundary touch
