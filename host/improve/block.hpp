@@ -69,9 +69,10 @@ struct BlockCounters {
 
 /// What loosening in blocks must know of the whole zone, by node.
 struct LooseStart {
-    double reach = 0;                   ///< how far nodes may go, in edges of the smallest leaf
-    std::vector<Point> home;            ///< where the nodes are before any is loose
-    std::vector<std::uint8_t> is_wide;  ///< not 0: poor elements there reach over some cells
+    double reach = 0;         ///< how far nodes may go, in edges of the smallest leaf
+    std::vector<Point> home;  ///< where the nodes are before any is loose
+    /// How thick the wall is in which a node lies, in finest cells; negative: none.
+    std::vector<double> wall;
 };
 LooseStart find_loose_start(const Zone& zone);
 /// Nodes that are not on their surfaces any more.
@@ -278,7 +279,6 @@ class Block {
 
     // loosen.cpp
     bool is_within_reach(Local node, const Point& at) const;
-    bool is_in_wall(const std::array<Local, 4>& node) const;
     bool is_at_sharp_edge(const std::array<Local, 4>& node) const;
     std::vector<std::uint32_t> list_loosable() const;
 

@@ -53,6 +53,15 @@ double tetrahedron_quality(const Point& a, const Point& b, const Point& c, const
     return volume * std::sqrt(worst);
 }
 
+double smallest_height(const std::array<Point, 4>& p) {
+    const auto face = [&](std::size_t a, std::size_t b, std::size_t c) {
+        return squared_length(cross(p[b] - p[a], p[c] - p[a]));
+    };
+    const double volume = std::fabs(dot(p[1] - p[0], cross(p[2] - p[0], p[3] - p[0])));
+    const double largest = std::max({face(0, 1, 2), face(0, 1, 3), face(0, 2, 3), face(1, 2, 3)});
+    return largest > 0 ? volume / std::sqrt(largest) : 0;
+}
+
 double corner_quality(const Point& u, const Point& v, const Point& w) {
     const Point uv = cross(u, v);
     const double volume = dot(uv, w);

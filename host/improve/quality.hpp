@@ -36,6 +36,9 @@ inline constexpr double kVolumeRounding = 1e-12;
 double tetrahedron_quality(const Point& a, const Point& b, const Point& c, const Point& d,
                            double rounding = kVolumeRounding);
 
+/// Of a tetrahedron.
+double smallest_height(const std::array<Point, 4>& p);
+
 /// Quality at a corner where three edges u, v, w meet, right-handed: its three dihedral angles and its
 /// scaled Jacobian.
 double corner_quality(const Point& u, const Point& v, const Point& w);

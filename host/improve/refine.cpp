@@ -47,15 +47,6 @@ struct LongEdge {
     }
 };
 
-/// Smallest height of a tetrahedron.
-double height(const std::array<Point, 4>& p) {
-    const double volume = std::fabs(dot(p[1] - p[0], cross(p[2] - p[0], p[3] - p[0])));
-    double largest = 0;
-    for (const auto& o : kOpposite)
-        largest = std::max(largest, squared_length(cross(p[o[1]] - p[o[0]], p[o[2]] - p[o[0]])));
-    return largest > 0 ? volume / std::sqrt(largest) : 0;
-}
-
 /// What is wrong with an element of this quality.
 double burden(double quality) {
     const double lack = std::max(0.0, kGoodQuality / std::max(quality, kLeastWeighed) - 1);
@@ -184,7 +175,7 @@ std::vector<Block::Seed> Block::find_seeds(const std::vector<std::uint32_t>& mem
             p[k] = points_[t.node[k]];
             size = std::min(size, size_[t.node[k]]);
         }
-        const double asked = std::max(edge_per_height * height(p), kShortestAsked * size);
+        const double asked = std::max(edge_per_height * smallest_height(p), kShortestAsked * size);
         seeds.push_back({0.25 * (p[0] + p[1] + p[2] + p[3]), std::min(asked, kLongestAsked * size)});
     }
     return seeds;
