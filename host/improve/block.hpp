@@ -73,8 +73,9 @@ struct LooseStart {
     std::vector<Point> home;  ///< where the nodes are before any is loose
     /// How thick the wall is in which a node lies, in finest cells; negative: none.
     std::vector<double> wall;
+    std::vector<double> most;  ///< how far it may go whatever the reach, in finest cells
 };
-LooseStart find_loose_start(const Zone& zone);
+LooseStart find_loose_start(const Zone& zone, double merge_distance);
 /// Nodes that are not on their surfaces any more.
 std::uint64_t count_loose(const Zone& zone, const LooseStart& start, const Surfaces& surfaces);
 

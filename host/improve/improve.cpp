@@ -149,7 +149,7 @@ class Improver {
             return std::any_of(zone_.tetrahedra.begin(), zone_.tetrahedra.end(),
                                [](const Tetrahedron& t) { return t.quality < kRefineBelow; });
         };
-        loose_start_ = find_loose_start(zone_);
+        loose_start_ = find_loose_start(zone_, options_.merge_distance);
         for (int i = 0; i < kLooseParts * passes && has_poor(); ++i) {
             loose_start_.reach = kMostLoose * options_.merge_distance * (i / passes + 1) / kLooseParts;
             pass(i % passes / kShifts, i % kShifts, Effort::kLoosen, counters);

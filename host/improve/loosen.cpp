@@ -24,8 +24,11 @@ constexpr double kThickestWall = 0.5;                ///< cells
 /// has 18 squares of a cell's side, a strip half a cell wide 3.
 constexpr double kMostSkin = 6;
 /// What a wall's nodes may move, in thicknesses of it, for elements that are flatter than this part of it.
-constexpr double kWallPart = 0.1;
+constexpr double kWallPart = 0.2;
 constexpr double kFlatPart = 0.25;
+/// A node whose facets on one surface add up to less than this part of their area lies on a rod or a ball
+/// that is smaller than a cell.
+constexpr double kTurning = 0.75;
 /// A node farther from a surface than this, in edges of the smallest leaf, counts as loosened.
 constexpr double kOffSurface = 1e-4;
 
@@ -38,6 +41,8 @@ struct Side {
     Point at;
     Point normal;  ///< outward, of length 1; zero: the zone has none of them
     double size;
+    double area;  ///< of these facets, doubled
+    bool turns;   ///< their normals differ much: a rod, or a ball, smaller than a cell
 };
 
 /// Per entry of zone.stratum.
@@ -56,6 +61,7 @@ std::vector<Side> find_sides(const Zone& zone) {
                 if (found == end) continue;
                 Side& side = sides[static_cast<std::size_t>(found - zone.stratum.data())];
                 side.normal = side.normal + normal;
+                side.area += length(normal);
             }
         }
     }
@@ -64,6 +70,7 @@ std::vector<Side> find_sides(const Zone& zone) {
             const double norm = length(sides[k].normal);
             sides[k].at = zone.points[n];
             sides[k].size = edge_of(zone.size_class[n]);
+            sides[k].turns = norm < kTurning * sides[k].area;
             if (norm > 0) sides[k].normal = (1 / norm) * sides[k].normal;
         }
     }
@@ -130,9 +137,8 @@ class Areas {
 };
 
 /// Per element: how thick the wall is in which it lies, as wall_between() tells.
-std::vector<double> find_wall_elements(const Zone& zone) {
+std::vector<double> find_wall_elements(const Zone& zone, const std::vector<Side>& sides) {
     const std::size_t nodes = zone.points.size();
-    const std::vector<Side> sides = find_sides(zone);
     std::vector<Side> around;
     const auto add_sides = [&](const Tetrahedron& t) {
         for (const ZoneNode n : t.node)
@@ -169,10 +175,10 @@ std::vector<double> find_wall_elements(const Zone& zone) {
     return thickness;
 }
 
-/// How thick the walls of nodes are: those of walls, and sharp edges, with more skin than a strip has; a
-/// negative number elsewhere.
-std::vector<double> find_walls(const Zone& zone) {
-    const std::vector<double> in_wall = find_wall_elements(zone);
+/// How thick the walls of nodes are; a negative number for nodes of no wall, and of strips thinner than the
+/// distance over which features may be merged.
+std::vector<double> find_walls(const Zone& zone, const std::vector<Side>& sides, double merge_distance) {
+    const std::vector<double> in_wall = find_wall_elements(zone, sides);
     Areas areas;
     for (std::size_t i = 0; i < in_wall.size(); ++i) {
         const Tetrahedron& t = zone.tetrahedra[i];
@@ -200,7 +206,9 @@ std::vector<double> find_walls(const Zone& zone) {
     for (std::size_t i = 0; i < in_wall.size(); ++i) {
         if (in_wall[i] < 0) continue;
         for (const ZoneNode n : zone.tetrahedra[i].node) {
-            if (wide.at(bin_of(zone, n)) > 0) thickness[n] = std::max(thickness[n], in_wall[i]);
+            const bool counts =
+                in_wall[i] > merge_distance * edge_of(zone.size_class[n]) || wide.at(bin_of(zone, n)) > 0;
+            if (counts) thickness[n] = std::max(thickness[n], in_wall[i]);
         }
     }
     return thickness;
@@ -208,7 +216,20 @@ std::vector<double> find_walls(const Zone& zone) {
 
 }  // namespace
 
-LooseStart find_loose_start(const Zone& zone) { return {0, zone.points, find_walls(zone)}; }
+LooseStart find_loose_start(const Zone& zone, double merge_distance) {
+    LooseStart start;
+    const std::vector<Side> sides = find_sides(zone);
+    start.home = zone.points;
+    start.wall = find_walls(zone, sides, merge_distance);
+    for (ZoneNode n = 0; n < zone.points.size(); ++n) {
+        double most = start.wall[n] < 0 ? HUGE_VAL : kWallPart * start.wall[n];
+        for (std::uint32_t k = zone.stratum_begin[n]; k < zone.stratum_end[n]; ++k) {
+            if (sides[k].turns) most = 0;
+        }
+        start.most.push_back(most);
+    }
+    return start;
+}
 
 std::uint64_t count_loose(const Zone& zone, const LooseStart& start, const Surfaces& surfaces) {
     std::vector<std::uint8_t> seen(zone.points.size());
@@ -230,8 +251,7 @@ std::uint64_t count_loose(const Zone& zone, const LooseStart& start, const Surfa
 
 /// Whether a node may lie at a point: within reach of where it was, and of each of its surfaces.
 bool Block::is_within_reach(Local node, const Point& at) const {
-    const double wall = loose_start_->wall[zone_node_[node]];
-    const double reach = std::min(loose_start_->reach * size_[node], wall < 0 ? HUGE_VAL : kWallPart * wall);
+    const double reach = std::min(loose_start_->reach * size_[node], loose_start_->most[zone_node_[node]]);
     const Point& home = loose_start_->home[zone_node_[node]];
     if (squared_length(at - home) > reach * reach) return false;
     const std::vector<std::uint32_t>& on = strata_[node];

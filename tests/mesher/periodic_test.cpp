@@ -174,11 +174,15 @@ TEST_CASE("a model that does not repeat: one warning with the place") {
     options.level = 5;
     const Meshed m = mesh_and_check(parse_model(text, "geo", "half.geo"), options);
     CHECK(m.defects == "");
-    REQUIRE(m.report.warnings.size() == 1);
-    CAPTURE(m.report.warnings[0]);
-    CHECK(m.report.warnings[0].rfind("half.geo:7:1: identify periodic px qx: ", 0) == 0);
-    CHECK(m.report.warnings[0].find("the model differs") != std::string::npos);
-    CHECK(m.report.warnings[0].find("'a'") != std::string::npos);
+    std::vector<std::string> warnings;
+    for (const std::string& warning : m.report.warnings) {
+        if (warning.rfind("half.geo:", 0) == 0) warnings.push_back(warning);
+    }
+    REQUIRE(warnings.size() == 1);
+    CAPTURE(warnings[0]);
+    CHECK(warnings[0].rfind("half.geo:7:1: identify periodic px qx: ", 0) == 0);
+    CHECK(warnings[0].find("the model differs") != std::string::npos);
+    CHECK(warnings[0].find("'a'") != std::string::npos);
     const Section low = section(m.mesh, 1, 0);
     CHECK(is_same(low, section(m.mesh, 1, 1)));
 }
