@@ -41,6 +41,8 @@ void Block::Change::clear() {
     needed = 0;
     collapse = false;
     merge = false;
+    gone = kNone;
+    kept = kNone;
 }
 
 void Block::load(const Zone& zone, const std::vector<std::uint32_t>& tetrahedra,
@@ -198,6 +200,7 @@ void Block::apply(const Change& change) {
     ++(change.collapse ? counters.collapsed : counters.swapped);
     if (!change.merge) return;
     ++counters.merged;
+    if (is_loose_ && change.gone != kNone) note_way(change.gone, change.kept);
     renew_strata(change);
 }
 

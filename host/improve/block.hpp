@@ -74,6 +74,8 @@ struct LooseStart {
     /// How thick the wall is in which a node lies, in finest cells; negative: none.
     std::vector<double> wall;
     std::vector<double> most;  ///< how far it may go whatever the reach, in finest cells
+    /// How far what it has been merged with has come already; written by the block whose free node it is.
+    std::vector<double> used;
 };
 LooseStart find_loose_start(const Zone& zone, double merge_distance);
 /// Nodes that are not on their surfaces any more.
@@ -96,7 +98,7 @@ class Block {
 
     /// Instead of run(): lets nodes of slivers leave their surfaces. False if nothing was
     /// done.
-    bool loosen(const BlockOptions& options, const LooseStart& start);
+    bool loosen(const BlockOptions& options, LooseStart& start);
 
     /// Whether the block still is a mesh with the same outside: every face has its partner, or is a facet, or
     /// lies on the block's border as before; nodes do not coincide.
@@ -150,6 +152,8 @@ class Block {
         double needed = 0;  ///< `after` must be above this
         bool collapse = false;
         bool merge = false;  ///< strata change
+        Local gone = kNone;  ///< of a merge
+        Local kept = kNone;
 
         void clear();
     };
@@ -279,7 +283,9 @@ class Block {
     void renew_strata(const Change& merge);
 
     // loosen.cpp
+    double way_to(Local node, const Point& at) const;
     bool is_within_reach(Local node, const Point& at) const;
+    void note_way(Local gone, Local kept);
     bool is_at_sharp_edge(const std::array<Local, 4>& node) const;
     std::vector<std::uint32_t> list_loosable() const;
 
@@ -314,7 +320,7 @@ class Block {
     std::vector<Local> renewed_;  ///< nodes whose strata have changed
     bool may_merge_ = false;
     bool is_loose_ = false;  ///< nodes may leave their surfaces
-    const LooseStart* loose_start_ = nullptr;
+    LooseStart* loose_start_ = nullptr;
     std::vector<Tetrahedron> tetrahedra_;
     std::vector<std::uint8_t> alive_;
     std::vector<Tetrahedron> original_;  ///< as they were loaded

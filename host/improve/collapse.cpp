@@ -394,6 +394,8 @@ bool Block::examine_collapse(Local gone, Local kept, bool good_will_do, double b
     change.clear();
     change.collapse = true;
     change.merge = merges;
+    change.gone = gone;
+    change.kept = kept;
     entries_.clear();
     const bool on_surface = !strata_[gone].empty();
     const double longest = kLongestEdge * size_[gone];

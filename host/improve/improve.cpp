@@ -189,7 +189,7 @@ class Improver {
     }
 
     template <class Load>
-    std::optional<Block::Result> loosen_block(Block& block, const Load& load, BlockOptions options) const {
+    std::optional<Block::Result> loosen_block(Block& block, const Load& load, BlockOptions options) {
         options.merge_distance = options_.merge_distance;
         load();
         block.counters = {};

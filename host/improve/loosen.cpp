@@ -220,6 +220,7 @@ LooseStart find_loose_start(const Zone& zone, double merge_distance) {
     LooseStart start;
     const std::vector<Side> sides = find_sides(zone);
     start.home = zone.points;
+    start.used.assign(zone.points.size(), 0);
     start.wall = find_walls(zone, sides, merge_distance);
     for (ZoneNode n = 0; n < zone.points.size(); ++n) {
         double most = start.wall[n] < 0 ? HUGE_VAL : kWallPart * start.wall[n];
@@ -249,11 +250,17 @@ std::uint64_t count_loose(const Zone& zone, const LooseStart& start, const Surfa
     return count;
 }
 
+/// How far a node, or anything that has been merged with it, would come from where it was.
+double Block::way_to(Local node, const Point& at) const {
+    const ZoneNode n = zone_node_[node];
+    return length(at - loose_start_->home[n]) + loose_start_->used[n];
+}
+
 /// Whether a node may lie at a point: within reach of where it was, and of each of its surfaces.
 bool Block::is_within_reach(Local node, const Point& at) const {
-    const double reach = std::min(loose_start_->reach * size_[node], loose_start_->most[zone_node_[node]]);
     const Point& home = loose_start_->home[zone_node_[node]];
-    if (squared_length(at - home) > reach * reach) return false;
+    const double reach = std::min(loose_start_->reach * size_[node], loose_start_->most[zone_node_[node]]);
+    if (way_to(node, at) > reach) return false;
     const std::vector<std::uint32_t>& on = strata_[node];
     return std::all_of(on.begin(), on.end(), [&](std::uint32_t surface) {
         const Surfaces::Sample now = surfaces_->sample(surface, at);
@@ -263,6 +270,12 @@ bool Block::is_within_reach(Local node, const Point& at) const {
         const Surfaces::Sample before = surfaces_->sample(surface, home);
         return before.valid && distance <= std::fabs(before.value) / length(before.gradient);
     });
+}
+
+/// A node is about to be merged with another.
+void Block::note_way(Local gone, Local kept) {
+    double& used = loose_start_->used[zone_node_[kept]];
+    used = std::max(used, way_to(gone, points_[kept]));
 }
 
 /// Whether an element touches a sharp edge of the model: then no other shape of it is much better.
@@ -302,7 +315,7 @@ std::vector<std::uint32_t> Block::list_loosable() const {
     return result;
 }
 
-bool Block::loosen(const BlockOptions& options, const LooseStart& start) {
+bool Block::loosen(const BlockOptions& options, LooseStart& start) {
     options_ = options;
     loose_start_ = &start;
     options_.watch_facets = true;
