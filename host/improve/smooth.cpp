@@ -224,12 +224,10 @@ bool Block::smooth(Local node) {
     const Fit before = on.empty() ? Fit{} : worst_fit(node);
     const double least_alignment = std::min(kLeastAlignment, before.alignment);
     const double most_sag = std::max(kMostSag * size_[node], before.sag);
-    // Facets are held against others at the end of the way; at each step of it only if they cross there.
-    bool careful = false;
     const auto fits = [&] {
         if (on.empty()) return true;
         const Fit now = worst_fit(node);
-        return now.alignment >= least_alignment && now.sag <= most_sag && !(careful && facets_cross(node));
+        return now.alignment >= least_alignment && now.sag <= most_sag && !facets_cross(node);
     };
     const auto attempt = [&](const Point& from, const Point& candidate) {
         Point p = candidate;
@@ -250,7 +248,7 @@ bool Block::smooth(Local node) {
         return false;
     };
 
-    bool moved = false;
+    bool moved = on.size() < 2 && attempt(start, 0.5 * (start + mean));
     const auto search = [&](double step, int halvings) {
         for (int h = 0; h < halvings && best < options_.target; ++h, step *= 0.5) {
             for (std::size_t d = 0; d < directions; ++d) {
@@ -264,20 +262,9 @@ bool Block::smooth(Local node) {
         }
     };
     const double most = is_loose_ && !on.empty() ? loose_start_->reach * size_[node] : kLongest;
-    const auto go = [&] {
-        moved = on.size() < 2 && attempt(start, 0.5 * (start + mean));
-        search(std::min(kFirstStep * size, most), kHalvings);
-        // In a cluster of nodes the scale is that of the cluster.
-        if (!moved && shortest < kCluster * size) search(0.5 * shortest, kHalvings);
-    };
-    const double at_start = best;
-    go();
-    if (moved && !on.empty() && facets_cross(node)) {
-        points_[node] = start;
-        best = at_start;
-        careful = true;
-        go();
-    }
+    search(std::min(kFirstStep * size, most), kHalvings);
+    // In a cluster of nodes the scale is that of the cluster.
+    if (!moved && shortest < kCluster * size) search(0.5 * shortest, kHalvings);
     if (!moved) return false;
     if (running_.on) {
         const Point end = points_[node];
