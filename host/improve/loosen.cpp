@@ -84,7 +84,10 @@ double wall_between(const std::vector<Side>& sides) {
     for (std::size_t i = 0; i < sides.size(); ++i) {
         for (std::size_t j = i + 1; j < sides.size(); ++j) {
             if (dot(sides[i].normal, sides[j].normal) > -kFacingAway) continue;
-            const double thickness = std::fabs(dot(sides[j].at - sides[i].at, sides[i].normal));
+            // Of a bent wall one of the two says more than it is.
+            const Point way = sides[j].at - sides[i].at;
+            const double thickness =
+                std::min(std::fabs(dot(way, sides[i].normal)), std::fabs(dot(way, sides[j].normal)));
             if (thickness < kThickestWall * std::min(sides[i].size, sides[j].size))
                 thickest = std::max(thickest, thickness);
         }
@@ -321,6 +324,7 @@ bool Block::loosen(const BlockOptions& options, LooseStart& start) {
     options_.watch_facets = true;
     options_.target = kGoodQuality;
     running_.on = false;
+    if (is_hopeless()) return false;
     list_all_facets();
     std::fill(tried_.begin(), tried_.end(), 0);
     most_evaluated_ = evaluated_ + kLeastEvaluations + kMostEvaluations * tetrahedra_.size();
