@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "host/improve/facet_grid.hpp"
+#include "host/improve/loose_start.hpp"
 #include "host/improve/stratum.hpp"
 #include "host/improve/zone.hpp"
 
@@ -66,20 +67,6 @@ struct BlockCounters {
     std::uint64_t repeated = 0;  ///< blocks that were done again with facets, or their nodes, left alone
     std::uint64_t given_up = 0;  ///< blocks that were left as they were
 };
-
-/// What loosening in blocks must know of the whole zone, by node.
-struct LooseStart {
-    double reach = 0;         ///< how far nodes may go, in edges of the smallest leaf
-    std::vector<Point> home;  ///< where the nodes are before any is loose
-    /// How thick the wall is in which a node lies, in finest cells; negative: none.
-    std::vector<double> wall;
-    std::vector<double> most;  ///< how far it may go whatever the reach, in finest cells
-    /// How far what it has been merged with has come already; written by the block whose free node it is.
-    std::vector<double> used;
-};
-LooseStart find_loose_start(const Zone& zone, double merge_distance);
-/// Nodes that are not on their surfaces any more.
-std::uint64_t count_loose(const Zone& zone, const LooseStart& start, const Surfaces& surfaces);
 
 class Block {
   public:

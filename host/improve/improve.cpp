@@ -149,6 +149,7 @@ class Improver {
             return std::any_of(zone_.tetrahedra.begin(), zone_.tetrahedra.end(),
                                [](const Tetrahedron& t) { return t.quality < kRefineBelow; });
         };
+        if (!has_poor()) return;
         loose_start_ = find_loose_start(zone_, options_.merge_distance);
         for (int i = 0; i < kLooseParts * passes && has_poor(); ++i) {
             loose_start_.reach = kMostLoose * options_.merge_distance * (i / passes + 1) / kLooseParts;
