@@ -169,6 +169,27 @@ TEST_CASE("a smooth surface: poor elements are few, and most parts hold none") {
     check_stream(mesher, ball(), options, 100);
 }
 
+// Three boxes with corners within some hundredths of a cell: nodes leave the model.
+TEST_CASE("loose nodes, in parts") {
+    Mesher mesher;
+    const Model model = parse_model(
+        "difference() { cube(size = [18, 18, 18], center = true);"
+        " multmatrix([[0.897027, -0.249156, -0.365053, 0.003064], [-0.036625, 0.781213, -0.623189, "
+        "-0.013886],"
+        " [0.440455, 0.572388, 0.691644, -0.003716], [0, 0, 0, 1]]) { cube(size = [7.5, 8.6, 8.5]); }"
+        " multmatrix([[0.979317, -0.088552, 0.181926, -0.00769], [-0.10236, 0.55876, 0.822988, 0.017163],"
+        " [-0.17453, -0.824588, 0.538139, -0.006906], [0, 0, 0, 1]]) { cube(size = [8.8, 6.8, 5.8]); }"
+        " multmatrix([[0.991724, -0.080943, 0.099658, -0.013006], [0.057089, 0.973282, 0.222401, 0.008124],"
+        " [-0.114997, -0.214871, 0.969849, -0.009094], [0, 0, 0, 1]]) { cube(size = [7.3, 5.1, 5.4]); } }",
+        "csg", "clump.csg");
+    MeshOptions options;
+    options.level = 5;
+    MeshReport report;
+    mesher.generate(model, options, &report);
+    CHECK(report.loosened_nodes > 0);
+    check_stream(mesher, model, options, 20);
+}
+
 // Improvement adds nodes around a step of a fifteenth of a cell.
 TEST_CASE("a step with smaller elements beside it, in parts") {
     Mesher mesher;
