@@ -192,7 +192,8 @@ void add_element_options(CLI::App& app, Arguments& arguments, Words& words) {
         ->option_text("hex|tet");
     app.add_option("--smooth", words.smooth, "rounds of moving nodes to better places, 0 to 100 (4)")
         ->option_text("ROUNDS");
-    app.add_option("--merge", words.merge, "instead of slivers, nodes may merge within X cells, or move 3 X (0.05)")
+    app.add_option("--merge", words.merge,
+                   "instead of slivers, nodes may merge within X cells, or move 3 X (0.05)")
         ->option_text("X");
     app.add_flag("--no-improve", words.no_improve, "leave elements as templates and certificate make them");
     app.add_flag("--no-snap", words.no_snap, "do not move grid vertices onto the surface");
