@@ -83,8 +83,7 @@ class Block {
     /// After run(): makes elements smaller where they are poor, if that helps. False if nothing was done.
     bool refine();
 
-    /// Instead of run(): lets nodes of slivers leave their surfaces. False if nothing was
-    /// done.
+    /// Instead of run(): lets nodes of slivers leave their surfaces. False if nothing was done.
     bool loosen(const BlockOptions& options, LooseStart& start);
 
     /// Whether the block still is a mesh with the same outside: every face has its partner, or is a facet, or
@@ -139,7 +138,7 @@ class Block {
         double needed = 0;  ///< `after` must be above this
         bool collapse = false;
         bool merge = false;  ///< strata change
-        Local gone = kNone;  ///< of a merge
+        Local gone = kNone;  ///< of a collapse
         Local kept = kNone;
 
         void clear();

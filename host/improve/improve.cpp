@@ -29,15 +29,15 @@ constexpr std::uint32_t kMixed = 0xfffffffeu;
 /// 80 at most.
 constexpr std::size_t kCrowdedCell = 400;
 
+/// Loose nodes go to kMostLoose in so many steps: not farther than needed.
+constexpr int kLooseParts = 3;
+
 struct Group {
     std::vector<std::uint32_t> tetrahedra;
     std::vector<std::uint32_t> pyramids;
     bool poor = false;
     bool crowded = false;  ///< most tetrahedra are in crowded cells: nothing would become good, in hours
 };
-
-/// Loose nodes go to kMostLoose in so many steps: not farther than needed.
-constexpr int kLooseParts = 3;
 
 /// What a pass does to blocks: single changes, those of several steps, too, or slivers alone (Block::loosen).
 enum class Effort { kPlain, kLookAhead, kLoosen };

@@ -7,7 +7,6 @@
 namespace mortise::improve {
 namespace {
 
-constexpr double kFacingAway = 0.72;   ///< cosine: as for merging
 constexpr double kThickestWall = 0.5;  ///< cells
 /// Skin of walls, both sides, in three by three by three cells; what has less is a strip, not a wall. A plate
 /// has 18 squares of a cell's side, a strip half a cell wide 3.

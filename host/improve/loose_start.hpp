@@ -9,6 +9,10 @@
 
 namespace mortise::improve {
 
+/// Outward normals face away from each other if their cosine is below the negative of this: a chamfer of 45
+/// degrees is no blade, and rounded figures make cylinders miss its edges by little.
+inline constexpr double kFacingAway = 0.72;
+
 /// What loosening in blocks must know of the whole zone, by node.
 struct LooseStart {
     double reach = 0;         ///< how far nodes may go, in edges of the smallest leaf
@@ -19,7 +23,10 @@ struct LooseStart {
     /// How far what it has been merged with has come already; written by the block whose free node it is.
     std::vector<double> used;
 };
+
+/// `merge_distance` in cells: strips of walls that are thinner count as none.
 LooseStart find_loose_start(const Zone& zone, double merge_distance);
+
 /// Nodes that are not on their surfaces any more.
 std::uint64_t count_loose(const Zone& zone, const LooseStart& start, const Surfaces& surfaces);
 

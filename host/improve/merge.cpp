@@ -13,9 +13,6 @@ namespace {
 
 constexpr double kParallel = 0.1;  ///< sine of the angle between two creases
 constexpr int kFewestSideBySide = 4;
-// Cosine between outward normals, less than zero: a chamfer of 45 degrees is no blade, and rounded figures
-// make cylinders miss its edges by little.
-constexpr double kFacingAway = 0.72;
 
 }  // namespace
 
@@ -91,7 +88,7 @@ bool Block::makes_blade(Local gone, Local kept) const {
 }
 
 /// Whether `gone`, on a stratum that `kept` is not on, may be merged with it. A crease is not moved onto a
-/// face, nor a corner onto a crease.
+/// face, nor a corner onto a crease, unless nodes may be loose: then whatever is within reach.
 bool Block::may_merge(Local gone, Local kept) {
     if (!may_merge_ || free_[kept] == 0) return false;
     if (is_loose_ && !strata_[kept].empty() && is_within_reach(gone, points_[kept])) return true;

@@ -49,8 +49,8 @@ struct MeshOptions {
     bool improve = true;      ///< false: elements stay as templates and certificate make them
     int smooth = 4;           ///< rounds of node repositioning; 0: nodes move only onto the model
     /// Nodes of creases and corners closer than this to other features, in cells, may be merged with them
-    /// where elements would be slivers, and nodes may lie beside the model by as much where nothing else
-    /// helps. At most 0.25; 0, or `strict`: never.
+    /// where elements would be slivers, and nodes may lie beside the model by three times as much where
+    /// nothing else helps. At most 0.25; 0, or `strict`: never.
     double merge_distance = 0.05;
     bool tetrahedra = false;  ///< split everything into tetrahedra
     int pieces = 1;           ///< parts of the Morton range that are meshed apart and merged: the same mesh
