@@ -1,8 +1,8 @@
 // The part of the model that a node belongs to, and projection onto it.
 //
 // A node's stratum is the set of surfaces that its boundary and interface facets lie on: none (inside a
-// region), one (a model face), two (a crease), three or more (a corner). A node never leaves its stratum
-// (algorithms.md §7, §8).
+// region), one (a model face), two (a crease), three or more (a corner). A node leaves its stratum in the
+// last resort only (loosen.cpp; algorithms.md §7, §8).
 #pragma once
 
 #include <cstdint>
