@@ -23,6 +23,7 @@ namespace {
 constexpr double kChecking = 0.8;  // progress when the mesh is there
 constexpr double kWriting = 0.9;
 
+constexpr double kVeryLow = 0.05;        // scaled Jacobian
 constexpr double kWorthTelling = 0.001;  // seconds
 
 std::string seconds_text(double seconds) {
@@ -78,6 +79,12 @@ std::string summary(const Arguments& arguments, const MeshReport& report, const 
     text += "  worst      scaled Jacobian " + list_jacobians(figures.elements, figures.min_scaled_jacobian);
     if (figures.worst_place) text += "; the lowest at " + place_text(*figures.worst_place);
     text += "\n";
+    const auto& lowest = figures.min_scaled_jacobian;
+    if (*std::min_element(lowest.begin(), lowest.end()) < kVeryLow)
+        text +=
+            "             the model has a wall, gap or angle there that is too thin for these cells; "
+            "--refine 2 "
+            "makes\n             them smaller where that helps\n";
     double total = 0;
     std::string stages;
     for (const StageTime& stage : report.stages) {

@@ -14,6 +14,8 @@ constexpr std::uint64_t kMostEvaluations = 100;
 /// Where skins have crossed there is little room, and much to look at.
 constexpr std::uint64_t kMostWatchedEvaluations = 25;
 constexpr std::size_t kManyPoor = 1000;
+/// Of the median quality, where most elements are poor: better ones are left alone.
+constexpr double kBarrenPart = 0.5;
 constexpr int kLookAheads = 4;
 /// Trials of several steps in a block, at most; one per 16 tetrahedra are enough for ordinary parts.
 constexpr std::uint64_t kLeastTrials = 64;
@@ -95,6 +97,7 @@ void Block::load(const Zone& zone, const std::vector<std::uint32_t>& tetrahedra,
     original_ = tetrahedra_;
     original_points_ = points_;
     clock_ = 1;
+    ++version_;
     changed_.assign(points_.size(), 0);
     rested_.assign(points_.size(), 0);
     seen_at_.assign(points_.size(), 0);
@@ -164,8 +167,10 @@ void Block::touch(Local node) {
     }
 }
 
-void Block::apply(const Change& change) {
+void Block::apply(Change& change) {
+    hand_on_shares(change);
     ++clock_;
+    ++version_;
     if (running_.on) {
         for (const std::uint32_t i : change.removed) note_tetrahedron(i);
         Trial::Step step;
@@ -346,6 +351,22 @@ bool Block::improve(std::uint32_t tetrahedron) {
     return moved || merge(node);
 }
 
+/// Where most elements stay poor the model has no room for good ones, as in walls much thinner than cells,
+/// and searching for each of them is in vain: only what is worse than the others is worked on.
+void Block::lower_target() {
+    std::vector<double> quality;
+    std::size_t poor = 0;
+    for (std::size_t i = 0; i < tetrahedra_.size(); ++i) {
+        if (alive_[i] == 0) continue;
+        quality.push_back(tetrahedra_[i].quality);
+        poor += quality.back() < kGoodQuality ? 1 : 0;
+    }
+    if (2 * poor <= quality.size()) return;
+    const auto middle = quality.begin() + static_cast<std::ptrdiff_t>(quality.size() / 2);
+    std::nth_element(quality.begin(), middle, quality.end());
+    options_.target = std::min(options_.target, kBarrenPart * *middle);
+}
+
 /// Sweeps over the poor elements.
 void Block::sweep() {
     for (int round = 0; round < options_.rounds && counters.tried < most_tried_; ++round) {
@@ -365,11 +386,13 @@ void Block::sweep() {
             for (const Local n : p) changed = smooth(n) || changed;
         }
         if (!changed) break;
+        if (round == 0) lower_target();
     }
 }
 
 void Block::run(const BlockOptions& options) {
     options_ = options;
+    if (!options.is_first) lower_target();
     last_evaluation_ = std::numeric_limits<std::uint64_t>::max();
     running_.on = false;
     if (options_.watch_facets) list_all_facets();

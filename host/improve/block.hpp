@@ -15,6 +15,7 @@
 
 #include "host/improve/facet_grid.hpp"
 #include "host/improve/loose_start.hpp"
+#include "host/improve/star_views.hpp"
 #include "host/improve/stratum.hpp"
 #include "host/improve/zone.hpp"
 
@@ -49,6 +50,7 @@ struct BlockOptions {
     bool change_boundary = true;   ///< false: facets stay as they are
     bool move_boundary = true;     ///< false: their nodes do, too
     bool look_ahead = true;        ///< changes of several steps
+    bool is_first = true;          ///< nothing has been improved yet
     bool watch_facets = false;     ///< no change may make facets cross
     double target = kGoodQuality;  ///< elements at least this good are left alone
     double merge_distance = 0;     ///< features closer than this, in cells, may be merged; 0: none
@@ -167,6 +169,26 @@ class Block {
         bool closed = false;
     };
 
+    // room.cpp
+    /// The volume of some elements of a region, and their share of what was there first.
+    struct Room {
+        std::uint16_t region;
+        double volume;
+        double share;
+    };
+    double volume(const Tetrahedron& t) const;
+    static void add_share(std::uint16_t region, double volume, double share, std::vector<Room>& rooms);
+    void add_room(const Tetrahedron& t, std::vector<Room>& rooms) const;
+    bool is_curved(const std::vector<std::uint32_t>& stratum) const;
+    void gather_room(Local node, std::vector<Room>& rooms) const;
+    static bool swells(const std::vector<Room>& before, const std::vector<Room>& after, double most);
+    bool swells(const std::vector<std::uint32_t>& changed);
+    bool swells(const Change& change);
+    bool swells(Local node);
+    void hand_on_shares(Change& change);
+    void divide_shares(Local node);
+    double share_of(const Tetrahedron& t, const std::vector<Room>& rooms) const;
+
     // crossing.cpp
     std::array<Point, 3> triangle(const std::array<Local, 3>& node) const;
     bool stab_each_other(const std::array<Local, 3>& a, const std::array<Local, 3>& b) const;
@@ -180,7 +202,7 @@ class Block {
 
     // block.cpp
     bool is_inside(const std::array<Local, 4>& node) const;
-    void apply(const Change& change);
+    void apply(Change& change);
     double quality(const std::array<Local, 4>& node) const;
     bool is_short_edge(Local a, Local b) const {
         const double shortest = kShortEdge * std::min(size_[a], size_[b]);
@@ -203,6 +225,7 @@ class Block {
     }
     bool is_plane(std::uint32_t surface) const { return surfaces_->is_plane(surface); }
     bool improve(std::uint32_t tetrahedron);
+    void lower_target();
     void sweep();
     void mend(std::uint64_t tetrahedra);
     void mend_further();
@@ -227,7 +250,8 @@ class Block {
 
     // lookahead.cpp
     struct Candidate;
-    std::size_t count_poor() const;
+    std::size_t count_below(double quality) const;
+    std::size_t count_poor() const { return count_below(options_.target); }
     /// Whether so much is poor that the model must be the reason: it has no room for good elements.
     bool is_hopeless() const;
     bool look_ahead_all();
@@ -285,8 +309,8 @@ class Block {
     // smooth.cpp
     bool project_nodes(Local first = 0);
     bool smooth(Local node);
-    void gather_views(Local node);
-    double quality_at(const Point& p, double enough);
+    StarViews& views(Local node);
+    double quality_at(StarViews& views, const Point& p, double enough, Local except = StarViews::kNobody);
     double star_quality(Local node, double enough) const;
     Fit worst_fit(Local node) const;
 
@@ -298,6 +322,7 @@ class Block {
     std::vector<double> size_;  ///< per node: edge of the smallest leaf around it, in finest cells
     double unit_ = 1;           ///< Zone::unit
     double rounding_ = kVolumeRounding;
+    double most_sag_ = kMostSag;  ///< of a facet that a change makes
     std::vector<std::uint8_t> free_;
     std::vector<std::uint8_t> joined_;
     std::vector<std::uint8_t> tip_;  ///< 0, or 1 + place in tips_
@@ -320,6 +345,10 @@ class Block {
     std::vector<std::vector<std::uint32_t>> pyramid_star_;  ///< per node: its pyramids
     FacetGrid grid_;                                        ///< of the outer boundary's
     std::size_t most_listed_ = 0;                           ///< entries of it
+    // Scratch of swells.
+    std::vector<Room> room_before_, room_after_;
+    std::vector<Room> start_room_;  ///< of the elements of a node that is to move
+    std::vector<std::uint32_t> touching_;
     // Scratch of crosses.
     std::vector<std::array<Local, 3>> facets_;
     std::vector<std::array<Local, 3>> faces_before_;
@@ -333,7 +362,15 @@ class Block {
     std::vector<std::uint32_t> seen_at_;  ///< scratch of links_allow, one per node
     std::vector<std::pair<Local, std::uint32_t>>
         spokes_;  ///< neighbour, surface of a facet at the edge to it
-    std::vector<std::array<Point, 3>> views_;
+    /// The stars asked last, as long as nothing changes.
+    struct CachedViews {
+        Local node = kNone;
+        std::uint64_t version = 0;
+        StarViews views;
+    };
+    std::array<CachedViews, 4> views_;
+    std::size_t next_views_ = 0;
+    std::uint64_t version_ = 0;            ///< counts changes, also those of the past that are undone
     mutable std::uint64_t evaluated_ = 0;  ///< qualities computed
     std::uint64_t most_evaluated_ = 0;     ///< until they are these,
     std::uint64_t last_evaluation_ = 0;    ///< which are no more than these

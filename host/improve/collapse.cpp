@@ -234,7 +234,7 @@ bool Block::facets_stay_aligned(Local gone, Local kept, bool any_narrow) const {
     };
     // First which way the facets of each surface look, then each facet.
     double way[kMostSurfaces] = {};
-    double most_sag = kMostSag * size_[gone];
+    double most_sag = most_sag_ * size_[gone];
     for (int pass = 0; pass < 2; ++pass) {
         for (const std::uint32_t i : star_[gone]) {
             const Tetrahedron& t = tetrahedra_[i];
@@ -415,16 +415,18 @@ bool Block::examine_collapse(Local gone, Local kept, bool good_will_do, double b
                              change.before < kLowestQuality ? 0 : kLowestQuality);
     if (good_will_do) change.needed = std::min(change.needed, options_.target);
     change.needed = std::max(change.needed, better_than);
-    for (const std::uint32_t i : star_[gone]) {
+    StarViews& seen = views(gone);
+    change.after = quality_at(seen, points_[kept], change.needed, kept);
+    if (!(change.after > change.needed)) return false;
+    for (std::size_t s = 0; s < star_[gone].size(); ++s) {
+        const std::uint32_t i = star_[gone][s];
         const Tetrahedron& t = tetrahedra_[i];
         const auto ig =
             static_cast<std::size_t>(std::find(t.node.begin(), t.node.end(), gone) - t.node.begin());
         if (!has(t.node, kept)) {
             Tetrahedron moved = t;
             moved.node[ig] = kept;
-            moved.quality = quality(moved.node);
-            if (!(moved.quality > change.needed)) return false;
-            change.after = std::min(change.after, moved.quality);
+            moved.quality = seen.quality(s);
             for (const Local n : t.node) {
                 if (n != gone && squared_length(points_[n] - points_[kept]) > longest_before) return false;
             }
@@ -474,6 +476,7 @@ bool Block::examine_collapse(Local gone, Local kept, bool good_will_do, double b
         }
     }
     tag_added(change, entries_);
+    if ((merges || is_curved(strata_[gone])) && swells(change)) return false;
     return !crosses(change);
 }
 

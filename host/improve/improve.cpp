@@ -44,8 +44,9 @@ enum class Effort { kPlain, kLookAhead, kLoosen };
 
 class Improver {
   public:
-    Improver(Zone& zone, const Surfaces& surfaces, const Options& options)
-        : zone_(zone), surfaces_(surfaces), options_(options) {}
+    /// `is_first`: nothing has been improved yet.
+    Improver(Zone& zone, const Surfaces& surfaces, const Options& options, bool is_first)
+        : zone_(zone), surfaces_(surfaces), options_(options), is_first_(is_first) {}
 
     /// Whether leaves of several sizes met: then elements are paired with the next larger or smaller ones.
     bool is_graded() const {
@@ -70,6 +71,7 @@ class Improver {
         BlockOptions block_options;
         block_options.look_ahead = effort != Effort::kPlain;
         block_options.reposition = options_.smooth > 0;
+        block_options.is_first = is_first_;
         block_options.rounds = std::max(2, 2 * options_.smooth);
         std::vector<Block> blocks(threads, Block(surfaces_));
         parallel_chunks(groups_.size(), 1, options_.threads, [&](std::size_t begin, std::size_t, int thread) {
@@ -96,6 +98,7 @@ class Improver {
             strata[begin] = std::move(result->strata);
             counted[begin] = result->counters;
         });
+        is_first_ = false;
         for (std::uint32_t g = 0; g < groups_.size(); ++g) number_added(g, added[g], results[g]);
         before.resize(zone_.points.size(), {HUGE_VAL, HUGE_VAL, HUGE_VAL});
         std::vector<Piece> pieces(groups_.size());
@@ -412,6 +415,7 @@ class Improver {
     Zone& zone_;
     const Surfaces& surfaces_;
     const Options& options_;
+    bool is_first_;  ///< no pass has been made in any run
     LooseStart loose_start_;
     std::vector<Group> groups_;
     std::vector<std::size_t> first_;    ///< per group, and behind the last: its first tetrahedron after join
@@ -468,7 +472,7 @@ Mesh improve(Mesh mesh, const tape::BoundModel& model, const Options& options, C
         }
         local.zone_elements += zone.tetrahedra.size() + zone.pyramids.size();
         if (run == 0) local.crumbs = remove_crumbs(zone, options.threads);
-        Improver improver(zone, surfaces, options);
+        Improver improver(zone, surfaces, options, run == 0);
         const int passes = improver.is_graded() ? 2 * kShifts : kShifts;
         for (int pass = 0; pass < passes && (pass == 0 || !improver.is_done()); ++pass) {
             improver.pass(pass / kShifts, pass % kShifts, run > 0 ? Effort::kLookAhead : Effort::kPlain,

@@ -96,9 +96,11 @@ void Block::begin_trial() {
 
 void Block::undo_trial() {
     running_.on = false;
+    ++version_;
     for (auto step = running_.steps.rbegin(); step != running_.steps.rend(); ++step) {
         if (step->moved != kNone) {
             points_[step->moved] = step->from;
+            divide_shares(step->moved);
             for (const std::uint32_t i : star_[step->moved])
                 tetrahedra_[i].quality = quality(tetrahedra_[i].node);
             continue;
@@ -199,11 +201,11 @@ bool Block::look_ahead(std::uint32_t tetrahedron) {
     return false;
 }
 
-std::size_t Block::count_poor() const {
-    std::size_t poor = 0;
+std::size_t Block::count_below(double quality) const {
+    std::size_t count = 0;
     for (std::size_t i = 0; i < tetrahedra_.size(); ++i)
-        poor += alive_[i] != 0 && tetrahedra_[i].quality < options_.target ? 1 : 0;
-    return poor;
+        count += alive_[i] != 0 && tetrahedra_[i].quality < quality ? 1 : 0;
+    return count;
 }
 
 bool Block::is_hopeless() const { return count_poor() > kFewPoor + original_.size() / kTetrahedraPerPoor; }

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "host/improve/quality_formula.hpp"
+
 namespace mortise::improve {
 namespace {
 
@@ -16,41 +18,13 @@ double sine(const Point& n, const Point& m, double edge, double product) {
 }  // namespace
 
 double tetrahedron_quality(const Point& a, const Point& b, const Point& c, const Point& d, double rounding) {
-    const Point ab = b - a;
-    const Point ac = c - a;
-    const Point ad = d - a;
-    const Point abc = cross(ac, ab);  // outward normals of the faces, twice their areas long
-    const double volume = -dot(abc, ad);
-    if (!(volume > 0)) return kInvertedQuality;
-    const Point bc = c - b;
-    const Point bd = d - b;
-    const Point cd = d - c;
-    const Point abd = cross(ab, ad);
-    const Point acd = cross(ad, ac);
-    const Point bcd = cross(bc, bd);
-    const double l_ab = squared_length(ab);
-    const double l_ac = squared_length(ac);
-    const double l_ad = squared_length(ad);
-    const double l_bc = squared_length(bc);
-    const double l_bd = squared_length(bd);
-    const double l_cd = squared_length(cd);
-    const double span = std::max(std::max(l_ab, l_ac), std::max(l_ad, std::max(l_bc, std::max(l_bd, l_cd))));
-    if (!(volume > rounding * span)) return kInvertedQuality;
-    const double n_abc = squared_length(abc);
-    const double n_abd = squared_length(abd);
-    const double n_acd = squared_length(acd);
-    const double n_bcd = squared_length(bcd);
-    // Squares, for one root at the end.
-    double worst = sine(abc, abd, l_ab, n_abc * n_abd);
-    worst = std::min(worst, sine(abc, acd, l_ac, n_abc * n_acd));
-    worst = std::min(worst, sine(abd, acd, l_ad, n_abd * n_acd));
-    worst = std::min(worst, sine(abc, bcd, l_bc, n_abc * n_bcd));
-    worst = std::min(worst, sine(abd, bcd, l_bd, n_abd * n_bcd));
-    worst = std::min(worst, sine(acd, bcd, l_cd, n_acd * n_bcd));
-    const double longest = std::max(std::max(l_ab * l_ac * l_ad, l_ab * l_bc * l_bd),
-                                    std::max(l_ac * l_bc * l_cd, l_ad * l_bd * l_cd));
-    worst = std::min(worst, kJacobianWeight * kJacobianWeight / longest);
-    return volume * std::sqrt(worst);
+    OppositeFace<double> face{};
+    face.b = {b[0], b[1], b[2]};
+    face.c = {c[0], c[1], c[2]};
+    face.d = {d[0], d[1], d[2]};
+    set_face(face);
+    const double square = squared_quality(face, {a[0], a[1], a[2]}, rounding);
+    return square < 0 ? kInvertedQuality : std::sqrt(square);
 }
 
 double smallest_height(const std::array<Point, 4>& p) {

@@ -36,6 +36,11 @@ inline constexpr double kVolumeRounding = 1e-12;
 double tetrahedron_quality(const Point& a, const Point& b, const Point& c, const Point& d,
                            double rounding = kVolumeRounding);
 
+/// Positive if the orientation is that of mesh.hpp.
+inline double tetrahedron_volume(const Point& a, const Point& b, const Point& c, const Point& d) {
+    return dot(cross(b - a, c - a), d - a) / 6;
+}
+
 /// Of a tetrahedron.
 double smallest_height(const std::array<Point, 4>& p);
 

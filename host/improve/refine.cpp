@@ -283,12 +283,16 @@ bool Block::is_relief(const Block& before, const Cluster& cluster) const {
 bool Block::relieve(const Cluster& cluster, const std::vector<std::uint32_t>& members) {
     Block before = *this;
     for (const double edge_per_height : kEdgesPerHeight) {
+        most_sag_ = kMostRefinedSag;
         const auto first_added = static_cast<Local>(points_.size());
         const std::size_t splits = split_long_edges(members, edge_per_height);
         if (splits > 0) {
             project_nodes(first_added);
             mend(splits * kTetrahedraPerSplit);
-            if (is_relief(before, cluster)) return true;
+            if (is_relief(before, cluster)) {
+                most_sag_ = before.most_sag_;
+                return true;
+            }
         }
         before.evaluated_ = evaluated_;
         *this = before;
@@ -298,7 +302,8 @@ bool Block::relieve(const Cluster& cluster, const std::vector<std::uint32_t>& me
 }
 
 bool Block::refine() {
-    if (!options_.look_ahead || !options_.change_boundary || count_poor() > kMostPoor + original_.size() / 16)
+    if (!options_.look_ahead || !options_.change_boundary ||
+        count_below(kGoodQuality) > kMostPoor + original_.size() / 16)
         return false;
     std::vector<Cluster> clusters = find_clusters();
     const auto alive = static_cast<std::uint64_t>(std::count(alive_.begin(), alive_.end(), 1));

@@ -108,6 +108,8 @@ bool Block::project_nodes(Local first) {
             continue;
         }
         ++clock_;
+        ++version_;
+        divide_shares(t.node);
         touch(t.node);
         for (const std::uint32_t i : star_[t.node]) list_facets(i);
         for (const std::uint32_t i : star_[t.node]) tetrahedra_[i].quality = quality(tetrahedra_[i].node);
@@ -115,30 +117,32 @@ bool Block::project_nodes(Local first) {
     return all;
 }
 
-/// The node's elements for a search of its place: what fails first is asked first the next time.
-void Block::gather_views(Local node) {
-    views_.clear();
+/// The node's elements for a search of its place.
+StarViews& Block::views(Local node) {
+    for (CachedViews& cached : views_) {
+        if (cached.node == node && cached.version == version_) return cached.views;
+    }
+    CachedViews& cached = views_[next_views_];
+    next_views_ = (next_views_ + 1) % views_.size();
+    cached.node = node;
+    cached.version = version_;
+    cached.views.clear();
     for (const std::uint32_t i : star_[node]) {
         const auto& n = tetrahedra_[i].node;
         const auto k = static_cast<std::size_t>(std::find(n.begin(), n.end(), node) - n.begin());
+        const auto& o = kOpposite[k];
         // (node, x, y, z) is positive if the tetrahedron is.
-        views_.push_back(
-            {{points_[n[kOpposite[k][0]]], points_[n[kOpposite[k][1]]], points_[n[kOpposite[k][2]]]}});
+        cached.views.add({n[o[0]], n[o[1]], n[o[2]]}, points_[n[o[0]]], points_[n[o[1]]], points_[n[o[2]]]);
     }
+    cached.views.finish();
+    return cached.views;
 }
 
-double Block::quality_at(const Point& p, double enough) {
-    double worst = 2;
-    for (std::size_t i = 0; i < views_.size(); ++i) {
-        const auto& x = views_[i];
-        ++evaluated_;
-        worst = std::min(worst, tetrahedron_quality(p, x[0], x[1], x[2], rounding_));
-        if (worst > enough) continue;
-        if (i > 0)
-            std::rotate(views_.begin(), views_.begin() + static_cast<std::ptrdiff_t>(i),
-                        views_.begin() + static_cast<std::ptrdiff_t>(i) + 1);
-        return worst;
-    }
+/// Worst quality around the node of these views if it were at p, or one not above `enough`.
+double Block::quality_at(StarViews& views, const Point& p, double enough, Local except) {
+    const std::uint64_t before = views.cost();
+    const double worst = views.worst_at(p, enough, rounding_, except);
+    evaluated_ += views.cost() - before;
     return worst;
 }
 
@@ -152,7 +156,7 @@ bool Block::smooth(Local node) {
     rested_[node] = clock_ + 1;
     double best = star_quality(node, kInvertedQuality);
     if (best >= options_.target) return false;
-    gather_views(node);
+    StarViews& seen = views(node);
 
     Point mean = {0, 0, 0};
     double size = 0;
@@ -223,9 +227,12 @@ bool Block::smooth(Local node) {
     }
     const Fit before = on.empty() ? Fit{} : worst_fit(node);
     const double least_alignment = std::min(kLeastAlignment, before.alignment);
-    const double most_sag = std::max(kMostSag * size_[node], before.sag);
+    const double most_sag = std::max(most_sag_ * size_[node], before.sag);
+    start_room_.clear();
+    const bool may_swell = is_curved(on) || (is_loose_ && !on.empty());
     const auto fits = [&] {
         if (on.empty()) return true;
+        if (may_swell && swells(node)) return false;
         const Fit now = worst_fit(node);
         return now.alignment >= least_alignment && now.sag <= most_sag && !facets_cross(node);
     };
@@ -236,8 +243,9 @@ bool Block::smooth(Local node) {
                                      : surfaces_->project(on.data(), on.size(), size_[node], &p));
         if (!reaches) return false;
         const double needed = std::max(best * kLeastGain, kLowestQuality);
-        double value = quality_at(p, needed);
+        double value = quality_at(seen, p, needed);
         if (!(value > needed)) return false;
+        if (may_swell && start_room_.empty()) gather_room(node, start_room_);
         points_[node] = p;
         if (!pyramid_star_[node].empty()) value = star_quality(node, needed);
         if (value > needed && fits()) {
@@ -274,6 +282,8 @@ bool Block::smooth(Local node) {
     }
     ++counters.moved;
     ++clock_;
+    ++version_;
+    divide_shares(node);
     touch(node);
     if (!on.empty()) {
         for (const std::uint32_t i : star_[node]) list_facets(i);

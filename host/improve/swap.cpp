@@ -164,7 +164,7 @@ bool Block::examine_edge_removal(Local a, Local b, double better_than, Change& c
     const double sign = old_first.alignment < 0 ? -1 : 1;
     const double limit =
         std::min(kLeastAlignment, std::min(sign * old_first.alignment, sign * old_last.alignment));
-    const double most_sag = std::max({kMostSag * std::min(size_[a], size_[b]), old_first.sag, old_last.sag});
+    const double most_sag = std::max({most_sag_ * std::min(size_[a], size_[b]), old_first.sag, old_last.sag});
     const auto fits = [&](const Fit& f) { return sign * f.alignment >= limit && f.sag <= most_sag; };
     if (!fits(fit(surface, points_[a], points_[q], points_[p]))) return false;
     if (!fits(fit(surface, points_[b], points_[p], points_[q]))) return false;
@@ -198,6 +198,7 @@ bool Block::examine_edge_removal(Local a, Local b, double better_than, Change& c
         if (!fill_polygon(fan, a, b, region, change)) return false;
     }
     tag_added(change, entries_);
+    if (!is_plane(surface) && swells(change)) return false;
     return !crosses(change);
 }
 

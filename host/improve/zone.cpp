@@ -67,7 +67,11 @@ class Opener {
         correct_tags();
         find_strata();
         if (assign_tips(tips_, surfaces_, zone_)) find_strata();
-        for_tetrahedra([this](Tetrahedron& t) { t.quality = quality(t); });
+        for_tetrahedra([this](Tetrahedron& t) {
+            t.quality = quality(t);
+            t.share = tetrahedron_volume(zone_.points[t.node[0]], zone_.points[t.node[1]],
+                                         zone_.points[t.node[2]], zone_.points[t.node[3]]);
+        });
         for (const CellId cell : poor) {
             if (!cells_.test(cell)) zone_.left_poor.push_back(cell);
         }

@@ -34,6 +34,7 @@ struct Tetrahedron {
     std::array<std::uint32_t, 4> node{};  ///< positive, as in mesh.hpp
     std::array<FaceTag, 4> tag{};         ///< of the face opposite each node
     double quality = 0;
+    double share = 0;  ///< of the volume when the zone was opened
     std::uint16_t region = 0;
     std::uint8_t kind = 0;
     bool stuck = false;    ///< nothing helped, with all its nodes free, and nothing near it has changed since

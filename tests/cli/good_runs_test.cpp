@@ -63,6 +63,21 @@ TEST_CASE("the models of assets/ give valid meshes in both formats") {
     CHECK(scratch.names("out").size() == 12);
 }
 
+TEST_CASE("the summary tells what to do about a wall that is too thin, and only then") {
+    const ScratchFolder scratch;
+    scratch.names("out");
+    const std::string hint = "too thin for these cells";
+    const auto tube = [&](const std::string& inner) {
+        return scratch.write("tube.csg",
+                             "difference() { cylinder($fn=0, $fa=12, $fs=2, h=10, r1=10, r2=10, "
+                             "center=true); cylinder($fn=0, $fa=12, $fs=2, h=12, r1=" +
+                                 inner + ", r2=" + inner + ", center=true); }");
+    };
+    const std::string out = scratch.file("out/tube.vtu");
+    CHECK(contains(run({tube("9.95"), "--level", "4", "-o", out}).out, hint));
+    CHECK_FALSE(contains(run({tube("6"), "--level", "4", "-o", out}).out, hint));
+}
+
 TEST_CASE("report, picture and --json hold what was made") {
     const ScratchFolder scratch;
     scratch.names("out");

@@ -85,6 +85,20 @@ TEST_CASE("random models of rounded solids give valid meshes that fill them") {
     if (count >= 10) CHECK(meshed_models >= count / 2);
 }
 
+/// Films of a thousandth of a cell between nearly coincident surfaces: once made up to 30 times as thick.
+TEST_CASE("random models that were not filled stay mended") {
+    for (const std::uint64_t seed : {1207, 2137, 4860, 8100, 10218}) {
+        const RandomModel random = make_random_model(seed);
+        CAPTURE(seed);
+        MeshOptions options;
+        options.level = kLevel;
+        const std::optional<Meshed> meshed = mesh_unless_empty(random.model, options);
+        REQUIRE(meshed);
+        CHECK(meshed->defects == "");
+        compare_with_model(random.model, *meshed);
+    }
+}
+
 TEST_CASE("the mesh does not depend on threads or work-group size") {
     const std::uint64_t first = environment_number("MORTISE_RANDOM_SEED", 1);
     for (std::uint64_t seed = first; seed < first + 4; ++seed) {
