@@ -13,7 +13,7 @@ namespace mortise::improve {
 namespace {
 
 constexpr double kMostSwelling = 1.1;         ///< volume per share, of elements that are changed
-constexpr double kMostSwellingAround = 1.02;  ///< and together with those that touch them
+constexpr double kMostSwellingAround = 1.05;  ///< and together with those that touch them
 constexpr double kSameVolume = 1 + 1e-6;
 
 }  // namespace

@@ -295,7 +295,7 @@ TEST_CASE("a thousand surfaces in one cell") {
     // where they are in and out along edges; the report must say so.
     const double volume = 2 * (10.8 * 10.8 - 0.09 * (1 - kPi / 4));
     const double cell = result.report.cell_size;
-    CHECK(std::fabs(result.check.volume - volume) <= 2 * 0.3 * cell * cell);
+    CHECK(std::fabs(result.check.volume - volume) <= 2 * 0.35 * cell * cell);
     CHECK((result.report.dropped_features == 0) == result.report.warnings.empty());
     REQUIRE(result.report.first_dropped.has_value() == (result.report.dropped_features > 0));
     if (result.report.first_dropped) {
