@@ -181,10 +181,10 @@ class Block {
     void add_room(const Tetrahedron& t, std::vector<Room>& rooms) const;
     bool is_curved(const std::vector<std::uint32_t>& stratum) const;
     void gather_room(Local node, std::vector<Room>& rooms) const;
-    static bool swells(const std::vector<Room>& before, const std::vector<Room>& after, double most);
-    bool swells(const std::vector<std::uint32_t>& changed);
+    static bool has_swollen(const std::vector<Room>& before, const std::vector<Room>& after, double most);
+    bool have_swollen(const std::vector<std::uint32_t>& changed);
     bool swells(const Change& change);
-    bool swells(Local node);
+    bool star_swells(Local node);
     void hand_on_shares(Change& change);
     void divide_shares(Local node);
     double share_of(const Tetrahedron& t, const std::vector<Room>& rooms) const;

@@ -11,8 +11,7 @@ namespace {
 /// angles weighted: the sine is 6 V · (length of their edge) / (product of the normals). The last two are
 /// squares.
 double sine(const Point& n, const Point& m, double edge, double product) {
-    const double value = edge / product;
-    return dot(n, m) > 0 ? kObtuseWeight * kObtuseWeight * value : value;
+    return weigh(edge / product, dot(n, m));
 }
 
 }  // namespace

@@ -60,10 +60,11 @@ template <class Real>
     face.l_cd = dot(cd, cd);
 }
 
-/// The square of a sine per square of the volume, obtuse angles weighted, times a common denominator.
+/// The square of the sine of an angle between faces, or a multiple of it; obtuse angles count more. `inner`
+/// is the product of the outward normals: positive where the angle is obtuse.
 template <class Real>
-[[gnu::always_inline]] inline Real weigh(const Real& product, const Vector<Real>& n, const Vector<Real>& m) {
-    return dot(n, m) > 0 ? kObtuseWeight * kObtuseWeight * product : product;
+[[gnu::always_inline]] inline Real weigh(const Real& square, const Real& inner) {
+    return inner > 0 ? kObtuseWeight * kObtuseWeight * square : square;
 }
 
 /// Square of the quality of (p, b, c, d), or -1 if it is not positive.
@@ -90,12 +91,12 @@ template <class Real>
     // The sine of the angle between two faces is 6 V · (length of their edge) / (product of the normals).
     const Real ac_by_bc = n_acd * n_bcd;
     const Real ab_by_ac = n_abc * n_abd;
-    Real worst = weigh(l_ab * ac_by_bc, abc, abd);
-    worst = least(worst, weigh(l_ac * (n_abd * n_bcd), abc, acd));
-    worst = least(worst, weigh(l_ad * (n_abc * n_bcd), abd, acd));
-    worst = least(worst, weigh(face.l_bc * (n_abd * n_acd), abc, bcd));
-    worst = least(worst, weigh(face.l_bd * (n_abc * n_acd), abd, bcd));
-    worst = least(worst, weigh(face.l_cd * ab_by_ac, acd, bcd));
+    Real worst = weigh(l_ab * ac_by_bc, dot(abc, abd));
+    worst = least(worst, weigh(l_ac * (n_abd * n_bcd), dot(abc, acd)));
+    worst = least(worst, weigh(l_ad * (n_abc * n_bcd), dot(abd, acd)));
+    worst = least(worst, weigh(face.l_bc * (n_abd * n_acd), dot(abc, bcd)));
+    worst = least(worst, weigh(face.l_bd * (n_abc * n_acd), dot(abd, bcd)));
+    worst = least(worst, weigh(face.l_cd * ab_by_ac, dot(acd, bcd)));
     const Real longest = most(most(l_ab * l_ac * l_ad, l_ab * face.l_bc * face.l_bd),
                               most(l_ac * face.l_bc * face.l_cd, l_ad * face.l_bd * face.l_cd));
     worst = least(worst / (ab_by_ac * ac_by_bc), kJacobianWeight * kJacobianWeight / longest);

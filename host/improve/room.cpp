@@ -47,7 +47,7 @@ void Block::gather_room(Local node, std::vector<Room>& rooms) const {
 }
 
 /// Whether a region has got more room than it had, and than it should have.
-bool Block::swells(const std::vector<Room>& before, const std::vector<Room>& after, double most) {
+bool Block::has_swollen(const std::vector<Room>& before, const std::vector<Room>& after, double most) {
     return std::any_of(after.begin(), after.end(), [&](const Room& now) {
         const auto old =
             std::find_if(before.begin(), before.end(), [&](const Room& r) { return r.region == now.region; });
@@ -55,10 +55,10 @@ bool Block::swells(const std::vector<Room>& before, const std::vector<Room>& aft
     });
 }
 
-/// Whether a change of these elements makes them swell, given what they had and have, and still does if all
-/// that touch them count, too: slivers on the skin of a thick body may swell.
-bool Block::swells(const std::vector<std::uint32_t>& changed) {
-    if (!swells(room_before_, room_after_, kMostSwelling)) return false;
+/// Whether a change of these elements, from room_before_ to room_after_, makes them swell, and still does if
+/// all that touch them count, too: slivers on the skin of a thick body may swell.
+bool Block::have_swollen(const std::vector<std::uint32_t>& changed) {
+    if (!has_swollen(room_before_, room_after_, kMostSwelling)) return false;
     touching_.clear();
     for (const std::uint32_t i : changed) {
         for (const Local n : tetrahedra_[i].node)
@@ -71,7 +71,7 @@ bool Block::swells(const std::vector<std::uint32_t>& changed) {
         add_room(tetrahedra_[i], room_before_);
         add_room(tetrahedra_[i], room_after_);
     }
-    return swells(room_before_, room_after_, kMostSwellingAround);
+    return has_swollen(room_before_, room_after_, kMostSwellingAround);
 }
 
 bool Block::swells(const Change& change) {
@@ -79,14 +79,14 @@ bool Block::swells(const Change& change) {
     room_after_.clear();
     for (const std::uint32_t i : change.removed) add_room(tetrahedra_[i], room_before_);
     for (const Tetrahedron& t : change.added) add_room(t, room_after_);
-    return swells(change.removed);
+    return have_swollen(change.removed);
 }
 
 /// The same for a node that has moved; start_room_ is what its elements had before.
-bool Block::swells(Local node) {
+bool Block::star_swells(Local node) {
     room_before_ = start_room_;
     gather_room(node, room_after_);
-    return swells(star_[node]);
+    return have_swollen(star_[node]);
 }
 
 /// Divides the share of what goes among what comes, by volume.

@@ -232,7 +232,7 @@ bool Block::smooth(Local node) {
     const bool may_swell = is_curved(on) || (is_loose_ && !on.empty());
     const auto fits = [&] {
         if (on.empty()) return true;
-        if (may_swell && swells(node)) return false;
+        if (may_swell && star_swells(node)) return false;
         const Fit now = worst_fit(node);
         return now.alignment >= least_alignment && now.sag <= most_sag && !facets_cross(node);
     };
