@@ -20,6 +20,10 @@ from figures import Failure, Figures, say
 HERE = os.path.dirname(os.path.abspath(__file__))
 MODELS = {"sphere": 5, "bracket": 5, "cube_minus_cylinder": 4, "cube_minus_sphere": 4, "cylinders": 5,
           "shaft": 6}  # with their levels
+# The first tells the mean edge length of the others.
+MORTISE = [("Mortise, tetrahedra", ["--elements", "tet"]),
+           ("Mortise, tetrahedra from 28 degrees", ["--elements", "tet", "--min-angle", "28"]),
+           ("Mortise, hybrid", []), ("Mortise, hybrid from 28 degrees", ["--min-angle", "28"])]
 LIMIT = 900.0  # seconds for one run of one program
 TOLERANCE = 0.02  # of the mean edge length
 ROUNDS = 10
@@ -41,13 +45,13 @@ class Programs:
         self.options = options
         self.folder = folder
 
-    def mortise(self, model: str, level: int, elements: str, path: str) -> Tuple[float, float]:
+    def mortise(self, model: str, level: int, mesh_options: List[str], path: str) -> Tuple[float, float]:
         """Cell size and seconds. The bracket is meshed from the project's own asset."""
         asset = os.path.join(HERE, "..", "assets", "models", model + ".csg")
         source = asset if os.path.exists(asset) else os.path.join(HERE, "models", model + ".geo")
         threads = str(self.options.threads)
         text, seconds = figures.run(
-            [self.options.mortise, source, "-o", path, "--level", str(level), "--elements", elements,
+            [self.options.mortise, source, "-o", path, "--level", str(level), *mesh_options,
              "--threads", threads, "--json", *self.options.mortise_option],
             LIMIT, figures.limit_cores(self.options.threads))
         return json.loads(text)["cell_size"], seconds
@@ -132,9 +136,9 @@ def measure_model(model: str, peers: List[Tuple[str, Mesher]], programs: Program
     level = MODELS[model] + programs.options.finer
     path = os.path.join(programs.folder, "mortise.msh")
     results = []
-    for name, elements in (("Mortise, tetrahedra", "tet"), ("Mortise, hybrid", "hex")):
+    for name, mesh_options in MORTISE:
         say(f"{model}: {name}, level {level}")
-        times = [programs.mortise(model, level, elements, path) for _ in range(programs.options.runs)]
+        times = [programs.mortise(model, level, mesh_options, path) for _ in range(programs.options.runs)]
         results.append(Result(name, figures.check(programs.options.mortise, path),
                               figures.mean_edge_length(path), statistics.median(time for _, time in times)))
     cell = times[0][0]

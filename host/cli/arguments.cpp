@@ -103,7 +103,7 @@ struct Words {
     bool no_snap = false;
     bool no_improve = false;
     bool no_compress = false;
-    std::string smooth, merge;
+    std::string smooth, min_angle, merge;
 };
 
 /// An empty word, as from an unset shell variable, is a mistake.
@@ -190,6 +190,9 @@ void add_element_options(CLI::App& app, Arguments& arguments, Words& words) {
     app.option_defaults()->group("Elements");
     app.add_option("--elements", words.elements, "hex: mostly hexahedra (default); tet: tetrahedra only")
         ->option_text("hex|tet");
+    app.add_option("--min-angle", words.min_angle,
+                   "improve elements until no dihedral angle is below this, 18 (default) to 35")
+        ->option_text("DEGREES");
     app.add_option("--smooth", words.smooth, "rounds of moving nodes to better places, 0 to 100 (4)")
         ->option_text("ROUNDS");
     app.add_option("--merge", words.merge,
@@ -353,6 +356,13 @@ void read_mesh_words(const Words& words, Arguments& arguments) {
         options.smooth = parse_integer("--smooth", words.smooth, 0, " to 100");
         if (options.smooth > 100)
             refuse("--smooth '" + words.smooth + "': expected a whole number from 0 to 100");
+    }
+    if (!words.min_angle.empty()) {
+        options.min_angle = parse_number("--min-angle", words.min_angle);
+        if (!(options.min_angle >= 18 && options.min_angle <= 35))
+            refuse("--min-angle '" + words.min_angle + "': expected 18 to 35 degrees");
+        if (words.no_improve && options.min_angle > 18)
+            refuse("--min-angle and --no-improve: elements reach larger angles by being improved only");
     }
     if (!words.merge.empty()) {
         options.merge_distance = parse_number("--merge", words.merge);

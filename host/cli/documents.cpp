@@ -135,6 +135,7 @@ Json mesh_document(const MeshReport& report, const MeshFigures& figures) {
     json["unresolved"] = report.unresolved;
     json["merged_nodes"] = report.merged_nodes;
     json["loosened_nodes"] = report.loosened_nodes;
+    json["below_min_angle"] = report.below_min_angle;
     json["crumbs"] = report.crumbs;
     json["hinge_edges"] = report.hinge_edges;
     json["hinge_nodes"] = report.hinge_nodes;

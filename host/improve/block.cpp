@@ -351,17 +351,21 @@ bool Block::improve(std::uint32_t tetrahedron) {
     return moved || merge(node);
 }
 
-/// Where most elements stay poor the model has no room for good ones, as in walls much thinner than cells,
-/// and searching for each of them is in vain: only what is worse than the others is worked on.
+/// Whether most elements are worse than this: the model has no room for better ones, as in walls much thinner
+/// than cells.
+bool Block::is_barren(double quality) const {
+    const auto alive = static_cast<std::size_t>(std::count(alive_.begin(), alive_.end(), 1));
+    return 2 * count_below(quality) > alive;
+}
+
+/// Where all is barren searching for each element is in vain: only what is worse than the others is worked
+/// on.
 void Block::lower_target() {
+    if (!is_barren(kGoodQuality)) return;
     std::vector<double> quality;
-    std::size_t poor = 0;
     for (std::size_t i = 0; i < tetrahedra_.size(); ++i) {
-        if (alive_[i] == 0) continue;
-        quality.push_back(tetrahedra_[i].quality);
-        poor += quality.back() < kGoodQuality ? 1 : 0;
+        if (alive_[i] != 0) quality.push_back(tetrahedra_[i].quality);
     }
-    if (2 * poor <= quality.size()) return;
     const auto middle = quality.begin() + static_cast<std::ptrdiff_t>(quality.size() / 2);
     std::nth_element(quality.begin(), middle, quality.end());
     options_.target = std::min(options_.target, kBarrenPart * *middle);
@@ -392,6 +396,7 @@ void Block::sweep() {
 
 void Block::run(const BlockOptions& options) {
     options_ = options;
+    if (options.raised_from > 0 && is_barren(options.raised_from)) return;
     if (!options.is_first) lower_target();
     last_evaluation_ = std::numeric_limits<std::uint64_t>::max();
     running_.on = false;

@@ -51,6 +51,7 @@ struct BlockOptions {
     bool move_boundary = true;     ///< false: their nodes do, too
     bool look_ahead = true;        ///< changes of several steps
     bool is_first = true;          ///< nothing has been improved yet
+    double raised_from = 0;        ///< if positive: what is at least this good gets better still
     bool watch_facets = false;     ///< no change may make facets cross
     double target = kGoodQuality;  ///< elements at least this good are left alone
     double merge_distance = 0;     ///< features closer than this, in cells, may be merged; 0: none
@@ -225,6 +226,7 @@ class Block {
     }
     bool is_plane(std::uint32_t surface) const { return surfaces_->is_plane(surface); }
     bool improve(std::uint32_t tetrahedron);
+    bool is_barren(double quality) const;
     void lower_target();
     void sweep();
     void mend(std::uint64_t tetrahedra);

@@ -5,423 +5,22 @@
 #include <numeric>
 #include <optional>
 
-#include "host/common/large_array.hpp"
-#include "host/common/parallel.hpp"
-#include "host/common/parallel_sort.hpp"
-#include "host/improve/clash.hpp"
+#include "host/improve/improver.hpp"
+#include "host/improve/poor_cells.hpp"
+#include "kernels/shared/elementary.h"
 
 namespace mortise::improve {
 namespace {
 
-constexpr double kBlockCells = 16;
-/// Shifts of the blocks along the diagonal. A coordinate is near a block's boundary in at most one of four
-/// passes, so every node is inside a block in at least one.
-constexpr int kShifts = 4;
-/// Bits of a block's place along an axis in its key.
-constexpr int kPlaceBits = 20;
 /// What stays poor is often held by the border of the zone: the next zone, around it, has its border
 /// elsewhere. The small ones also try changes of several steps; most of what is stuck in a pass of the first
 /// is not in the next, and need not.
 constexpr int kRuns = 3;
-constexpr std::size_t kTetrahedraPerPoor = 16;
-constexpr std::uint32_t kMixed = 0xfffffffeu;
-/// Cells with more tetrahedra hold far more surfaces than they can show; those of a gyroid or a bracket have
-/// 80 at most.
-constexpr std::size_t kCrowdedCell = 400;
-
-/// Loose nodes go to kMostLoose in so many steps: not farther than needed.
-constexpr int kLooseParts = 3;
-
-struct Group {
-    std::vector<std::uint32_t> tetrahedra;
-    std::vector<std::uint32_t> pyramids;
-    bool poor = false;
-    bool crowded = false;  ///< most tetrahedra are in crowded cells: nothing would become good, in hours
-};
-
-/// What a pass does to blocks: single changes, those of several steps, too, or slivers alone (Block::loosen).
-enum class Effort { kPlain, kLookAhead, kLoosen };
-
-class Improver {
-  public:
-    /// `is_first`: nothing has been improved yet.
-    Improver(Zone& zone, const Surfaces& surfaces, const Options& options, bool is_first)
-        : zone_(zone), surfaces_(surfaces), options_(options), is_first_(is_first) {}
-
-    /// Whether leaves of several sizes met: then elements are paired with the next larger or smaller ones.
-    bool is_graded() const {
-        return std::any_of(zone_.size_class.begin(), zone_.size_class.end(),
-                           [this](std::uint8_t c) { return c != zone_.size_class.front(); });
-    }
-
-    /// Cells of two sizes share their blocks, which have 16 of the larger along an edge: those of classes
-    /// -1 and 0, 1 and 2, 3 and 4, … above the finest for `pairing` 0, of 0 and 1, 2 and 3, … for 1. Around a
-    /// node of a balanced tree are at most two sizes, so one pairing has all its elements.
-    void pass(int pairing, int shift, Effort effort, Counters& counters) {
-        group(pairing, kBlockCells / kShifts * shift,
-              effort == Effort::kLoosen ? kRefineBelow : kGoodQuality);
-        find_free_nodes();
-        std::vector<Point> before = zone_.points;
-        std::vector<std::vector<Block::NewNode>> added(groups_.size());
-        std::vector<std::vector<Tetrahedron>> results(groups_.size());
-        std::vector<Block::Strata> strata(groups_.size());
-        const auto threads = static_cast<std::size_t>(thread_count(options_.threads));
-        std::vector<std::vector<std::uint32_t>> place(threads);
-        std::vector<BlockCounters> counted(groups_.size());
-        BlockOptions block_options;
-        block_options.look_ahead = effort != Effort::kPlain;
-        block_options.reposition = options_.smooth > 0;
-        block_options.is_first = is_first_;
-        block_options.rounds = std::max(2, 2 * options_.smooth);
-        std::vector<Block> blocks(threads, Block(surfaces_));
-        parallel_chunks(groups_.size(), 1, options_.threads, [&](std::size_t begin, std::size_t, int thread) {
-            const Group& group = groups_[begin];
-            if (!group.poor) return;
-            if (group.crowded) {
-                counted[begin].given_up = 1;
-                return;
-            }
-            auto& scratch = place[static_cast<std::size_t>(thread)];
-            if (scratch.empty()) scratch.assign(zone_.points.size(), kNone);
-            Block& block = blocks[static_cast<std::size_t>(thread)];
-            const auto load = [&] { block.load(zone_, group.tetrahedra, group.pyramids, free_, scratch); };
-            std::optional<Block::Result> result = effort == Effort::kLoosen
-                                                      ? loosen_block(block, load, block_options)
-                                                      : run_block(block, load, block_options);
-            if (!result) {
-                counted[begin].given_up = 1;
-                return;
-            }
-            for (const auto& [node, point] : result->points) zone_.points[node] = point;
-            results[begin] = std::move(result->tetrahedra);
-            added[begin] = std::move(result->added);
-            strata[begin] = std::move(result->strata);
-            counted[begin] = result->counters;
-        });
-        is_first_ = false;
-        for (std::uint32_t g = 0; g < groups_.size(); ++g) number_added(g, added[g], results[g]);
-        before.resize(zone_.points.size(), {HUGE_VAL, HUGE_VAL, HUGE_VAL});
-        std::vector<Piece> pieces(groups_.size());
-        for (std::size_t g = 0; g < groups_.size(); ++g) {
-            if (groups_[g].poor && counted[g].given_up == 0)
-                pieces[g] = {true, results[g].data(), results[g].size()};
-        }
-        std::vector<Tetrahedron> all = join(pieces);
-        results = {};
-        while (revert_clashes(before, all, counted)) {
-        }
-        for (std::size_t g = 0; g < groups_.size(); ++g) {
-            if (counted[g].given_up == 0) zone_.set_strata(strata[g]);
-            counters.block.collapsed += counted[g].collapsed;
-            counters.block.merged += counted[g].merged;
-            counters.block.swapped += counted[g].swapped;
-            counters.block.moved += counted[g].moved;
-            counters.block.split += counted[g].split;
-            counters.block.compound += counted[g].compound;
-            counters.block.tried += counted[g].tried;
-            counters.block.repeated += counted[g].repeated;
-            counters.block.given_up += counted[g].given_up;
-        }
-        zone_.tetrahedra = std::move(all);
-    }
-
-    /// Gives the nodes that a block has added their numbers in the zone.
-    void number_added(std::uint32_t group, const std::vector<Block::NewNode>& added,
-                      std::vector<Tetrahedron>& tetrahedra) {
-        if (added.empty()) return;
-        const auto first = static_cast<ZoneNode>(zone_.points.size());
-        for (const Block::NewNode& node : added) zone_.add_node(node.at, std::ilogb(node.size), node.stratum);
-        owner_.resize(zone_.points.size(), group);
-        for (Tetrahedron& t : tetrahedra) {
-            for (ZoneNode& n : t.node) {
-                if (n >= kNewNode) n = first + (n - kNewNode);
-            }
-        }
-    }
-
-    /// Whether so much is poor that the model itself must be the reason.
-    bool is_hopeless() const {
-        const auto poor = std::count_if(zone_.tetrahedra.begin(), zone_.tetrahedra.end(),
-                                        [](const Tetrahedron& t) { return t.quality < kGoodQuality; });
-        return static_cast<std::size_t>(poor) > zone_.tetrahedra.size() / kTetrahedraPerPoor;
-    }
-
-    /// After everything else: later runs would put loose nodes back onto their surfaces.
-    void loosen(int passes, Counters& counters) {
-        const auto has_poor = [this] {
-            return std::any_of(zone_.tetrahedra.begin(), zone_.tetrahedra.end(),
-                               [](const Tetrahedron& t) { return t.quality < kRefineBelow; });
-        };
-        if (!has_poor()) return;
-        loose_start_ = find_loose_start(zone_, options_.merge_distance);
-        for (int i = 0; i < kLooseParts * passes && has_poor(); ++i) {
-            loose_start_.reach = kMostLoose * options_.merge_distance * (i / passes + 1) / kLooseParts;
-            pass(i % passes / kShifts, i % kShifts, Effort::kLoosen, counters);
-        }
-        counters.loosened = count_loose(zone_, loose_start_, surfaces_);
-    }
-
-    bool is_done() const {
-        return std::none_of(zone_.tips.begin(), zone_.tips.end(),
-                            [this](const auto& tip) { return is_unplaced(tip); }) &&
-               std::none_of(zone_.tetrahedra.begin(), zone_.tetrahedra.end(),
-                            [](const Tetrahedron& t) { return t.quality < kGoodQuality; }) &&
-               std::none_of(zone_.pyramids.begin(), zone_.pyramids.end(),
-                            [this](const Pyramid& p) { return quality_of(p) < kGoodQuality; });
-    }
-
-  private:
-    /// Merging is for what nothing else helps, changes of several steps and smaller elements neither; but
-    /// where creases run side by side there is no doubt.
-    template <class Load>
-    std::optional<Block::Result> run_block(Block& block, const Load& load, const BlockOptions& plain) const {
-        load();
-        if (!(options_.merge_distance > 0)) return run_and_refine(block, load, plain);
-        BlockOptions merging = plain;
-        merging.merge_distance = options_.merge_distance;
-        const bool merges_first = block.has_creases_side_by_side(options_.merge_distance);
-        std::optional<Block::Result> result = run_and_refine(block, load, merges_first ? merging : plain);
-        if (result &&
-            (merges_first || !plain.look_ahead || result->slivers_unrefined == 0 || result->poor == 0))
-            return result;
-        load();
-        std::optional<Block::Result> other = run_and_refine(block, load, merges_first ? plain : merging);
-        const auto is_better = [](const Block::Result& a, const Block::Result& b) {
-            return a.slivers != b.slivers ? a.slivers < b.slivers : a.poor < b.poor;
-        };
-        return other && (!result || is_better(*other, *result)) ? other : result;
-    }
-
-    template <class Load>
-    std::optional<Block::Result> loosen_block(Block& block, const Load& load, BlockOptions options) {
-        options.merge_distance = options_.merge_distance;
-        load();
-        block.counters = {};
-        if (!block.loosen(options, loose_start_) || !block.verify() || block.has_crossed())
-            return std::nullopt;
-        return block.result();
-    }
-
-    template <class Load>
-    static std::optional<Block::Result> run_and_refine(Block& block, const Load& load,
-                                                       const BlockOptions& options) {
-        if (!run_carefully(block, load, options)) return std::nullopt;
-        const Block before = block;
-        if (!block.refine()) return block.result();
-        Block::Result unrefined = before.result();
-        if (!block.verify() || block.has_crossed()) return unrefined;
-        Block::Result result = block.result();
-        result.slivers_unrefined = unrefined.slivers;
-        return result;
-    }
-
-    /// Whatever goes wrong in a block, the mesh stays valid: the block is done again more carefully, or false
-    /// is returned. The block has been loaded.
-    template <class Load>
-    static bool run_carefully(Block& block, const Load& load, BlockOptions options) {
-        for (int attempt = 0; attempt < 4; ++attempt) {
-            if (attempt > 0) load();
-            block.counters = {};
-            block.counters.repeated = attempt > 0 ? 1 : 0;
-            block.run(options);
-            const bool sound = block.verify();
-            if (sound && !block.has_crossed()) return true;
-            if (!options.change_boundary) break;
-            if (sound && !options.watch_facets) {
-                options.watch_facets = true;
-                continue;
-            }
-            if (sound && options.merge_distance > 0) break;  // nodes that become one take their facets along
-            options.change_boundary = options.look_ahead;
-            options.move_boundary = options.look_ahead;
-            options.look_ahead = false;
-        }
-        return false;
-    }
-
-    double quality_of(const Pyramid& p) const {
-        std::array<Point, 5> corners;
-        for (std::size_t k = 0; k < 5; ++k) corners[k] = zone_.points[p.node[k]];
-        return pyramid_quality(corners);
-    }
-
-    /// An element counts as large as the largest of its nodes' leaves. So those around a node have, if it
-    /// touches leaves of two sizes, these two.
-    struct Place {
-        Point sum = {0, 0, 0};  ///< of the corners
-        int size_class = 0;
-    };
-    template <class Nodes>
-    Place place_of(const Nodes& nodes) const {
-        Place place;
-        for (const ZoneNode n : nodes) {
-            place.sum = place.sum + zone_.points[n];
-            place.size_class = std::max<int>(place.size_class, zone_.size_class[n]);
-        }
-        return place;
-    }
-
-    template <class Nodes>
-    std::uint64_t block_of(const Nodes& nodes, int pairing, double shift) const {
-        const Place place = place_of(nodes);
-        const int pair = (place.size_class - zone_.finest_class + 1 - pairing) / 2;
-        const double per_cell = 1 / edge_of(zone_.finest_class + 2 * pair + pairing);
-        auto key = static_cast<std::uint64_t>(pair);
-        for (const double x : place.sum) {
-            const double at = x * per_cell / static_cast<double>(nodes.size()) + shift + kBlockCells;
-            key =
-                (key << kPlaceBits) | static_cast<std::uint64_t>(std::max(0.0, std::floor(at / kBlockCells)));
-        }
-        return key;
-    }
-
-    /// Whether most of these are in cells with more than kCrowdedCell of them.
-    bool is_crowded(const std::vector<std::uint32_t>& tetrahedra) const {
-        if (tetrahedra.size() <= kCrowdedCell) return false;
-        std::vector<std::array<std::int32_t, 3>> cells;
-        for (const std::uint32_t t : tetrahedra) {
-            const Place place = place_of(zone_.tetrahedra[t].node);
-            const double per_cell = 0.25 / edge_of(place.size_class);
-            std::array<std::int32_t, 3> cell{};
-            for (std::size_t k = 0; k < 3; ++k)
-                cell[k] = static_cast<std::int32_t>(std::floor(place.sum[k] * per_cell));
-            cells.push_back(cell);
-        }
-        std::sort(cells.begin(), cells.end());
-        std::size_t crowded = 0;
-        for (auto first = cells.begin(); first != cells.end();) {
-            const auto last = std::upper_bound(first, cells.end(), *first);
-            const auto count = static_cast<std::size_t>(last - first);
-            if (count > kCrowdedCell) crowded += count;
-            first = last;
-        }
-        return 2 * crowded > cells.size();
-    }
-
-    bool is_unplaced(const std::pair<ZoneNode, Point>& tip) const {
-        return zone_.points[tip.first] != tip.second;
-    }
-
-    /// The tetrahedra of a block: new, or as they are in the zone.
-    struct Piece {
-        bool is_new = false;
-        const Tetrahedron* begin = nullptr;
-        std::size_t count = 0;
-    };
-
-    /// The tetrahedra of all blocks; sets first_.
-    std::vector<Tetrahedron> join(const std::vector<Piece>& pieces) {
-        first_.assign(1, 0);
-        for (std::size_t g = 0; g < groups_.size(); ++g)
-            first_.push_back(first_.back() +
-                             (pieces[g].is_new ? pieces[g].count : groups_[g].tetrahedra.size()));
-        std::vector<Tetrahedron> all;
-        resize_large(all, first_.back(), options_.threads);
-        parallel_chunks(groups_.size(), 1, options_.threads, [&](std::size_t g, std::size_t, int) {
-            Tetrahedron* to = all.data() + first_[g];
-            if (pieces[g].is_new) {
-                std::copy_n(pieces[g].begin, pieces[g].count, to);
-                return;
-            }
-            for (const std::uint32_t i : groups_[g].tetrahedra) *to++ = zone_.tetrahedra[i];
-        });
-        return all;
-    }
-
-    /// Takes back, in `all`, what blocks have done that do not go together; false if there are none.
-    bool revert_clashes(const std::vector<Point>& before, std::vector<Tetrahedron>& all,
-                        std::vector<BlockCounters>& counted) {
-        std::vector<std::uint8_t> changed(groups_.size());
-        for (std::size_t g = 0; g < groups_.size(); ++g) {
-            changed[g] = groups_[g].poor && counted[g].given_up == 0 ? 1 : 0;
-        }
-        const std::vector<std::uint32_t> clashing = find_clashes(
-            {before, zone_.points, owner_, kMixed, all, first_, changed, zone_.unit}, options_.threads);
-        if (clashing.empty()) return false;
-        std::vector<Piece> pieces(groups_.size());
-        for (std::size_t g = 0; g < groups_.size(); ++g)
-            pieces[g] = {true, all.data() + first_[g], first_[g + 1] - first_[g]};
-        for (const std::uint32_t g : clashing) {
-            pieces[g] = {};
-            counted[g] = {};
-            counted[g].given_up = 1;
-        }
-        for (std::size_t n = 0; n < before.size(); ++n) {
-            if (std::binary_search(clashing.begin(), clashing.end(), owner_[n])) zone_.points[n] = before[n];
-        }
-        all = join(pieces);
-        return true;
-    }
-
-    /// `least`: blocks with an element of less quality are poor.
-    void group(int pairing, double shift, double least) {
-        const std::size_t tetrahedra = zone_.tetrahedra.size();
-        std::vector<std::pair<std::uint64_t, std::uint32_t>> order(tetrahedra + zone_.pyramids.size());
-        parallel_chunks(order.size(), 4096, options_.threads, [&](std::size_t begin, std::size_t end, int) {
-            for (std::size_t i = begin; i < end; ++i) {
-                order[i] = {i < tetrahedra ? block_of(zone_.tetrahedra[i].node, pairing, shift)
-                                           : block_of(zone_.pyramids[i - tetrahedra].node, pairing, shift),
-                            static_cast<std::uint32_t>(i)};
-            }
-        });
-        parallel_sort(order, options_.threads);
-        std::vector<std::uint8_t> waits(zone_.points.size(), 0);
-        for (const auto& tip : zone_.tips) waits[tip.first] = is_unplaced(tip) ? 1 : 0;
-        const auto is_poor = [&](const Tetrahedron& t) {
-            return t.quality < least ||
-                   std::any_of(t.node.begin(), t.node.end(), [&](ZoneNode n) { return waits[n] != 0; });
-        };
-        groups_.clear();
-        std::vector<std::size_t> begins;
-        for (std::size_t i = 0; i < order.size(); ++i) {
-            if (i > 0 && order[i].first == order[i - 1].first) continue;
-            begins.push_back(i);
-            groups_.emplace_back();
-        }
-        begins.push_back(order.size());
-        parallel_chunks(groups_.size(), 1, options_.threads, [&](std::size_t g, std::size_t, int) {
-            Group& group = groups_[g];
-            for (std::size_t i = begins[g]; i < begins[g + 1]; ++i) {
-                const std::uint32_t at = order[i].second;
-                if (at < tetrahedra) {
-                    group.tetrahedra.push_back(at);
-                    group.poor = group.poor || is_poor(zone_.tetrahedra[at]);
-                } else {
-                    group.pyramids.push_back(static_cast<std::uint32_t>(at - tetrahedra));
-                    group.poor = group.poor || quality_of(zone_.pyramids[at - tetrahedra]) < least;
-                }
-            }
-            group.crowded = group.poor && is_crowded(group.tetrahedra);
-        });
-    }
-
-    void find_free_nodes() {
-        owner_.assign(zone_.points.size(), kNone);
-        const auto use = [&](ZoneNode n, std::uint32_t group) {
-            owner_[n] = owner_[n] == kNone || owner_[n] == group ? group : kMixed;
-        };
-        for (std::uint32_t g = 0; g < groups_.size(); ++g) {
-            for (const std::uint32_t i : groups_[g].tetrahedra) {
-                for (const ZoneNode n : zone_.tetrahedra[i].node) use(n, g);
-            }
-            for (const std::uint32_t i : groups_[g].pyramids) {
-                for (const ZoneNode n : zone_.pyramids[i].node) use(n, g);
-            }
-        }
-        free_.assign(zone_.points.size(), 0);
-        for (std::size_t i = 0; i < owner_.size(); ++i) free_[i] = owner_[i] < kMixed && zone_.frozen[i] == 0;
-    }
-
-    Zone& zone_;
-    const Surfaces& surfaces_;
-    const Options& options_;
-    bool is_first_;  ///< no pass has been made in any run
-    LooseStart loose_start_;
-    std::vector<Group> groups_;
-    std::vector<std::size_t> first_;    ///< per group, and behind the last: its first tetrahedron after join
-    std::vector<std::uint32_t> owner_;  ///< per node its group; kMixed: several; kNone: not used
-    std::vector<std::uint8_t> free_;
-};
+/// Quality is raised in steps of this, and of a little more before the goal: where nearly all elements are
+/// far from it, the search does not know where to begin.
+constexpr double kRaise = 1.2;
+constexpr double kLastRaise = 1.1;
+constexpr double kRadiansPerDegree = 0.017453292519943295;
 
 void start_trace(const Mesh& mesh, Trace& trace) {
     const auto number = [](std::vector<std::uint32_t>& list, std::size_t count) {
@@ -439,6 +38,125 @@ bool holds_open(const Zone& zone, const std::vector<std::uint8_t>& is_open, cons
     });
 }
 
+/// Improves a mesh, run after run.
+class Session {
+  public:
+    Session(Mesh mesh, const tape::BoundModel& model, const Options& options, Trace* trace)
+        : mesh_(std::move(mesh)),
+          frame_(make_frame(model, options.level)),
+          surfaces_(model, options.level),
+          tips_(find_tips(model, options.poles != nullptr ? *options.poles : no_poles_, options.level)),
+          options_(options),
+          trace_(trace) {
+        if (options.leaves != nullptr && !options.leaves->is_uniform()) frame_.leaves = options.leaves;
+        if (trace_ == nullptr && options.is_open != nullptr) trace_ = &own_trace_;
+        if (trace_ != nullptr) start_trace(mesh_, *trace_);
+    }
+
+    /// Until all is good, but for what nothing helps; `loosens`: so it stays.
+    void make_good(bool loosens) {
+        known_ = {};
+        for (int run = 0; run < kRuns; ++run) {
+            std::optional<Zone> zone = open(kGoodQuality, false);
+            if (!zone) return;
+            if (run == 0) counters_.crumbs = remove_crumbs(*zone, options_.threads);
+            Improver improver(*zone, surfaces_, options_, {kGoodQuality, run == 0, 0});
+            make_passes(improver, run);
+            // After the first run features may be merged, which may leave room.
+            const bool may_help = run == 0 && options_.merge_distance > 0;
+            const bool done = improver.is_done() || (improver.is_hopeless() && !may_help) || run + 1 == kRuns;
+            if (done && loosens && options_.merge_distance > 0) improver.loosen(counters_);
+            close(*zone);
+            if (done) return;
+        }
+    }
+
+    /// From one quality to a higher one, but for what nothing helps.
+    void raise(double from, double to) {
+        known_ = {};
+        frame_.on_lattice = false;
+        Options options = options_;
+        options.merge_distance = 0;
+        for (int run = 0; run < kRuns; ++run) {
+            // Most elements are mended without their neighbours inside, and hexahedra are what people want.
+            std::optional<Zone> zone = open(to, run == 0);
+            if (!zone) return;
+            Improver improver(*zone, surfaces_, options, {to, false, from});
+            make_passes(improver, run);
+            const bool done = improver.is_done() || improver.is_hopeless();
+            close(*zone);
+            if (done) return;
+        }
+    }
+
+    /// After the last raise().
+    void loosen() {
+        if (!(options_.merge_distance > 0)) return;
+        known_ = {};
+        frame_.on_lattice = false;
+        std::optional<Zone> zone = open(kRefineBelow, false);
+        if (!zone) return;
+        Improver(*zone, surfaces_, options_, {kGoodQuality, false, 0}).loosen(counters_);
+        close(*zone);
+    }
+
+    void raise_in_steps() {
+        double step = kGoodQuality;
+        while (step < options_.goal) {
+            const double from = step;
+            step *= kRaise;
+            if (step * kLastRaise > options_.goal) step = options_.goal;
+            raise(from, step);
+        }
+        loosen();
+        counters_.below_goal = count_below(mesh_, frame_, options_.goal, options_.threads);
+    }
+
+    Mesh finish(Counters* counters) {
+        if (counters_.crumbs.first)
+            counters_.crumbs.first = frame_.origin + frame_.cell * *counters_.crumbs.first;
+        if (counters != nullptr) *counters = counters_;
+        return std::move(mesh_);
+    }
+
+  private:
+    /// None if there is nothing to do, or too little is known of the mesh.
+    std::optional<Zone> open(double least, bool leaves_cubes) {
+        if (counters_.reached_open) return std::nullopt;
+        Zone zone = open_zone(mesh_, frame_, surfaces_, tips_,
+                              {options_.held, least, leaves_cubes, options_.threads}, known_);
+        if (zone.tetrahedra.empty()) return std::nullopt;
+        if (options_.is_open != nullptr && holds_open(zone, *options_.is_open, *trace_)) {
+            counters_.reached_open = true;
+            return std::nullopt;
+        }
+        counters_.zone_elements += zone.tetrahedra.size() + zone.pyramids.size();
+        return zone;
+    }
+
+    void make_passes(Improver& improver, int run) {
+        const int passes = improver.pass_count();
+        for (int pass = 0; pass < passes && (pass == 0 || !improver.is_done()); ++pass)
+            improver.pass(pass, run > 0 ? Effort::kLookAhead : Effort::kPlain, counters_);
+    }
+
+    void close(const Zone& zone) {
+        mesh_ = close_zone(std::move(mesh_), frame_, zone, options_.threads, trace_, known_);
+        frame_.on_lattice = false;
+    }
+
+    const std::vector<tape::Pole> no_poles_;
+    Mesh mesh_;
+    CellFrame frame_;
+    const Surfaces surfaces_;
+    const std::vector<Tip> tips_;
+    const Options& options_;
+    Trace own_trace_;
+    Trace* trace_;
+    Counters counters_;
+    Known known_;
+};
+
 }  // namespace
 
 CellFrame make_frame(const tape::BoundModel& model, int level) {
@@ -450,44 +168,25 @@ CellFrame make_frame(const tape::BoundModel& model, int level) {
     return frame;
 }
 
+double quality_of_angle(double degrees) { return expression_sin(degrees * kRadiansPerDegree, 0); }
+
 Mesh improve(Mesh mesh, const tape::BoundModel& model, const Options& options, Counters* counters,
              Trace* trace) {
-    CellFrame frame = make_frame(model, options.level);
-    if (options.leaves != nullptr && !options.leaves->is_uniform()) frame.leaves = options.leaves;
-    Trace own;
-    if (trace == nullptr && options.is_open != nullptr) trace = &own;
-    if (trace != nullptr) start_trace(mesh, *trace);
-    const Surfaces surfaces(model, options.level);
-    const std::vector<tape::Pole> none;
-    const std::vector<Tip> tips =
-        find_tips(model, options.poles != nullptr ? *options.poles : none, options.level);
-    Counters local;
-    Known known;
-    for (int run = 0; run < kRuns; ++run) {
-        Zone zone = open_zone(mesh, frame, surfaces, tips, options.held, options.threads, known);
-        if (zone.tetrahedra.empty()) break;
-        if (options.is_open != nullptr && holds_open(zone, *options.is_open, *trace)) {
-            local.reached_open = true;
-            break;
-        }
-        local.zone_elements += zone.tetrahedra.size() + zone.pyramids.size();
-        if (run == 0) local.crumbs = remove_crumbs(zone, options.threads);
-        Improver improver(zone, surfaces, options, run == 0);
-        const int passes = improver.is_graded() ? 2 * kShifts : kShifts;
-        for (int pass = 0; pass < passes && (pass == 0 || !improver.is_done()); ++pass) {
-            improver.pass(pass / kShifts, pass % kShifts, run > 0 ? Effort::kLookAhead : Effort::kPlain,
-                          local);
-        }
-        // After the first run features may be merged, which may leave room.
-        const bool may_help = run == 0 && options.merge_distance > 0;
-        const bool done = improver.is_done() || (improver.is_hopeless() && !may_help) || run + 1 == kRuns;
-        if (done && options.merge_distance > 0) improver.loosen(passes, local);
-        mesh = close_zone(std::move(mesh), frame, zone, options.threads, trace, known);
-        if (done) break;
-        frame.on_lattice = false;
-    }
-    if (local.crumbs.first) local.crumbs.first = frame.origin + frame.cell * *local.crumbs.first;
-    if (counters != nullptr) *counters = local;
+    Session session(std::move(mesh), model, options, trace);
+    const bool raises = options.goal > kGoodQuality;
+    session.make_good(options.loosens && !raises);
+    if (raises) session.raise_in_steps();
+    return session.finish(counters);
+}
+
+Mesh raise(Mesh mesh, const tape::BoundModel& model, const Options& options, Counters& counters) {
+    Session session(std::move(mesh), model, options, nullptr);
+    session.raise_in_steps();
+    Counters added;
+    mesh = session.finish(&added);
+    counters.zone_elements += added.zone_elements;
+    counters.loosened = added.loosened;
+    counters.below_goal = added.below_goal;
     return mesh;
 }
 

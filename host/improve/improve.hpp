@@ -17,6 +17,8 @@ struct Options {
     int level = 0;                     ///< of the finest cells
     int smooth = 4;                    ///< rounds of repositioning; 0: nodes move only onto the model
     double merge_distance = 0;         ///< features closer than this, in cells, may be merged; 0: none
+    double goal = kGoodQuality;        ///< elements are made at least this good (quality_of_angle)
+    bool loosens = true;               ///< false: raise() is still to come
     int threads = 0;                   ///< host threads; 0: all cores
     const LeafGrid* leaves = nullptr;  ///< null or empty: a uniform tree
     const std::vector<tape::Pole>* poles = nullptr;  ///< of the model; null: none
@@ -30,14 +32,23 @@ struct Counters {
     std::uint64_t zone_elements = 0;
     bool reached_open = false;  ///< a zone would have held an open node: the result means nothing
     BlockCounters block;
-    std::uint64_t loosened = 0;  ///< nodes that have left their surfaces (loosen.cpp)
-    Crumbs crumbs;               ///< its place in model coordinates
+    std::uint64_t loosened = 0;    ///< nodes that have left their surfaces (loosen.cpp)
+    std::uint64_t below_goal = 0;  ///< elements, if the goal is above kGoodQuality
+    Crumbs crumbs;                 ///< its place in model coordinates
 };
+
+/// Quality of elements whose worst dihedral angle is this; the same on all platforms.
+double quality_of_angle(double degrees);
 
 /// Precondition: the mesh's facets carry surfaces of `model` (indices into BoundModel::surfaces), in model
 /// coordinates; region and surface names are not looked at. The result does not depend on the threads.
 /// `trace`, if wanted, receives where its parts come from.
 Mesh improve(Mesh mesh, const tape::BoundModel& model, const Options& options, Counters* counters,
              Trace* trace = nullptr);
+
+/// The second half of improve() alone, for a mesh that improve() has made without loosening and that has been
+/// split since: raises the quality of all elements to the goal. `counters` are those of improve(); what
+/// happens here is added.
+Mesh raise(Mesh mesh, const tape::BoundModel& model, const Options& options, Counters& counters);
 
 }  // namespace mortise::improve

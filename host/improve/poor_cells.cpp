@@ -18,10 +18,6 @@ constexpr double kShortestEdge = 0.35;
 /// Up to this level positions are certain to kVolumeRounding of a finest cell.
 constexpr int kCertainLevel = 11;
 
-bool is_cube(const ElementBlock& block, int type, std::size_t i) {
-    return type == 0 && block.kind[i] == static_cast<std::uint8_t>(ElementKind::kIn);
-}
-
 /// Whether no cube among hexahedra `begin` to `end` of a uniform tree lies in one of these bricks.
 bool are_cubes_far(const Mesh& mesh, const CellFrame& frame, const std::vector<std::uint64_t>& bricks,
                    std::size_t begin, std::size_t end) {
@@ -82,6 +78,10 @@ bool is_flat(const Mesh& mesh, const CellFrame& frame, const Places& places, con
 }
 
 }  // namespace
+
+bool is_cube(const ElementBlock& block, int type, std::size_t i) {
+    return type == 0 && block.kind[i] == static_cast<std::uint8_t>(ElementKind::kIn);
+}
 
 double volume_rounding(const CellFrame& frame, int finest_class) {
     return kVolumeRounding * std::ldexp(1.0, std::max(finest_class, frame.level - kCertainLevel));
@@ -172,7 +172,7 @@ void find_size_classes(const Mesh& mesh, const CellFrame& frame, const CellSet& 
 }
 
 std::vector<CellId> poor_cells(const Mesh& mesh, const CellFrame& frame, const CellSet& cells,
-                               const Places& places, double rounding, int threads,
+                               const Places& places, double rounding, double least, int threads,
                                const std::array<std::size_t, kElementTypes>& first) {
     std::vector<CellId> poor;
     for (int t = 0; t < kElementTypes; ++t) {
@@ -185,7 +185,7 @@ std::vector<CellId> poor_cells(const Mesh& mesh, const CellFrame& frame, const C
             for (std::size_t i = before + begin; i < before + end; ++i) {
                 if (is_cube(block, t, i)) continue;
                 const Element e = element(mesh, t, i);
-                if (element_quality(mesh, frame, e, rounding) < kPoorQuality ||
+                if (element_quality(mesh, frame, e, rounding) < least ||
                     (t < 3 && is_flat(mesh, frame, places, e)))
                     list.push_back(cells.index(centroid(mesh, frame, e)));
             }
@@ -195,6 +195,25 @@ std::vector<CellId> poor_cells(const Mesh& mesh, const CellFrame& frame, const C
     std::sort(poor.begin(), poor.end());
     poor.erase(std::unique(poor.begin(), poor.end()), poor.end());
     return poor;
+}
+
+std::uint64_t count_below(const Mesh& mesh, const CellFrame& frame, double least, int threads) {
+    const double rounding = volume_rounding(frame, frame.leaves == nullptr ? 0 : finest_class(*frame.leaves));
+    std::atomic<std::uint64_t> count{0};
+    for (int t = 0; t < kElementTypes; ++t) {
+        const ElementBlock& block = mesh.elements[static_cast<std::size_t>(t)];
+        parallel_chunks(block.size(), kChunk, threads, [&](std::size_t begin, std::size_t end, int) {
+            std::uint64_t below = 0;
+            for (std::size_t i = begin; i < end; ++i) {
+                below += !is_cube(block, t, i) &&
+                                 element_quality(mesh, frame, element(mesh, t, i), rounding) < least
+                             ? 1
+                             : 0;
+            }
+            count += below;
+        });
+    }
+    return count;
 }
 
 }  // namespace mortise::improve

@@ -38,14 +38,14 @@ inline Point in_cells(const Mesh& mesh, const CellFrame& frame, NodeId node) {
 
 Point centroid(const Mesh& mesh, const CellFrame& frame, const Element& element);
 
+/// Whether an element is a cube inside the solid.
+bool is_cube(const ElementBlock& block, int type, std::size_t i);
+
 /// A point in the cell that an element belongs to: its centroid, for cubes without looking at all nodes.
 Point place_of(const Mesh& mesh, const CellFrame& frame, int type, std::size_t i);
 
 /// Rounding of volumes (tetrahedron_quality) in a tree whose finest leaves have this size class.
 double volume_rounding(const CellFrame& frame, int finest_class);
-
-/// Below this an element's neighbourhood is improved.
-inline constexpr double kPoorQuality = kGoodQuality;
 
 /// Where the elements of a mesh lie: of a graded tree all of them, of a uniform one those near the zone.
 struct Places {
@@ -73,10 +73,13 @@ void find_cells(const Mesh& mesh, const CellFrame& frame, const CellSet& cells, 
 void find_size_classes(const Mesh& mesh, const CellFrame& frame, const CellSet& cells, int threads,
                        Places& places);
 
-/// Cells of the elements that are not good enough, ascending; of each type those from `first` on are looked
-/// at. Of `places` only node_class is used.
+/// Cells of the elements of less quality than `least`, and of those with an edge too short for them,
+/// ascending; of each type those from `first` on are looked at. Of `places` only node_class is used.
 std::vector<CellId> poor_cells(const Mesh& mesh, const CellFrame& frame, const CellSet& cells,
-                               const Places& places, double rounding, int threads,
+                               const Places& places, double rounding, double least, int threads,
                                const std::array<std::size_t, kElementTypes>& first = {});
+
+/// Elements of less quality than `least`.
+std::uint64_t count_below(const Mesh& mesh, const CellFrame& frame, double least, int threads);
 
 }  // namespace mortise::improve

@@ -15,14 +15,15 @@ void make_unique(std::vector<std::uint64_t>& list) {
 
 }  // namespace
 
-Scope::Scope(const tape::BoundModel& model, const std::vector<tape::Pole>& poles, int level, int threads)
-    : frame_(make_frame(model, level)), threads_(threads), cells_(level, nullptr) {
+Scope::Scope(const tape::BoundModel& model, const std::vector<tape::Pole>& poles, int level, double goal,
+             int threads)
+    : frame_(make_frame(model, level)), goal_(goal), threads_(threads), cells_(level, nullptr) {
     for (const Tip& tip : find_tips(model, poles, level)) poor_.push_back(cells_.index(tip.point));
 }
 
 void Scope::add_poor(const Mesh& part) {
     const std::vector<CellId> found =
-        poor_cells(part, frame_, cells_, Places{}, volume_rounding(frame_, 0), threads_);
+        poor_cells(part, frame_, cells_, Places{}, volume_rounding(frame_, 0), goal_, threads_);
     poor_.insert(poor_.end(), found.begin(), found.end());
 }
 

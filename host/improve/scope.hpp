@@ -20,7 +20,9 @@ using ElementNumbers = std::array<std::vector<std::uint32_t>, kElementTypes>;
 
 class Scope {
   public:
-    Scope(const tape::BoundModel& model, const std::vector<tape::Pole>& poles, int level, int threads);
+    /// `goal` as Options::goal.
+    Scope(const tape::BoundModel& model, const std::vector<tape::Pole>& poles, int level, double goal,
+          int threads);
 
     /// Notes the cells of a part's poor elements. Positions must be there for all its nodes.
     void add_poor(const Mesh& part);
@@ -40,6 +42,7 @@ class Scope {
     static constexpr int kBrickLevels = 3;
 
     CellFrame frame_;
+    double goal_;
     int threads_;
     CellSet cells_;
     std::vector<CellId> poor_;  ///< ascending after spread()

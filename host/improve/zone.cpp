@@ -28,13 +28,13 @@ constexpr double kFar = 1.5;  ///< cells: of a surface that has no value there
 class Opener {
   public:
     Opener(const Mesh& mesh, const CellFrame& frame, const Surfaces& surfaces, const std::vector<Tip>& tips,
-           const std::vector<std::uint8_t>* held, int threads, const Known& known)
+           const ZoneOptions& options, const Known& known)
         : mesh_(mesh),
           frame_(frame),
           surfaces_(surfaces),
           tips_(tips),
-          held_(held),
-          threads_(threads),
+          options_(options),
+          threads_(options.threads),
           known_(known),
           cells_(frame.level, frame.leaves) {}
 
@@ -46,14 +46,15 @@ class Opener {
         }
         rounding_ = volume_rounding(frame_, unit_class_);
         std::vector<CellId> poor =
-            poor_cells(mesh_, frame_, cells_, places_, rounding_, threads_, known_.old);
+            poor_cells(mesh_, frame_, cells_, places_, rounding_, options_.least, threads_, known_.old);
         poor.insert(poor.end(), known_.poor.begin(), known_.poor.end());
         for (const Tip& tip : tips_) poor.push_back(cells_.index(tip.point));
         if (poor.empty()) return {};
         for (const CellId cell : poor) cells_.set_ring(cell);
         if (!cells_.is_graded()) find_cells(mesh_, frame_, cells_, threads_, places_);
+        if (options_.leaves_cubes) leave_cubes(poor);
         outer_quads_ = outer_quads(mesh_);
-        held_quads_ = held_quads(mesh_, held_);
+        held_quads_ = held_quads(mesh_, options_.held);
         place_.assign(mesh_.node_count(), kNone);
         for (int round = 0; round < kGrowths; ++round) {
             collect();
@@ -63,7 +64,7 @@ class Opener {
         }
         finish_nodes();
         find_strata();
-        tag_faces(mesh_, place_, held_, threads_, zone_);
+        tag_faces(mesh_, place_, options_.held, threads_, zone_);
         correct_tags();
         find_strata();
         if (assign_tips(tips_, surfaces_, zone_)) find_strata();
@@ -86,6 +87,15 @@ class Opener {
                         [&](std::size_t begin, std::size_t end, int) {
                             for (std::size_t i = begin; i < end; ++i) visit(zone_.tetrahedra[i]);
                         });
+    }
+
+    void leave_cubes(std::vector<CellId> poor) {
+        std::sort(poor.begin(), poor.end());
+        for (std::size_t i = 0; i < places_.element[0].size(); ++i) {
+            if (!is_cube(mesh_.elements[0], 0, places_.element[0][i])) continue;
+            const CellId cell = places_.cell(mesh_, frame_, cells_, 0, i);
+            if (!std::binary_search(poor.begin(), poor.end(), cell)) cells_.reset(cell);
+        }
     }
 
     void collect() {
@@ -151,7 +161,7 @@ class Opener {
         std::vector<CellId> poor;
         for (const Pyramid& p : zone_.pyramids) {
             const auto c = corners(p);
-            if (pyramid_quality(c) >= kPoorQuality) continue;
+            if (pyramid_quality(c) >= options_.least) continue;
             poor.push_back(cells_.index(0.2 * (c[0] + c[1] + c[2] + c[3] + c[4])));
         }
         for (const CellId cell : poor) cells_.set_ring(cell);
@@ -182,8 +192,8 @@ class Opener {
             });
         }
         zone_.frozen.assign(frozen.begin(), frozen.end());
-        for (std::size_t i = 0; i < mesh_.facets.size() && held_ != nullptr; ++i) {
-            if ((*held_)[mesh_.facets.surface[i]] == 0) continue;
+        for (std::size_t i = 0; i < mesh_.facets.size() && options_.held != nullptr; ++i) {
+            if ((*options_.held)[mesh_.facets.surface[i]] == 0) continue;
             for (std::size_t k = 0; k < 4; ++k) {
                 const ZoneNode node = place_[mesh_.facets.nodes[4 * i + k]];
                 if (node != kNone) zone_.frozen[node] = 1;
@@ -304,7 +314,7 @@ class Opener {
     const CellFrame& frame_;
     const Surfaces& surfaces_;
     const std::vector<Tip>& tips_;
-    const std::vector<std::uint8_t>* held_;
+    const ZoneOptions& options_;
     int threads_;
     const Known& known_;
     CellSet cells_;
@@ -320,9 +330,8 @@ class Opener {
 }  // namespace
 
 Zone open_zone(const Mesh& mesh, const CellFrame& frame, const Surfaces& surfaces,
-               const std::vector<Tip>& tips, const std::vector<std::uint8_t>* held, int threads,
-               const Known& known) {
-    return Opener(mesh, frame, surfaces, tips, held, threads, known).open();
+               const std::vector<Tip>& tips, const ZoneOptions& options, const Known& known) {
+    return Opener(mesh, frame, surfaces, tips, options, known).open();
 }
 
 }  // namespace mortise::improve

@@ -136,11 +136,16 @@ struct Trace {
     std::vector<std::uint32_t> facet;
 };
 
-/// Collects the zone; cells of tips count as poor. `held` as Options::held. `threads` host threads; the
-/// result does not depend on them.
+struct ZoneOptions {
+    const std::vector<std::uint8_t>* held = nullptr;  ///< as Options::held
+    double least = kGoodQuality;                      ///< elements of less quality are poor
+    bool leaves_cubes = false;                        ///< cubes inside are no part of the ring
+    int threads = 0;                                  ///< host threads; the result does not depend on them
+};
+
+/// Collects the zone; cells of tips count as poor.
 Zone open_zone(const Mesh& mesh, const CellFrame& frame, const Surfaces& surfaces,
-               const std::vector<Tip>& tips, const std::vector<std::uint8_t>* held, int threads,
-               const Known& known);
+               const std::vector<Tip>& tips, const ZoneOptions& options, const Known& known);
 
 /// Puts the zone's elements, facets and moved nodes in place of those that were taken. `trace` may be null;
 /// it is brought up to date. Tells in `known` what needs no second look.

@@ -115,15 +115,21 @@ Mesh Mesher::generate(const Model& model, const MeshOptions& options, MeshReport
     device::Device& device = implementation_->open();
     Mesh mesh;
     const Extracted extracted = mesh_pieces(device, options, prepared, stages, &mesh);
+    improve::Counters counters;
+    improve::Options improve_options = pipeline::improvement_options(prepared, options);
+    const std::vector<std::uint8_t> held = pipeline::held_surfaces(prepared.bound, prepared.periodic);
+    if (!held.empty()) improve_options.held = &held;
+    // Elements are split into worse tetrahedra: of these the quality is raised.
+    const bool raises_split = options.tetrahedra && improve_options.goal > improve::kGoodQuality;
     if (options.improve) {
         stages.begin("improve", 0.93);
-        improve::Counters counters;
-        improve::Options improve_options = pipeline::improvement_options(prepared, options);
-        const std::vector<std::uint8_t> held = pipeline::held_surfaces(prepared.bound, prepared.periodic);
-        if (!held.empty()) improve_options.held = &held;
-        mesh = improve::improve(std::move(mesh), prepared.bound, improve_options, &counters);
+        improve::Options first = improve_options;
+        if (raises_split) {
+            first.goal = improve::kGoodQuality;
+            first.loosens = false;
+        }
+        mesh = improve::improve(std::move(mesh), prepared.bound, first, &counters);
         stages.end(counters.zone_elements);
-        pipeline::report_improvement(counters, options, model.source, out);
     }
     if (mesh.element_count() == 0) pipeline::refuse_empty(model.source);
     mesh.region_names = prepared.compiled.region_names;
@@ -140,6 +146,13 @@ Mesh Mesher::generate(const Model& model, const MeshOptions& options, MeshReport
         mesh = tetrahedra::split(mesh, copy_of.empty() ? nullptr : &copy_of);
         stages.end(mesh.element_count());
     }
+    if (raises_split) {
+        stages.begin("raise", 0.952);
+        const std::uint64_t before = counters.zone_elements;
+        mesh = improve::raise(std::move(mesh), prepared.bound, improve_options, counters);
+        stages.end(counters.zone_elements - before);
+    }
+    if (options.improve) pipeline::report_improvement(counters, options, model.source, out);
     stages.begin("faces", 0.955);
     if (!quality::faces_are_paired(mesh, options.threads)) pipeline::refuse_unpaired(model.source);
     stages.end(mesh.element_count());

@@ -16,6 +16,8 @@ namespace {
 
 /// Surfaces closer than this everywhere are one: edges of the finest cells.
 constexpr double kSameSurface = 1e-4;
+constexpr double kLeastMinAngle = 18;  ///< of MeshOptions::min_angle
+constexpr double kMostMinAngle = 35;
 constexpr double kMostMergeDistance = 0.25;  ///< of MeshOptions::merge_distance
 
 std::string number(double value) {
@@ -101,6 +103,13 @@ void check_options(const MeshOptions& options) {
                                           " cells, which is out of range; use 0 to " +
                                           number(kMostMergeDistance));
     }
+    if (!(options.min_angle >= kLeastMinAngle && options.min_angle <= kMostMinAngle)) {
+        throw Error(ExitCode::kUsage, "smallest angle " + number(options.min_angle) +
+                                          " is out of range; use " + number(kLeastMinAngle) + " to " +
+                                          number(kMostMinAngle) + " degrees");
+    }
+    if (options.min_angle > kLeastMinAngle && !options.improve)
+        throw Error(ExitCode::kUsage, "a smallest angle needs elements to be improved");
     bool positive = options.size_min >= 0 && options.size_max >= 0 && options.curvature_elements >= 0 &&
                     std::isfinite(options.size_min + options.size_max + options.curvature_elements);
     for (const auto& [name, size] : options.named_sizes)
@@ -259,6 +268,7 @@ improve::Options improvement_options(const Prepared& prepared, const MeshOptions
     result.level = prepared.tree.level;
     result.smooth = options.smooth;
     result.merge_distance = options.strict ? 0 : options.merge_distance;
+    if (options.min_angle > kLeastMinAngle) result.goal = improve::quality_of_angle(options.min_angle);
     result.threads = options.threads;
     result.leaves = &prepared.leaves;
     result.poles = &prepared.tree.poles;
@@ -286,6 +296,13 @@ void report_improvement(const improve::Counters& counters, const MeshOptions& op
     told(out.merged_nodes, " of features closer than " + distance,
          std::string("merged with others, or elements would be slivers; --merge 0 keeps ") +
              (out.merged_nodes == 1 ? "it" : "them") + " apart");
+    out.below_min_angle = counters.below_goal;
+    if (out.below_min_angle > 0) {
+        out.warnings.push_back(std::to_string(out.below_min_angle) +
+                               (out.below_min_angle == 1 ? " element is" : " elements are") +
+                               " worse than asked by a smallest angle of " + number(options.min_angle) +
+                               " degrees: the model is sharper there, or finer than cells; see --quality");
+    }
     out.loosened_nodes = counters.loosened;
     told(out.loosened_nodes, " where features are too fine for good elements",
          "moved off the model's surfaces, by " + number(improve::kMostLoose * options.merge_distance) +

@@ -75,7 +75,8 @@ class Streamer {
     /// Makes all parts once: their numbers, all facets, and where poor elements are.
     void survey() {
         if (options_.improve)
-            scope_.emplace(prepared_.bound, prepared_.tree.poles, prepared_.tree.level, options_.threads);
+            scope_.emplace(prepared_.bound, prepared_.tree.poles, prepared_.tree.level,
+                           improvement_options(prepared_, options_).goal, options_.threads);
         for (std::size_t p = 0; p < parts_.count(); ++p) {
             const double done =
                 kSurveyed * (0.6 + 0.4 * static_cast<double>(p) / static_cast<double>(parts_.count()));

@@ -14,6 +14,17 @@ using Names = std::vector<std::string>;
 
 }  // namespace
 
+TEST_CASE("--min-angle: every element has it") {
+    const ScratchFolder scratch;
+    const std::string vtu = scratch.file("a.vtu");
+    const Outcome outcome =
+        run({asset("cyl_cyl_int.csg"), "-o", vtu, "--level", "4", "--min-angle", "26", "--json"});
+    REQUIRE(outcome.code == 0);
+    CHECK(Json::parse(outcome.out)["below_min_angle"] == 0);
+    const Json check = Json::parse(run({"check", vtu, "--quality", "--json"}).out);
+    CHECK(check["quality"]["dihedral_angles"]["min"].get<double>() >= 25.99);
+}
+
 TEST_CASE("--quality: a report for people, and the same figures as JSON") {
     const ScratchFolder scratch;
     scratch.names("out");

@@ -53,7 +53,10 @@ TEST_CASE("halves of two quadrilaterals that fold onto each other are no facets"
     mesh.surface_names = {"surface"};
     REQUIRE(check_mesh(mesh).valid());
     improve::Counters counters;
-    const Mesh improved = improve::improve(mesh, model, {5, 4, 0, 1, nullptr}, &counters);
+    improve::Options options;
+    options.level = 5;
+    options.threads = 1;
+    const Mesh improved = improve::improve(mesh, model, options, &counters);
     CHECK(counters.zone_elements == 5);
     CHECK(counters.block.given_up == 0);
     const CheckReport check = check_mesh(improved);

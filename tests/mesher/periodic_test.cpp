@@ -133,6 +133,15 @@ TEST_CASE("tetrahedra, sizes by length, pieces: the same faces") {
     check_periodic(text, options);
 }
 
+TEST_CASE("larger angles leave the planes as they are") {
+    MeshOptions options;
+    options.level = 4;
+    options.min_angle = 25;
+    check_periodic(kCube + balls() + "solid part = cube and not balls;\ntlo part;\n" + kPairs, options);
+    options.tetrahedra = true;
+    check_periodic(kCube + balls() + "solid part = cube and not balls;\ntlo part;\n" + kPairs, options);
+}
+
 TEST_CASE("sizes at one plane hold at the other, too") {
     const std::string text = kCube + balls() + "solid outer = cube and not balls; tlo outer;\n" + kPairs;
     for (const char* hint : {"singular edge px py;", "point (0, 0, 0.5);", "tlo outer px -maxh=0.02;"}) {

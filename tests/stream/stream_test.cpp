@@ -205,6 +205,17 @@ TEST_CASE("a step with smaller elements beside it, in parts") {
     }
 }
 
+TEST_CASE("larger angles, in parts: most of the boundary is improved") {
+    Mesher mesher;
+    MeshOptions options;
+    options.level = 5;
+    options.min_angle = 25;
+    for (const int pieces : {4, 30}) {
+        CAPTURE(pieces);
+        check_stream(mesher, asset("bracket"), options, pieces);
+    }
+}
+
 TEST_CASE("two pipes of one radius, whose creases cross") {
     Mesher mesher;
     MeshOptions options;
