@@ -3,10 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/glm.hpp>
-#include <map>
 #include <numeric>
 
-#include "host/common/disjoint_sets.hpp"
+#include "host/tape/smooth_faces.hpp"
 
 namespace mortise::tape {
 namespace {
@@ -68,33 +67,6 @@ std::vector<std::array<std::uint32_t, 3>> neighbours(const TriangleSurface& surf
     return result;
 }
 
-/// Numbers the planes' patches in the order of their first planes.
-void join_patches(const TriangleSurface& surface, double sharp_angle, Facets& facets) {
-    constexpr double kDegree = 0.017453292519943295;
-    // Equal angles count as sharp or smooth alike, whatever their rounding.
-    const double least = std::cos((sharp_angle + 1e-6) * kDegree);
-    DisjointSets sets(facets.planes.size());
-    for (std::size_t t = 0; t < facets.across.size() && sharp_angle > 0; ++t) {
-        if (facets.of_triangle[t] == Facets::kNone) continue;
-        for (const std::uint32_t next : facets.across[t]) {
-            if (next == Facets::kNone || facets.of_triangle[next] == Facets::kNone) continue;
-            if (!surface.group.empty() && surface.group[t] != surface.group[next]) continue;
-            const std::uint32_t a = facets.of_triangle[t];
-            const std::uint32_t b = facets.of_triangle[next];
-            if (sets.find(a) == sets.find(b)) continue;
-            const auto& p = facets.planes[a];
-            const auto& q = facets.planes[b];
-            if (p[0] * q[0] + p[1] * q[1] + p[2] * q[2] >= least) sets.join(a, b);
-        }
-    }
-    facets.patch_of_plane.resize(sets.size());
-    for (std::uint32_t i = 0; i < sets.size(); ++i) {
-        const std::uint32_t first = sets.find(i);
-        facets.patch_of_plane[i] =
-            first == i ? static_cast<std::uint32_t>(facets.patches++) : facets.patch_of_plane[first];
-    }
-}
-
 }  // namespace
 
 Facets find_facets(const TriangleSurface& surface, double sharp_angle) {
@@ -151,7 +123,7 @@ Facets find_facets(const TriangleSurface& surface, double sharp_angle) {
             }
         }
     }
-    join_patches(surface, sharp_angle, facets);
+    find_patches(surface, sharp_angle, facets);
     return facets;
 }
 

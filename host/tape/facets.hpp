@@ -21,9 +21,8 @@ struct Facets {
 };
 
 /// Groups triangles that share an edge and whose corners lie within 1e-6 of the surface's size of the plane
-/// of the group's largest triangle. Points at the same place count as one. Planes
-/// that share an edge at which the normal turns by no more than `sharp_angle` degrees are of one patch.
-/// Deterministic.
+/// of the group's largest triangle. Points at the same place count as one. What is one curved surface is told
+/// by `sharp_angle` (smooth_faces.hpp). Deterministic.
 Facets find_facets(const TriangleSurface& surface, double sharp_angle);
 
 }  // namespace mortise::tape

@@ -1,7 +1,9 @@
 #include "host/triangles/cell_formula.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
+#include <map>
 
 #include "kernels/shared/tape.h"
 
@@ -18,6 +20,10 @@ constexpr std::size_t kMostPieces = 6;  ///< of one surface that are sampled
 constexpr std::size_t kMostAlike = 3;   ///< samples that must agree
 constexpr int kGrid = 3;                ///< samples along an edge of the cell
 constexpr double kGridWeight = 1e-3;    ///< area that a grid sample counts for, in cell faces
+constexpr std::size_t kMostPlaces = 3;  ///< of one crease that are sampled
+constexpr double kLeastTurn = 1e-4;     ///< surfaces more alike, by the determinant of normals, tell nothing
+
+glm::dvec3 gradient(const SurfaceSample& s) { return {s.gradient[0], s.gradient[1], s.gradient[2]}; }
 
 }  // namespace
 
@@ -69,6 +75,7 @@ std::vector<CellFormula::Sample> CellFormula::take_samples(const std::vector<Pol
             for (const int side : {-1, 1}) add(middle + side * step * normal, area);
         }
     }
+    if (surfaces_.size() > 1) sample_creases(polygons, add);
     // Where one surface passes, its own two sides tell all.
     const int grid = surfaces_.size() == 1 ? 0 : kGrid;
     for (int i = 0; i < grid * grid * grid; ++i) {
@@ -78,6 +85,49 @@ std::vector<CellFormula::Sample> CellFormula::take_samples(const std::vector<Pol
     }
     find_solid(samples);
     return samples;
+}
+
+/// Around places where two surfaces meet, or three: a point for each choice of their signs. Some choices
+/// occur nowhere else, as in the corner of a cell between a hole and the cone beside which it ends.
+template <class Add>
+void CellFormula::sample_creases(const std::vector<Polygon>& polygons, const Add& add) const {
+    std::map<std::vector<std::uint32_t>, std::vector<glm::dvec3>> places;
+    const double near = std::max(tolerance_, 1e-5 * cell_size_);
+    for (const Polygon& polygon : polygons) {
+        for (int k = 0; k < polygon.count; ++k) {
+            const glm::dvec3& x = polygon.corner[static_cast<std::size_t>(k)];
+            std::vector<std::uint32_t> here;
+            for (const std::uint32_t surface : surfaces_) {
+                const SurfaceSample s = sample(surface, x);
+                if (surface == polygon.surface || std::fabs(s.value) <= near * glm::length(gradient(s)))
+                    here.push_back(surface);
+            }
+            if (here.size() < 2 || here.size() > 3) continue;
+            std::vector<glm::dvec3>& list = places[here];
+            const bool known = std::any_of(list.begin(), list.end(), [&](const glm::dvec3& y) {
+                return glm::length(x - y) <= kStep * cell_size_;
+            });
+            if (!known && list.size() < kMostPlaces) list.push_back(x);
+        }
+    }
+    const double step = kStep * cell_size_;
+    for (const auto& [here, list] : places) {
+        for (const glm::dvec3& x : list) {
+            // A third direction, along which all is alike, if there are two surfaces.
+            glm::dmat3 normals(0.0);
+            for (std::size_t i = 0; i < here.size(); ++i)
+                normals[static_cast<int>(i)] = glm::normalize(gradient(sample(here[i], x)));
+            if (here.size() == 2) normals[2] = glm::cross(normals[0], normals[1]);
+            if (!(std::fabs(glm::determinant(normals)) > kLeastTurn)) continue;
+            const glm::dmat3 inverse = glm::inverse(glm::transpose(normals));
+            for (std::uint32_t choice = 0; choice < 1U << here.size(); ++choice) {
+                glm::dvec3 side(0.0);
+                for (std::size_t i = 0; i < here.size(); ++i)
+                    side[static_cast<int>(i)] = (choice >> i & 1) != 0 ? 1 : -1;
+                add(x + step * glm::normalize(inverse * side), kGridWeight * cell_size_ * cell_size_);
+            }
+        }
+    }
 }
 
 /// Winding numbers cost most: of samples on the same sides of all surfaces, which no formula tells apart, the
@@ -125,6 +175,10 @@ std::uint32_t CellFormula::decide(const std::vector<Sample>& samples) {
     const std::uint32_t inner = decide(behind);
     const std::uint32_t outer = decide(before);
     return combine(surfaces_[best], inner, outer);
+}
+
+SurfaceSample CellFormula::sample(std::uint32_t surface, const glm::dvec3& x) const {
+    return surface_sample(&model_.surfaces[surface], model_.expression_ops.data(), x.x, x.y, x.z);
 }
 
 CutPlane CellFormula::plane(std::uint32_t surface) const {

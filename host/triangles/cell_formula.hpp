@@ -20,7 +20,7 @@ class CellFormula {
     /// Of planes alone: by binary space partition. A polygon's plane halves the cell, each half has its own
     /// formula. What lies beside the last polygon of a half is found by winding number, so that open or
     /// overlapping surfaces do. With patches: by a decision tree over the signs of the surfaces at samples,
-    /// both sides of each polygon among them.
+    /// both sides of each polygon and all sides of creases and corners among them.
     void make(const std::vector<Polygon>& polygons, const glm::dvec3& centre, double cell_size);
 
     bool is_constant() const { return root_ <= kTrue; }
@@ -49,6 +49,8 @@ class CellFormula {
 
     std::uint32_t divide(std::vector<Polygon> polygons);
     std::vector<Sample> take_samples(const std::vector<Polygon>& polygons, const glm::dvec3& centre) const;
+    template <class Add>
+    void sample_creases(const std::vector<Polygon>& polygons, const Add& add) const;
     void find_solid(std::vector<Sample>& samples) const;
     std::uint32_t decide(const std::vector<Sample>& samples);
     std::uint32_t combine(std::uint32_t surface, std::uint32_t inner, std::uint32_t outer);
@@ -58,6 +60,7 @@ class CellFormula {
     std::uint32_t add_operation(std::uint32_t operation, std::uint32_t a, std::uint32_t b);
     std::uint32_t add_term(const Term& term);
     CutPlane plane(std::uint32_t surface) const;
+    SurfaceSample sample(std::uint32_t surface, const glm::dvec3& x) const;
     void emit(std::uint32_t term);
 
     const tape::BoundModel& model_;

@@ -1,12 +1,30 @@
 // Meshes of solids given by triangles.
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "tests/mesher/meshed.hpp"
 #include "tests/triangles/shapes.hpp"
 
 namespace mortise::test {
+namespace {
+
+/// A cube less a tilted box, as OpenSCAD writes it: one face of the box meets the top at 22 degrees.
+const char* const kTiltedPocket =
+    "OFF 22 40 0\n"
+    "20 0 20\n20 20 0\n20 20 20\n20 0 0\n17.9753 8.95659 20\n18.031 7.78604 20\n"
+    "18.0576 7.22758 20\n12.6759 18.1354 20\n8.11401 15.856 20\n0 20 20\n1.9424 12.7724 20\n"
+    "11.886 4.14395 20\n7.32412 1.86463 20\n1.96899 12.214 20\n2.02474 11.0434 20\n0 0 20\n"
+    "0 0 0\n0 20 0\n18.6642 7.57778 19.7451\n16.393 7.46961 14.1926\n11.1014 18.0604 16.1507\n"
+    "6.62746 1.83145 18.2968\n3 0 1 2\n3 1 0 3\n3 4 0 2\n3 0 5 6\n3 0 4 5\n3 2 7 4\n3 8 9 10\n"
+    "3 7 9 8\n3 9 7 2\n3 11 0 6\n3 12 0 11\n3 9 13 10\n3 9 14 13\n3 12 15 0\n3 14 15 12\n"
+    "3 15 14 9\n3 16 1 3\n3 1 16 17\n3 16 9 17\n3 9 16 15\n3 1 9 2\n3 9 1 17\n3 16 0 15\n"
+    "3 0 16 3\n3 18 6 5\n3 19 6 18\n3 6 19 11\n3 18 5 4\n3 20 7 8\n3 20 4 7\n3 4 20 18\n"
+    "3 19 18 20\n3 20 8 10\n3 20 13 19\n3 13 20 10\n3 12 21 14\n3 19 14 21\n3 14 19 13\n"
+    "3 11 21 12\n3 21 11 19\n";
+
+}  // namespace
 
 TEST_CASE("a cube of triangles has the mesh of a cube") {
     const Meshed triangles = mesh_and_check(solid_of(prism({{0, 0}, {2, 0}, {2, 2}, {0, 2}}, 2), 0), 4);
@@ -73,6 +91,22 @@ TEST_CASE("patches meet in sharp creases: a round post of triangles") {
     double length = 0;
     for (const auto& curve : m.report.features.curves) length += curve.length;
     CHECK(length == doctest::Approx(4 * std::acos(-1.0)).epsilon(5e-3));
+}
+
+TEST_CASE("flat faces that meet at a small angle are no curved surface") {
+    const Model model = parse_model(kTiltedPocket, "off", "pocket.off");
+    for (const int level : {4, 5}) {
+        CAPTURE(level);
+        const Meshed m = mesh_and_check(model, level);
+        CHECK(m.defects == "");
+        CHECK(m.check.euler_characteristic == 2);
+        CHECK(m.check.components == 1);
+        CHECK(m.report.dropped_features == 0);
+        CHECK(m.report.hinge_edges + m.report.hinge_nodes == 0);
+        // By the divergence theorem on the file's triangles.
+        CHECK(m.check.volume == doctest::Approx(7568.0).epsilon(1e-4));
+        CHECK(*std::min_element(m.report.scaled_jacobians.begin(), m.report.scaled_jacobians.end()) > 0.1F);
+    }
 }
 
 TEST_CASE("faces that are left out of crowded cells are told") {
