@@ -85,6 +85,7 @@ struct Mesher::Implementation {
 
     device::Device& open() {
         if (!device) {
+            pipeline::check_work_group(work_group_size);
             device::DeviceOptions options;
             options.work_group_size = work_group_size;
             device.emplace(choice, options);
@@ -99,11 +100,22 @@ Mesher::~Mesher() = default;
 Mesher::Mesher(Mesher&&) noexcept = default;
 Mesher& Mesher::operator=(Mesher&&) noexcept = default;
 
+namespace {
+
+/// What is left of a mesher after a move.
+void refuse_moved(bool is_moved) {
+    if (!is_moved) return;
+    throw Error(ExitCode::kUsage, "this mesher has been moved from; use the one that it was moved to");
+}
+
+}  // namespace
+
 Mesh generate_mesh(const Model& model, const MeshOptions& options, MeshReport* report) {
     return Mesher(options.device, options.work_group_size).generate(model, options, report);
 }
 
 Mesh Mesher::generate(const Model& model, const MeshOptions& options, MeshReport* report) {
+    refuse_moved(implementation_ == nullptr);
     MeshReport local;
     MeshReport& out = report != nullptr ? *report : local;
     out = MeshReport{};
@@ -157,6 +169,7 @@ Mesh Mesher::generate(const Model& model, const MeshOptions& options, MeshReport
 }
 
 void Mesher::stream(const Model& model, const MeshOptions& options, MeshSink& sink, MeshReport* report) {
+    refuse_moved(implementation_ == nullptr);
     MeshReport local;
     MeshReport& out = report != nullptr ? *report : local;
     out = MeshReport{};
