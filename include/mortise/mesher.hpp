@@ -140,7 +140,7 @@ Mesh generate_mesh(const Model& model, const MeshOptions& options = {}, MeshRepo
 
 /// Meshes one model after another on one device, whose kernels stay loaded: for many small models, where
 /// loading them would take longer than meshing. Used by one thread at a time; several meshers may run at
-/// once. One that has been moved from throws Error(kUsage) until another is assigned to it.
+/// once. One that is at work already, or has been moved from, throws Error(kUsage).
 class Mesher {
   public:
     /// The device is opened at the first mesh; arguments as MeshOptions::device and work_group_size.

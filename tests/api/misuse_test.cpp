@@ -232,6 +232,19 @@ TEST_CASE("a mesher that has been moved from refuses work until it is assigned t
     CHECK(first.generate(good_model(), coarse()).element_count() > 0);
 }
 
+TEST_CASE("a mesher does one thing at a time") {
+    Mesher mesher;
+    MeshOptions options = coarse();
+    std::string inner;
+    options.progress = [&](const char*, double) {
+        inner = refusal(ExitCode::kUsage, [&] { mesher.generate(good_model(), coarse()); });
+        return true;
+    };
+    CHECK(mesher.generate(good_model(), options).element_count() > 0);
+    CHECK(contains(inner, "at work already"));
+    CHECK(mesher.generate(good_model(), coarse()).element_count() > 0);
+}
+
 TEST_CASE("a stopped run can be told from a failed one") {
     MeshOptions options = coarse();
     options.progress = [](const char* stage, double) { return std::string(stage) != "extract"; };
