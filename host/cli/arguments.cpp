@@ -6,16 +6,13 @@
 #include <cerrno>
 #include <cmath>
 #include <cstdlib>
-#include <iomanip>
 #include <limits>
-#include <sstream>
 
 #include "host/cli/files.hpp"
+#include "host/cli/help_formatter.hpp"
 
 namespace mortise::cli {
 namespace {
-
-constexpr int kNameColumn = 24;
 
 constexpr const char* kExamples = R"(
 Examples:
@@ -30,44 +27,6 @@ Exit codes:
   2 model not understood, empty   6 file not found, not readable or writable
   3 no valid mesh; --strict       130, 143 interrupted (SIGINT, SIGTERM)
 )";
-
-/// Help with one line per option: CLI11's own wraps at fixed columns and repeats types.
-class HelpFormatter : public CLI::Formatter {
-  public:
-    explicit HelpFormatter(std::string usage) : usage_(std::move(usage)) {}
-
-    std::string make_help(const CLI::App* app, std::string, CLI::AppFormatMode) const override {
-        std::ostringstream out;
-        out << app->get_description() << "\nUsage: " << usage_ << "\n";
-        for (const std::string& group : app->get_groups()) {
-            const auto options = app->get_options([&group](const CLI::Option* option) {
-                return option->nonpositional() && option->get_group() == group;
-            });
-            if (!options.empty()) out << "\n" << group << ":\n";
-            for (const CLI::Option* option : options) {
-                const std::string value = option->get_option_text();
-                line(out, option->get_name(false, true) + (value.empty() ? "" : " " + value),
-                     option->get_description());
-            }
-        }
-        const std::vector<const CLI::App*> commands = app->get_subcommands({});
-        if (!commands.empty()) {
-            out << "\nOther commands (`mortise COMMAND --help`):\n";
-            for (const CLI::App* command : commands) {
-                line(out, command->get_name(), command->get_description());
-            }
-        }
-        out << app->get_footer();
-        return out.str();
-    }
-
-  private:
-    static void line(std::ostream& out, const std::string& name, const std::string& text) {
-        out << "  " << std::left << std::setw(kNameColumn) << name << " " << text << "\n";
-    }
-
-    std::string usage_;
-};
 
 [[noreturn]] void refuse(const std::string& message) { throw Error(ExitCode::kUsage, message); }
 
@@ -274,6 +233,27 @@ CLI::App* add_batch(CLI::App& app, Arguments& arguments, Words& words) {
     return batch;
 }
 
+/// What belongs behind an option, for messages.
+std::string values_of(const std::string& option) {
+    if (option == "--box") return "six numbers, X0 Y0 Z0 X1 Y1 Z1";
+    if (option == "--size-of") return "two values, NAME H: a region or surface, and a length";
+    if (option == "--size-at") return "five numbers, X Y Z H G: a point, a length there, and its growth";
+    return "a value";
+}
+
+/// A word that CLI11 has no use for: an option may be another command's.
+[[noreturn]] void refuse_extra(const CLI::App& app, const std::string& word) {
+    const std::vector<const CLI::App*> named =
+        app.get_subcommands([](const CLI::App* command) { return command->parsed(); });
+    if (named.empty()) refuse("unexpected argument '" + word + "'; see mortise --help");
+    const std::string command = "mortise " + named.front()->get_name();
+    const bool is_option = word.size() > 1 && word.front() == '-' &&
+                           app.get_option_no_throw(word.substr(0, word.find('='))) != nullptr;
+    refuse(is_option ? "'" + word + "' is for meshing a single model, not for " + command +
+                           "; leave it away, see " + command + " --help"
+                     : "unexpected argument '" + word + "'; see " + command + " --help");
+}
+
 void read_extrude(const std::string& word, Arguments& arguments) {
     if (word.empty()) return;
     arguments.read.extrude = parse_number("--extrude", word);
@@ -333,7 +313,8 @@ void read_model_words(const Words& words, Arguments& arguments) {
 void read_mesh_words(const Words& words, Arguments& arguments) {
     MeshOptions& options = arguments.options;
     read_model_words(words, arguments);
-    if (!words.level.empty()) options.level = parse_integer("--level", words.level, 1, "; the default is 6");
+    if (!words.level.empty())
+        options.level = parse_integer("--level", words.level, 1, " to 10; the default is 6");
     if (!words.size.empty()) options.size = parse_length("--size", words.size);
     read_size_words(words, options);
     options.box_fit = words.box_fit;
@@ -478,14 +459,12 @@ Arguments parse_arguments(int count, const char* const* values) {
         return arguments;
     } catch (const CLI::ExtrasError&) {
         const std::vector<std::string> extra = app.remaining(true);
-        refuse("unexpected argument '" + (extra.empty() ? "" : extra.front()) + "'; see mortise --help");
+        refuse_extra(app, extra.empty() ? "" : extra.front());
     } catch (const CLI::ArgumentMismatch& error) {
         // CLI11 says "--level: 1 required TEXT missing".
         const std::string what = error.what();
         const std::string option = what.substr(0, what.find(':'));
-        refuse(option +
-               (option == "--box" ? ": expected six numbers, X0 Y0 Z0 X1 Y1 Z1" : ": expected a value") +
-               "; see mortise --help");
+        refuse(option + ": expected " + values_of(option) + "; see mortise --help");
     } catch (const CLI::ParseError& error) {
         refuse(std::string(error.what()) + "; see mortise --help");
     }

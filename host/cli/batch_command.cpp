@@ -34,7 +34,8 @@ double seconds_since(Clock::time_point start) {
 struct Item {
     std::string model;
     std::string output;
-    std::size_t line;  ///< in the list
+    std::size_t line;          ///< in the list
+    std::string refusal = {};  ///< why it has no output of its own; empty: it has
 };
 
 std::filesystem::path place_of(const Item& item) {
@@ -55,32 +56,46 @@ std::filesystem::path common_folder(const std::vector<Item>& items) {
     return common;
 }
 
+std::string start_of(const Arguments& arguments, const Item& item) {
+    return arguments.file + ":" + std::to_string(item.line) + ": '" + item.model + "' ";
+}
+
+/// A model that is listed twice is meshed once.
+void refuse_repeated(const Arguments& arguments, std::vector<Item>& items) {
+    std::map<std::filesystem::path, std::size_t> lines;
+    for (Item& item : items) {
+        const auto [first, fresh] = lines.emplace(place_of(item), item.line);
+        if (fresh) continue;
+        item.refusal = start_of(arguments, item) + "is listed in line " + std::to_string(first->second) +
+                       " already; list it once";
+    }
+}
+
 /// Each mesh gets the name of its model. Where two models have one name (shape_1/part.csg, shape_2/part.csg),
-/// all keep their folders, as seen from the folder that has them all.
+/// all keep their folders, as seen from the folder that has them all; one that has the name of another even
+/// so (part.csg, part.stl) is refused.
 void name_outputs(const Arguments& arguments, std::vector<Item>& items) {
+    refuse_repeated(arguments, items);
     const std::filesystem::path folder = arguments.outputs.front();
     const std::filesystem::path common = common_folder(items);
     for (const bool in_folders : {false, true}) {
         std::map<std::string, const Item*> writers;
-        const Item* first = nullptr;
-        const Item* second = nullptr;
+        bool clash = false;
         for (Item& item : items) {
+            if (!item.refusal.empty()) continue;
             const std::filesystem::path place = place_of(item);
             const std::string name = place.stem().string() + "." + arguments.format;
             const std::filesystem::path inner =
                 in_folders ? place.parent_path().lexically_relative(common) : std::filesystem::path();
             item.output = (folder / inner / name).lexically_normal().string();
             const auto [writer, fresh] = writers.emplace(item.output, &item);
-            if (fresh || first != nullptr) continue;
-            first = writer->second;
-            second = &item;
+            if (fresh) continue;
+            clash = true;
+            if (!in_folders) continue;
+            item.refusal = start_of(arguments, item) + "and '" + writer->second->model +
+                           "' would both be written to '" + item.output + "'; rename one";
         }
-        if (first == nullptr) return;
-        if (!in_folders) continue;
-        throw Error(ExitCode::kUsage, arguments.file + ":" + std::to_string(second->line) + ": '" +
-                                          second->model + "' and '" + first->model +
-                                          "' would both be written to '" + second->output +
-                                          "'; rename one, or list it once");
+        if (!clash) return;
     }
 }
 
@@ -129,6 +144,7 @@ Json mesh_one(Mesher& mesher, const Arguments& arguments, const MeshOptions& opt
         document["error"] = one_line(message);
     };
     try {
+        if (!item.refusal.empty()) throw Error(ExitCode::kUsage, item.refusal);
         const Model model = read_model(item.model, arguments.read);
         document["warnings"] = model.warnings;
         MeshReport report;

@@ -92,7 +92,7 @@ std::vector<DoctorLine> doctor(const std::string& choice) {
     try {
         const std::vector<DeviceInfo> devices = list_devices();
         add(lines, !devices.empty(), "OpenCL devices", std::to_string(devices.size()) + " found",
-            "`apt-get install pocl-opencl-icd` for the CPU, or your GPU's driver");
+            no_device_remedy());
         if (devices.empty()) return lines;
         const DeviceInfo& chosen = devices[choose_device(choice, devices)];
         add(lines, chosen.has_double, "double precision", chosen.name,

@@ -1,6 +1,8 @@
 // See opencl.hpp.
 #include "host/device/opencl.hpp"
 
+#include <sys/resource.h>
+
 #include <algorithm>
 #include <cctype>
 #include <cstdlib>
@@ -11,14 +13,16 @@
 namespace mortise::device {
 namespace {
 
-constexpr cl_int kNoPlatform = -1001;  // CL_PLATFORM_NOT_FOUND_KHR, from the ICD loader
+constexpr rlim_t kEnoughForDrivers = rlim_t{1} << 30;  // bytes; PoCL with LLVM takes 300 to 500 MB
+constexpr cl_int kNoPlatform = -1001;                  // CL_PLATFORM_NOT_FOUND_KHR, from the ICD loader
 
 const char* remedy(cl_int code) {
     switch (code) {
         case CL_MEM_OBJECT_ALLOCATION_FAILURE:
         case CL_OUT_OF_RESOURCES:
-        case CL_OUT_OF_HOST_MEMORY:
             return "; the device is out of memory: choose a lower level, or another device";
+        case CL_OUT_OF_HOST_MEMORY:
+            return "; memory is out: choose a lower level, or raise the process's limit (ulimit -v)";
         case CL_INVALID_BUFFER_SIZE: return "; choose a lower level, or another device";
         case CL_INVALID_WORK_GROUP_SIZE: return "; choose a smaller work-group size";
         case CL_DEVICE_NOT_AVAILABLE:
@@ -201,6 +205,15 @@ std::vector<FoundDevice> find_devices() {
     return found;
 }
 
+std::string no_device_remedy() {
+    const std::string install =
+        "install a driver, e.g. `apt-get install pocl-opencl-icd` for the CPU, or your GPU's";
+    rlimit limit{};
+    if (getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur > kEnoughForDrivers) return install;
+    return "the process may have " + std::to_string(limit.rlim_cur >> 20) +
+           " MiB of memory (ulimit -v), in which a driver may not fit: raise that limit; else " + install;
+}
+
 std::vector<DeviceInfo> list_devices() {
     std::vector<DeviceInfo> devices;
     for (FoundDevice& found : find_devices()) devices.push_back(std::move(found.info));
@@ -208,11 +221,7 @@ std::vector<DeviceInfo> list_devices() {
 }
 
 std::size_t choose_device(const std::string& choice, const std::vector<DeviceInfo>& devices) {
-    if (devices.empty()) {
-        throw Error(
-            ExitCode::kDevice,
-            "no OpenCL device found: install a driver, e.g. `apt-get install pocl-opencl-icd` for the CPU");
-    }
+    if (devices.empty()) throw Error(ExitCode::kDevice, "no OpenCL device found: " + no_device_remedy());
     std::string wanted = choice;
     std::string origin = "device";
     const char* const variable = std::getenv("MORTISE_DEVICE");

@@ -33,6 +33,9 @@ struct FoundDevice {
 /// What list_devices lists, with handles. Prepares the environment first.
 std::vector<FoundDevice> find_devices();
 
+/// What to do if there is none: a driver may be missing, or memory to load it.
+std::string no_device_remedy();
+
 /// Asks a device again; memory figures may have changed.
 DeviceInfo describe(cl_platform_id platform, cl_device_id id);
 

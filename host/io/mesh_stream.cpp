@@ -4,8 +4,10 @@
 #include <string>
 
 #include "host/io/block_spool.hpp"
+#include "host/io/element_table.hpp"
 #include "host/io/formats.hpp"
 #include "host/io/vtu_layout.hpp"
+#include "mortise/error.hpp"
 #include "mortise/io.hpp"
 
 namespace mortise {
@@ -26,10 +28,44 @@ io::ArrayWriter joined(SpooledArray& array) {
 
 }  // namespace
 
-/// What is known once the totals are.
 struct MeshFileStream::Implementation {
-    Implementation(const std::string& path, io::Packing pack) : file(path), spool(path), packing(pack) {}
+    Implementation(const std::string& path, io::Packing pack) : name(path), spool(path), packing(pack) {
+        file.emplace(path);
+    }
 
+    /// Calls come as begin, add, ..., add, commit.
+    enum class State { kNew, kBegun, kEnded };
+    void expect(State wanted, const char* call) {
+        if (state == wanted) return;
+        static constexpr const char* kFound[] = {"before begin()", "after begin()", "after the end"};
+        refuse(std::string(call) + " was called " + kFound[static_cast<std::size_t>(state)] +
+               "; call begin() once, add() for each part, then commit() once");
+    }
+
+    /// Ends the stream; its file goes first, since nobody may catch this.
+    [[noreturn]] void refuse(const std::string& cause) {
+        file.reset();
+        state = State::kEnded;
+        throw Error(ExitCode::kUsage, "'" + name + "': " + cause);
+    }
+
+    /// Whether a part fits into what begin() was told, and its arrays into each other.
+    void count(const Mesh& part, const std::vector<float>& scaled_jacobians) {
+        bool fits = scaled_jacobians.size() == part.element_count() &&
+                    part.points.size() == 3 * part.node_count() &&
+                    part.model_dimension.size() == part.node_count();
+        added.nodes += part.node_count();
+        fits = fits && added.nodes <= totals.nodes;
+        for (std::size_t t = 0; t < kElementTypes; ++t) {
+            const ElementBlock& block = part.elements[t];
+            added.elements[t] += block.size();
+            fits = fits && block.nodes.size() == block.size() * io::nodes_per_element(t) &&
+                   block.kind.size() == block.size() && added.elements[t] <= totals.elements[t];
+        }
+        if (!fits) refuse("a part has arrays of unequal length, or more than begin() was told of");
+    }
+
+    /// What is known once the totals are.
     struct Arrays {
         Arrays(io::Spool& spool, const MeshTotals& totals, io::Packing packing)
             : runs(totals),
@@ -53,10 +89,12 @@ struct MeshFileStream::Implementation {
             }));
     }
 
-    io::TemporaryFile file;
+    std::string name;
+    State state = State::kNew;
+    std::optional<io::TemporaryFile> file;
     io::Spool spool;
     io::Packing packing;
-    MeshTotals totals;
+    MeshTotals totals, added;
     Mesh outline;
     std::optional<Arrays> arrays;
 };
@@ -65,7 +103,7 @@ MeshFileStream::MeshFileStream(const std::string& path, const MeshFileOptions& o
     check_writable(path);
     constexpr const char* kExtension = ".vtu";
     const std::size_t length = std::string(kExtension).size();
-    if (path.size() < length || path.compare(path.size() - length, length, kExtension) != 0) {
+    if (path.size() < length || io::lower_case(path.substr(path.size() - length)) != kExtension) {
         throw Error(ExitCode::kUsage,
                     "'" + path + "': a mesh in parts (--memory) can be written as .vtu only");
     }
@@ -75,12 +113,16 @@ MeshFileStream::MeshFileStream(const std::string& path, const MeshFileOptions& o
 MeshFileStream::~MeshFileStream() = default;
 
 void MeshFileStream::begin(const MeshTotals& totals, const Mesh& outline) {
+    implementation_->expect(Implementation::State::kNew, "begin()");
+    implementation_->state = Implementation::State::kBegun;
     implementation_->totals = totals;
     implementation_->outline = outline;
     implementation_->arrays.emplace(implementation_->spool, totals, implementation_->packing);
 }
 
 void MeshFileStream::add(const Mesh& part, const std::vector<float>& scaled_jacobians) {
+    implementation_->expect(Implementation::State::kBegun, "add()");
+    implementation_->count(part, scaled_jacobians);
     Implementation::Arrays& arrays = *implementation_->arrays;
     const bool is_wide = io::index_bytes(implementation_->totals) == sizeof(std::int64_t);
     arrays.points.add(0, part.points.size() * sizeof(double), io::memory_source(part.points.data()));
@@ -107,6 +149,10 @@ void MeshFileStream::add(const Mesh& part, const std::vector<float>& scaled_jaco
 
 void MeshFileStream::commit() {
     Implementation& all = *implementation_;
+    all.expect(Implementation::State::kBegun, "commit()");
+    if (all.added.nodes != all.totals.nodes || all.added.elements != all.totals.elements)
+        all.refuse("commit() was called before all nodes and elements that begin() was told of");
+    all.state = Implementation::State::kEnded;
     io::VtuArrays arrays;
     arrays.points = joined(all.arrays->points);
     arrays.model_dimension = joined(all.arrays->model_dimension);
@@ -114,8 +160,8 @@ void MeshFileStream::commit() {
     arrays.region = joined(all.arrays->region);
     arrays.kind = joined(all.arrays->kind);
     arrays.scaled_jacobian = joined(all.arrays->scaled_jacobian);
-    io::write_vtu_file(all.totals, all.outline, arrays, all.packing, all.file);
-    all.file.commit();
+    io::write_vtu_file(all.totals, all.outline, arrays, all.packing, *all.file);
+    all.file->commit();
 }
 
 }  // namespace mortise

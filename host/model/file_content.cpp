@@ -39,12 +39,15 @@ std::string read_file(const std::string& path) {
 }
 
 std::string format_of(const std::string& path) {
-    std::string format = std::filesystem::path(path).extension().string();
-    for (char& c : format) {
+    return format_named(std::filesystem::path(path).extension().string());
+}
+
+std::string format_named(std::string extension) {
+    for (char& c : extension) {
         if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
     }
-    if (!format.empty()) format.erase(0, 1);
-    return format;
+    if (!extension.empty() && extension.front() == '.') extension.erase(0, 1);
+    return extension;
 }
 
 }  // namespace mortise::model_reader

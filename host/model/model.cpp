@@ -1,4 +1,5 @@
-// The model arena and the ready-made primitives: every node that enters a Model is checked here.
+// The model arena and the ready-made primitives: every node that enters a Model is checked here, and again
+// with all else before it is used, since its fields are open to everybody.
 #include "mortise/model.hpp"
 
 #include <algorithm>
@@ -82,6 +83,8 @@ void require_rounded(const Primitive& primitive) {
         refuse("rounded solid: it has no balls; expected at least one");
     }
     const RoundedSolid& solid = *primitive.rounded;
+    if (solid.shape > RoundedSolid::Shape::kRing)
+        refuse("rounded solid: unknown shape " + std::to_string(static_cast<int>(solid.shape)));
     const bool plate = solid.shape == RoundedSolid::Shape::kPlate;
     for (const Ball& ball : solid.balls) {
         require_finite("rounded solid", "center", ball.center);
@@ -122,7 +125,8 @@ void check_primitive(const Primitive& primitive) {
     refuse("primitive: unknown kind " + std::to_string(static_cast<int>(primitive.kind)));
 }
 
-void check_node(const CsgNode& node, std::size_t index) {
+/// What a node says of others.
+void check_children(const CsgNode& node, std::size_t index) {
     for (const std::uint32_t child : node.children) {
         if (child >= index) {
             refuse("model node " + std::to_string(index) + ": child " + std::to_string(child) +
@@ -133,24 +137,83 @@ void check_node(const CsgNode& node, std::size_t index) {
     switch (node.op) {
         case CsgNode::Op::kPrimitive:
             if (count != 0) refuse("model node " + std::to_string(index) + ": a primitive has no children");
-            check_primitive(node.primitive);
             return;
         case CsgNode::Op::kUnion:
         case CsgNode::Op::kIntersection:
         case CsgNode::Op::kDifference: return;
         case CsgNode::Op::kTransform:
-        case CsgNode::Op::kComplement: break;
+        case CsgNode::Op::kComplement:
+            if (count == 1) return;
+            refuse("model node " + std::to_string(index) + ": it has " + std::to_string(count) +
+                   " children; expected exactly one");
     }
-    if (count != 1) {
-        refuse("model node " + std::to_string(index) + ": it has " + std::to_string(count) +
-               " children; expected exactly one");
-    }
-    if (node.op == CsgNode::Op::kComplement) return;
+    refuse("model node " + std::to_string(index) + ": unknown operation " +
+           std::to_string(static_cast<int>(node.op)) + "; expected one of CsgNode::Op");
+}
+
+/// What a node says of itself.
+void check_content(const CsgNode& node) {
+    if (node.op == CsgNode::Op::kPrimitive) check_primitive(node.primitive);
+    if (node.op != CsgNode::Op::kTransform) return;
     for (const double entry : node.map) require_finite("transform", "an entry of the matrix", entry);
     if (std::fabs(model_reader::relative_determinant(node.map)) <= model_reader::kSingular) {
         refuse(
             "transform: the matrix is singular, it would flatten the solid; expected a determinant other "
             "than 0");
+    }
+}
+
+void require_size(const char* quantity, double size) {
+    if (size >= 0 && std::isfinite(size)) return;
+    refuse(std::string(quantity) + " is " + number_text(size) +
+           "; expected a positive, finite length, or 0 for none");
+}
+
+void check_sizes_and_bounds(const CsgNode& node) {
+    require_size("max_size", node.max_size);
+    require_size("surface_size", node.surface_size);
+    if (!node.bounds) return;
+    for (std::size_t j = 0; j < 3; ++j) {
+        if (!std::isnan(node.bounds->min[j]) && !std::isnan(node.bounds->max[j])) continue;
+        refuse(std::string("its bounds along ") + "xyz"[j] + " are not numbers");
+    }
+}
+
+/// Indices of primitives, as in hints and periodic pairs.
+void check_primitives(const std::vector<CsgNode>& nodes, const std::vector<std::uint32_t>& indices) {
+    for (const std::uint32_t index : indices) {
+        if (index >= nodes.size()) {
+            refuse("node " + std::to_string(index) + " does not exist; there are " +
+                   std::to_string(nodes.size()));
+        }
+        if (nodes[index].op != CsgNode::Op::kPrimitive)
+            refuse("node " + std::to_string(index) + " is not a primitive");
+    }
+}
+
+void check_hint(const std::vector<CsgNode>& nodes, const SizeHint& hint) {
+    require_size("max_size", hint.max_size);
+    const std::size_t groups = hint.groups.size();
+    switch (hint.kind) {
+        case SizeHint::Kind::kPoint: require_finite("point", "coordinate", hint.at); break;
+        case SizeHint::Kind::kMeeting:
+            if (groups == 0) refuse("it has no groups of primitives; expected at least one");
+            break;
+        case SizeHint::Kind::kGap:
+            if (groups == 2) break;
+            refuse("it has " + std::to_string(groups) + " groups of primitives; a gap is between two");
+        default: refuse("unknown kind " + std::to_string(static_cast<int>(hint.kind)));
+    }
+    for (const auto& group : hint.groups) check_primitives(nodes, group);
+}
+
+/// Runs a check; what it refuses is told with the place.
+template <class Check>
+void check_at(const std::string& place, std::size_t index, const Check& check) {
+    try {
+        check();
+    } catch (const Error& error) {
+        throw Error(error.code(), place + std::to_string(index) + ": " + error.what());
     }
 }
 
@@ -164,9 +227,51 @@ Primitive with_radius(Primitive::Kind kind, double radius, double slope = 0) {
 
 }  // namespace
 
+void check_model(const Model& model) {
+    const std::string start = model.source + ": ";
+    const std::size_t count = model.nodes.size();
+    for (std::size_t i = 0; i < count; ++i) {
+        const CsgNode& node = model.nodes[i];
+        try {
+            check_children(node, i);
+        } catch (const Error& error) {
+            throw Error(error.code(), start + error.what());
+        }
+        check_at(start + "model node ", i, [&] {
+            check_content(node);
+            check_sizes_and_bounds(node);
+        });
+    }
+    for (std::size_t i = 0; i < model.regions.size(); ++i) {
+        const Region& region = model.regions[i];
+        check_at(start + "region ", i, [&] {
+            if (region.root >= count) {
+                refuse("its root is node " + std::to_string(region.root) + "; the model has " +
+                       std::to_string(count) + " nodes, from 0");
+            }
+            require_size("max_size", region.max_size);
+        });
+    }
+    for (std::size_t j = 0; model.clip && j < 3; ++j) {
+        if (!(model.clip->min[j] < model.clip->max[j]) ||
+            !std::isfinite(model.clip->max[j] - model.clip->min[j]))
+            refuse(start + "its clip is empty along " + "xyz"[j] +
+                   "; expected finite corners, min below max");
+    }
+    for (std::size_t i = 0; i < model.hints.size(); ++i)
+        check_at(start + "size hint ", i, [&] { check_hint(model.nodes, model.hints[i]); });
+    for (std::size_t i = 0; i < model.periodic.size(); ++i) {
+        check_at(start + "periodic pair ", i, [&] {
+            check_primitives(model.nodes, model.periodic[i].first);
+            check_primitives(model.nodes, model.periodic[i].second);
+        });
+    }
+}
+
 std::uint32_t Model::add(CsgNode node) {
     if (nodes.size() >= 0xffffffffU) refuse("model: more than 4294967295 nodes");
-    check_node(node, nodes.size());
+    check_children(node, nodes.size());
+    check_content(node);
     nodes.push_back(std::move(node));
     return static_cast<std::uint32_t>(nodes.size() - 1);
 }

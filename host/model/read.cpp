@@ -61,12 +61,13 @@ Model read_model(const std::string& path, const ReadOptions& options) {
     return parse_model(text, format, path, options);
 }
 
-Model parse_model(const std::string& text, const std::string& format, const std::string& source,
+Model parse_model(const std::string& text, const std::string& given, const std::string& source,
                   const ReadOptions& options) {
+    const std::string format = model_reader::format_named(given);
     if (format == "scad") {
         throw Error(ExitCode::kInput, source + ": a .scad file is read by its path only");
     }
-    if (!is_known_format(format)) unknown_format(source, format);
+    if (!is_known_format(format)) unknown_format(source, given);
     if (!options.definitions.empty()) {
         throw Error(ExitCode::kUsage, source + ": --define is for OpenSCAD's .scad files only");
     }

@@ -2,6 +2,7 @@
 #include "mortise/mesher.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <optional>
 
 #include "host/features/features.hpp"
@@ -82,9 +83,11 @@ struct Mesher::Implementation {
     std::string choice;
     int work_group_size = 0;
     std::optional<device::Device> device;
+    std::atomic<bool> is_busy{false};
 
     device::Device& open() {
         if (!device) {
+            pipeline::check_work_group(work_group_size);
             device::DeviceOptions options;
             options.work_group_size = work_group_size;
             device.emplace(choice, options);
@@ -99,11 +102,38 @@ Mesher::~Mesher() = default;
 Mesher::Mesher(Mesher&&) noexcept = default;
 Mesher& Mesher::operator=(Mesher&&) noexcept = default;
 
+namespace {
+
+/// What is left of a mesher after a move.
+void refuse_moved(bool is_moved) {
+    if (!is_moved) return;
+    throw Error(ExitCode::kUsage, "this mesher has been moved from; use the one that it was moved to");
+}
+
+/// A mesher at work: two runs at once, from two threads or from a run's own progress, would share its device.
+class Work {
+  public:
+    explicit Work(std::atomic<bool>& is_busy) : is_busy_(is_busy) {
+        if (is_busy_.exchange(true))
+            throw Error(ExitCode::kUsage, "this mesher is at work already; use another one beside it");
+    }
+    ~Work() { is_busy_ = false; }
+    Work(const Work&) = delete;
+    Work& operator=(const Work&) = delete;
+
+  private:
+    std::atomic<bool>& is_busy_;
+};
+
+}  // namespace
+
 Mesh generate_mesh(const Model& model, const MeshOptions& options, MeshReport* report) {
     return Mesher(options.device, options.work_group_size).generate(model, options, report);
 }
 
 Mesh Mesher::generate(const Model& model, const MeshOptions& options, MeshReport* report) {
+    refuse_moved(implementation_ == nullptr);
+    const Work work(implementation_->is_busy);
     MeshReport local;
     MeshReport& out = report != nullptr ? *report : local;
     out = MeshReport{};
@@ -170,6 +200,8 @@ Mesh Mesher::generate(const Model& model, const MeshOptions& options, MeshReport
 }
 
 void Mesher::stream(const Model& model, const MeshOptions& options, MeshSink& sink, MeshReport* report) {
+    refuse_moved(implementation_ == nullptr);
+    const Work work(implementation_->is_busy);
     MeshReport local;
     MeshReport& out = report != nullptr ? *report : local;
     out = MeshReport{};

@@ -19,6 +19,7 @@ constexpr double kSameSurface = 1e-4;
 constexpr double kLeastMinAngle = 18;  ///< of MeshOptions::min_angle
 constexpr double kMostMinAngle = 35;
 constexpr double kMostMergeDistance = 0.25;  ///< of MeshOptions::merge_distance
+constexpr int kMostSmooth = 100;             ///< of MeshOptions::smooth
 
 std::string number(double value) {
     char text[32];
@@ -78,6 +79,12 @@ void refuse_missed(const std::vector<MissedFeature>& missed, const Root& root, c
 
 }  // namespace
 
+void check_work_group(int size) {
+    if (size >= 0) return;
+    throw Error(ExitCode::kUsage, "work-group size " + std::to_string(size) +
+                                      " is out of range; use 0 for the device's default, or a size from 1");
+}
+
 void check_options(const MeshOptions& options) {
     if (options.level < 0 || options.level > octree::kMaxUniformLevel) {
         throw Error(ExitCode::kUsage, "level " + std::to_string(options.level) +
@@ -88,6 +95,19 @@ void check_options(const MeshOptions& options) {
         throw Error(ExitCode::kUsage,
                     "cell size " + number(options.size) + " is out of range; use a positive length");
     }
+    if (options.level > 0 && options.size > 0) {
+        throw Error(ExitCode::kUsage, "level " + std::to_string(options.level) + " and cell size " +
+                                          number(options.size) + " are both given; leave one of them 0");
+    }
+    if (options.smooth < 0 || options.smooth > kMostSmooth) {
+        throw Error(ExitCode::kUsage, "smoothing by " + std::to_string(options.smooth) +
+                                          " rounds is out of range; use 0 to " + std::to_string(kMostSmooth));
+    }
+    if (options.threads < 0) {
+        throw Error(ExitCode::kUsage, "threads " + std::to_string(options.threads) +
+                                          " is out of range; use 0 for all cores, or a count from 1");
+    }
+    check_work_group(options.work_group_size);
     if (options.pieces < 1 || options.pieces > 4096) {
         throw Error(ExitCode::kUsage,
                     "pieces " + std::to_string(options.pieces) + " is out of range; use 1 to 4096");
@@ -119,6 +139,11 @@ void check_options(const MeshOptions& options) {
                    std::isfinite(source.grading) && std::isfinite(source.at[0] + source.at[1] + source.at[2]);
     }
     if (!positive) throw Error(ExitCode::kUsage, "cell sizes must be positive and finite");
+    if (options.size_max > 0 && options.size_min > options.size_max) {
+        throw Error(ExitCode::kUsage, "the smallest cell size " + number(options.size_min) +
+                                          " is above the largest, " + number(options.size_max) +
+                                          "; give size_min (--size-min) up to size_max (--size-max)");
+    }
     if (!options.box) return;
     for (std::size_t j = 0; j < 3; ++j) {
         if (!(options.box->min[j] < options.box->max[j]) ||
@@ -133,6 +158,7 @@ Prepared prepare(const std::function<device::Device&()>& open_device, const Mode
                  const MeshOptions& options, Stages& stages, MeshReport& out) {
     Prepared result;
     stages.begin("compile", 0);
+    check_model(model);
     result.compiled = tape::compile(model, options.box ? &*options.box : nullptr);
     const tape::CompiledModel& compiled = result.compiled;
     const Box3 bounds =
@@ -159,10 +185,11 @@ Prepared prepare(const std::function<device::Device&()>& open_device, const Mode
         const double distance = std::ldexp(kSameSurface, -planned->levels.finest());
         tape::BoundModel merged = tape::bind(compiled, root.origin, root.side, distance);
         if (merged.nearly_equal > 0) {
-            out.warnings.push_back(
-                std::to_string(merged.nearly_equal) +
-                " surfaces that lie within 1/10000 of a cell of another were taken for it; "
-                "--strict keeps them apart");
+            out.warnings.push_back(std::to_string(merged.nearly_equal) +
+                                   (merged.nearly_equal == 1
+                                        ? " surface that lies within 1/10000 of a cell of another was"
+                                        : " surfaces that lie within 1/10000 of a cell of another were") +
+                                   " taken for it; --strict keeps them apart");
             bound = std::move(merged);
             planned.emplace(plan_sizes(options, compiled, bound, bounds, root.level));
         }

@@ -40,6 +40,9 @@ struct Extracted {
     std::uint64_t first_troubled = ~std::uint64_t{0};  ///< Morton code of the first of them
 };
 
+/// Throws Error(kUsage) for a negative size.
+void check_work_group(int size);
+
 /// Throws Error(kUsage) for options out of range.
 void check_options(const MeshOptions& options);
 

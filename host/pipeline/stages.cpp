@@ -17,7 +17,7 @@ double process_seconds() {
 void Stages::begin(const char* stage, double progress) {
     end(0);
     if (options_.progress && !options_.progress(stage, progress)) {
-        throw Error(ExitCode::kMeshing, "interrupted");
+        throw Interrupted();
     }
     stage_ = stage;
     wall_ = std::chrono::steady_clock::now();

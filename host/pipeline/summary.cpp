@@ -6,6 +6,7 @@
 namespace mortise {
 
 ModelSummary summarize(const Model& model) {
+    check_model(model);
     const tape::CompiledModel compiled = tape::compile(model);
     ModelSummary summary;
     summary.surfaces = compiled.surface_names;

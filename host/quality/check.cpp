@@ -31,6 +31,7 @@ CheckReport check_mesh(const Mesh& mesh) {
 
 std::vector<float> scaled_jacobians(const Mesh& mesh) {
     constexpr std::size_t kChunk = 16384;
+    quality::require_elements(mesh);
     std::vector<float> values(mesh.element_count());
     std::size_t first = 0;
     for (int t = 0; t < kElementTypes; ++t) {

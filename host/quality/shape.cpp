@@ -2,6 +2,9 @@
 #include "host/quality/shape.hpp"
 
 #include <algorithm>
+#include <string>
+
+#include "mortise/error.hpp"
 
 namespace mortise::quality {
 namespace {
@@ -69,6 +72,22 @@ ShapeFigures figures_of(ElementType type, const Vector* p) {
 }
 
 }  // namespace
+
+void require_elements(const Mesh& mesh) {
+    const std::size_t nodes = mesh.node_count();
+    for (std::size_t t = 0; t < kElementTypes; ++t) {
+        const ElementBlock& block = mesh.elements[t];
+        const bool fits = block.nodes.size() == block.size() * static_cast<std::size_t>(kElementNodes[t]) &&
+                          block.kind.size() == block.size();
+        if (fits && std::all_of(block.nodes.begin(), block.nodes.end(),
+                                [nodes](NodeId node) { return node < nodes; }))
+            continue;
+        throw Error(ExitCode::kMeshing,
+                    std::string("invalid mesh: elements with ") +
+                        (fits ? "a node index out of range" : "arrays of unequal length") +
+                        "; see check_mesh");
+    }
+}
 
 ShapeFigures shape_figures(ElementType type, const Corners& corners) {
     return figures_of<true>(type, corners.p);

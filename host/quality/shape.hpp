@@ -19,6 +19,10 @@ struct ShapeFigures {
     double max_cosine = -1;  ///< cosine of the smallest dihedral angle
 };
 
+/// Throws Error(kMeshing) if elements have arrays of wrong lengths or name nodes that are not there: what
+/// shapes take for granted.
+void require_elements(const Mesh& mesh);
+
 ShapeFigures shape_figures(ElementType type, const Corners& corners);
 
 /// Most dihedral angles of one element: a hexahedron's, three at each corner.

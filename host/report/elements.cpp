@@ -159,6 +159,7 @@ void report_elements(const Mesh& mesh, int worst, int threads, QualityReport& re
 namespace mortise {
 
 QualityReport element_quality(const Mesh& mesh, int worst) {
+    quality::require_elements(mesh);
     QualityReport report;
     report::report_elements(mesh, worst, 0, report);
     return report;

@@ -47,11 +47,12 @@ struct CheckReport {
 /// elements; Jacobian positive everywhere (a lower bound by Bézier coefficients with subdivision, not
 /// corners only); every facet shared by at most two elements, oppositely oriented, a quadrilateral never
 /// against triangles; the boundary closed; facet list equal to the boundary and the region interfaces,
-/// with the right orientation and regions.
+/// with the right orientation and regions. Where indices or lengths of arrays are wrong, that alone is told.
 CheckReport check_mesh(const Mesh& mesh);
 
 /// Scaled Jacobian per element, in the order of mesh.elements: the smallest corner triple product of unit
-/// edges; a regular tetrahedron gives 0.707; a pyramid's apex is left out. Length: element_count().
+/// edges; a regular tetrahedron gives 0.707; a pyramid's apex is left out. Length: element_count(). Throws
+/// Error(kMeshing) if element arrays have wrong lengths or name nodes that are not there.
 std::vector<float> scaled_jacobians(const Mesh& mesh);
 
 }  // namespace mortise

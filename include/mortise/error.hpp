@@ -31,6 +31,13 @@ class Error : public std::runtime_error {
     ExitCode code_;
 };
 
+/// MeshOptions::progress asked to stop: an Error(kMeshing), so catch this one first to tell it from a
+/// failure.
+class Interrupted : public Error {
+  public:
+    Interrupted() : Error(ExitCode::kMeshing, "interrupted") {}
+};
+
 /// A place in a text file. Lines and columns count from 1; 0 means unknown.
 struct SourceLocation {
     std::uint32_t line = 0;

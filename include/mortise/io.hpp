@@ -15,17 +15,18 @@ struct MeshFileOptions {
     bool compress = true;  ///< arrays of .vtu by zlib; else several times larger files in less time
 };
 
-/// Writes a mesh; the format follows from the extension: .vtu (VTK XML, appended), .msh (Gmsh 4.1, binary).
-/// Written to a temporary name beside `path` and renamed at the end, so a file of that name is always whole.
-/// Throws Error(kUsage) for an unknown extension, Error(kFiles) with the cause.
+/// Writes a mesh; the format follows from the extension, in any case of letters: .vtu (VTK XML, appended),
+/// .msh (Gmsh 4.1, binary). Written to a temporary name beside `path` and renamed at the end, so a file of
+/// that name is always whole. Throws Error(kUsage) for an unknown extension, Error(kFiles) with the cause.
 ///
 /// `jacobians`: what scaled_jacobians(mesh) gives (mortise/check.hpp), if it is known already.
 void write_mesh(const Mesh& mesh, const std::string& path, const std::vector<float>& jacobians = {},
                 const MeshFileOptions& options = {});
 
 /// Writes a mesh that comes in parts (Mesher::stream): the same bytes as write_mesh, but .vtu only. What has
-/// come waits, packed as it will be, in an unnamed temporary file beside `path`; commit() joins it. Errors as
-/// those of write_mesh; without commit() there is no file.
+/// come waits, packed as it will be, in an unnamed temporary file beside `path`; commit() joins it, once.
+/// Errors as those of write_mesh, and Error(kUsage) for calls in another order; without commit() there is no
+/// file.
 class MeshFileStream : public MeshSink {
   public:
     explicit MeshFileStream(const std::string& path, const MeshFileOptions& options = {});

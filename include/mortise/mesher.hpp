@@ -16,7 +16,8 @@
 
 namespace mortise {
 
-/// Largest resolution level: 3 × 19 bits of coordinate, 5 of level and 2 of axis fill a 64-bit key.
+/// Level of the smallest cells that sizes, `refine` and curvature can ask for; MeshOptions::level, of cells
+/// of one size, ends at 10. 3 × 19 bits of coordinate, 5 of level and 2 of axis fill a 64-bit key.
 inline constexpr int kMaxLevel = 18;
 
 /// A wish for small cells around a point: at distance d from it none is larger than size + grading × d.
@@ -27,8 +28,8 @@ struct SizeSource {
 };
 
 struct MeshOptions {
-    int level = 0;    ///< root box split `level` times; 0: from `size`, or the default of 6
-    double size = 0;  ///< edge length of a cell in model units; 0: from `level`
+    int level = 0;    ///< root box split `level` times, 10 at most; 0: from `size`, or the default of 6
+    double size = 0;  ///< edge length of a cell in model units, instead of `level`; 0: from `level`
     // What follows makes cells of several sizes, in steps of two, and `level` or `size` those at a boundary
     // that asks for nothing else.
     int refine = 0;                 ///< levels by which cells may be smaller where features ask for it
@@ -39,7 +40,7 @@ struct MeshOptions {
     std::vector<std::pair<std::string, double>> named_sizes;
     std::string size_formula;     ///< largest cell as a function of x, y, z (docs/formulas.md); empty: none
     double size_max = 0;          ///< no cell is larger, if positive
-    double size_min = 0;          ///< no cell is smaller, if positive
+    double size_min = 0;          ///< no cell is smaller, if positive; at most size_max
     int interior_coarsening = 0;  ///< levels by which IN cells away from the boundary may be larger
     bool box_fit =
         false;  ///< shift the grid, and enlarge cells a little, so that faces of the model lie on it
@@ -47,7 +48,7 @@ struct MeshOptions {
     bool templates = true;    ///< false: every NIO cell by the certificate
     bool snap = true;         ///< vertices near a smooth surface move onto it; needs `templates`
     bool improve = true;      ///< false: elements stay as templates and certificate make them
-    int smooth = 4;           ///< rounds of node repositioning; 0: nodes move only onto the model
+    int smooth = 4;  ///< rounds of node repositioning, 100 at most; 0: nodes move only onto the model
     /// Degrees: elements are improved until no dihedral angle is smaller, 18 to 35. What goes with it, for
     /// 18, 25 and 32 degrees: angles of 155, 145 and 134 at most, scaled Jacobians of 0.2, 0.27 and 0.34.
     double min_angle = 18;
@@ -64,8 +65,10 @@ struct MeshOptions {
     int threads = 0;          ///< host threads for extraction; 0: all cores
     std::string device;       ///< as printed by `mortise devices`; empty: environment, else default
     int work_group_size = 0;  ///< 0: the device class's default
-    /// Called with a stage name and progress in [0, 1]; may be empty. Returning false stops the run with
-    /// Error(kMeshing, "interrupted").
+    /// Called with a stage's name and progress in [0, 1] when the stage begins, by the thread that meshes;
+    /// may be empty. Between two calls may lie 40 % of a run, as during `extract` or `improve` of a large
+    /// mesh. Returning false stops the run there, with Interrupted; what it throws goes to the caller of the
+    /// mesher.
     std::function<bool(const char* stage, double progress)> progress;
 };
 
@@ -127,17 +130,21 @@ struct ModelSummary {
     std::vector<double> surface_size;   ///< parallel: element size that the model wants there; 0: none
 };
 
-/// Throws Error(kInput) for a model that is empty by its structure.
+/// Throws Error(kInput) for a model that check_model refuses, or that is empty by its structure.
 ModelSummary summarize(const Model& model);
 
 /// Meshes a model. Deterministic: the same model and options give the same mesh, bit for bit, whatever the
-/// device, thread count and work-group size. Throws Error(kInput) for an empty or unbounded solid,
-/// Error(kDevice) and Error(kUsage) as their names say.
+/// device, thread count and work-group size. Throws Error(kInput) for an empty or unbounded solid and what
+/// check_model refuses, Error(kDevice) and Error(kUsage) as their names say.
+///
+/// With PoCL, the first mesh of a process loads LLVM, which sets handlers for SIGINT, SIGTERM, SIGHUP,
+/// SIGABRT, SIGSEGV and the like. They remove LLVM's own files, put back the handlers that were there before
+/// and hand the signal on to them. Handlers that are set after the first mesh replace them.
 Mesh generate_mesh(const Model& model, const MeshOptions& options = {}, MeshReport* report = nullptr);
 
 /// Meshes one model after another on one device, whose kernels stay loaded: for many small models, where
 /// loading them would take longer than meshing. Used by one thread at a time; several meshers may run at
-/// once.
+/// once. One that is at work already, or has been moved from, throws Error(kUsage).
 class Mesher {
   public:
     /// The device is opened at the first mesh; arguments as MeshOptions::device and work_group_size.

@@ -166,6 +166,11 @@ struct Model {
     std::uint32_t add_transform(const Affine& map, std::uint32_t child);
 };
 
+/// Throws Error(kInput) for the first thing wrong with a model whose fields were filled in by hand: indices
+/// out of range, nodes above themselves, numbers that are not finite or have the wrong sign. Whatever takes a
+/// model calls it; formulas are parsed later.
+void check_model(const Model& model);
+
 // Ready-made primitives, each in the frame that its name suggests. Sizes are checked: a radius or
 // edge that is not positive and finite throws Error(kInput).
 Primitive half_space(const Vec3& point, const Vec3& outward_normal);
@@ -198,14 +203,16 @@ struct ReadOptions {
     double conversion_seconds = 300;
 };
 
-/// Reads a model; the format follows from the extension (.csg, .scad, .geo, .stl, .obj, .off, .formula, .vm,
-/// .frep). A .scad file is converted by the program openscad, which must be installed.
+/// Reads a model; the format follows from the extension, in any case of letters (.csg, .scad, .geo, .stl,
+/// .obj, .off, .formula, .vm, .frep). A .scad file is converted by the program openscad, which must be
+/// installed.
 ///
 /// Throws Error(kFiles) if the file cannot be read and Error(kInput), with file:line:column, what was
 /// expected and what to do, for anything that is not understood. Nothing is skipped silently.
 Model read_model(const std::string& path, const ReadOptions& options = {});
 
-/// The same for a text in memory; `source` is used in messages, `format` is the extension without dot.
+/// The same for a text in memory; `source` is used in messages, `format` is the extension, with or without
+/// dot.
 Model parse_model(const std::string& text, const std::string& format, const std::string& source,
                   const ReadOptions& options = {});
 

@@ -113,7 +113,8 @@ struct QualityReport {
 
 inline constexpr int kWorstElements = 10;
 
-/// The part of the report that needs no model: shapes, angles and the worst elements. Deterministic.
+/// The part of the report that needs no model: shapes, angles and the worst elements. Deterministic. Throws
+/// Error(kMeshing) if element arrays have wrong lengths or name nodes that are not there.
 QualityReport element_quality(const Mesh& mesh, int worst = kWorstElements);
 
 }  // namespace mortise

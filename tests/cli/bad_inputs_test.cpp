@@ -60,6 +60,8 @@ const BadModel kBadModels[] = {
     {"itself.csg", "difference() { cube(1); cube(1); }", kInput, "empty"},
     {"plane.geo", kGeo + "solid s = plane (0, 0, 0; 0, 0, 1);\ntlo s;\n", kInput, "--box"},
     {"cylinder.geo", kGeo + "solid s = cylinder (0, 0, 0; 0, 0, 1; 0.5);\ntlo s;\n", kInput, "--box"},
+    {"bounds.formula", "bounds nan 0 0 1 1 1\nx", kInput,
+     "bounds.formula:1:8: bounds: expected six finite numbers, found 'nan'"},
     {"word.geo", kGeo + "solid s = frobnicate (0, 0, 0; 1);\ntlo s;\n", kInput, "'frobnicate'"},
     {"no_object.geo", kGeo + "solid s = sphere (0, 0, 0; 1);\n", kInput, "tlo"},
     {"model.step", "solid\n", kInput, "unknown model format"},
@@ -108,6 +110,7 @@ TEST_CASE("numbers out of range") {
         {"--curvature-elements", "12"},
         {"--refine", "1", "--curvature-elements", "2"},
         {"--size-max", "0"},
+        {"--size-max", "0.1", "--size-min", "1"},
         {"--size-min", "-1"},
         {"--size-of", "no_such_name", "1"},
         {"--size-of", "block", "0"},
@@ -158,6 +161,17 @@ TEST_CASE("a command line that is not understood") {
     expect_failure(scratch, kUsage, "no mesh given", {"check"});
     expect_failure(scratch, kUsage, "no model given", {"info"});
     expect_failure(scratch, kUsage, "'--level'", {"check", out, "--level", "3"});
+    expect_failure(scratch, kUsage, "two values, NAME H", {model, "-o", out, "--size-of", "block"});
+    expect_failure(scratch, kUsage, "five numbers, X Y Z H G", {model, "-o", out, "--size-at", "1", "2"});
+    expect_failure(scratch, kUsage, "from 1 to 10", {model, "-o", out, "--level", "0"});
+    expect_failure(scratch, kUsage, "(--size-min) up to size_max",
+                   {model, "-o", out, "--size-max", "0.1", "--size-min", "1"});
+    for (const char* option : {"--quality", "--picture", "--report=r.json", "--memory", "--features"}) {
+        expect_failure(scratch, kUsage, std::string("'") + option + "' is for meshing a single model",
+                       {"batch", model, "-o", scratch.file("out"), option});
+    }
+    expect_failure(scratch, kUsage, "unexpected argument '--colour'; see mortise batch --help",
+                   {"batch", model, "-o", scratch.file("out"), "--colour"});
 }
 
 TEST_CASE("an output that cannot be written is refused before the work") {
@@ -212,6 +226,15 @@ TEST_CASE("a device that cannot be used") {
     const Outcome doctor = run({"doctor"}, {{"OCL_ICD_VENDORS", absent}});
     CHECK(doctor.code == kDevice);
     CHECK(contains(doctor.out, "FAIL  OpenCL devices"));
+    // A driver that cannot be loaded for want of memory is not there, either.
+    rlimit limit{};
+    REQUIRE(getrlimit(RLIMIT_AS, &limit) == 0);
+    rlimit small = limit;
+    small.rlim_cur = rlim_t{512} << 20;
+    REQUIRE(setrlimit(RLIMIT_AS, &small) == 0);
+    expect_failure(scratch, kDevice, "512 MiB of memory (ulimit -v)", arguments,
+                   {{"OCL_ICD_VENDORS", absent}});
+    REQUIRE(setrlimit(RLIMIT_AS, &limit) == 0);
 }
 
 TEST_CASE("a disk that fills up leaves no part of a file") {

@@ -125,6 +125,29 @@ TEST_CASE("batch: models of one name keep their folders") {
     CHECK(scratch.names("meshes/2/inner") == Names{"part.vtu"});
 }
 
+TEST_CASE("batch: models listed twice, or with one name in one folder, cost that line only") {
+    const ScratchFolder scratch;
+    const std::string part = scratch.write("part.csg", "cube(1);");
+    const std::string repeated = asset("block.csg") + "\n\n" + part + "\n" + asset("block.csg") + "\n" + part;
+    const Outcome batch =
+        run({"batch", scratch.write("twice.txt", repeated), "-o", scratch.file("meshes"), "--level", "2"});
+    CHECK(batch.code == 1);
+    const auto lines = lines_of(batch.err);
+    REQUIRE(lines.size() == 2);
+    CHECK(contains(lines[0], "twice.txt:4: "));
+    CHECK(contains(lines[0], "listed in line 1"));
+    CHECK(contains(lines[1], "twice.txt:5: "));
+    CHECK(contains(batch.out, "2 of 4 models meshed"));
+    CHECK(scratch.names("meshes") == Names{"block.vtu", "part.vtu"});
+    const std::string alike = part + "\n" + scratch.write("part.formula", "x^2 + y^2 + z^2 - 1");
+    const Outcome clash =
+        run({"batch", scratch.write("alike.txt", alike), "-o", scratch.file("others"), "--level", "2"});
+    CHECK(clash.code == 1);
+    CHECK(is_one_line(clash.err, "mortise: "));
+    CHECK(contains(clash.err, "alike.txt:2: "));
+    CHECK(scratch.names("others") == Names{"part.vtu"});
+}
+
 TEST_CASE("batch: a mesh below the quality floor counts as meshed") {
     const ScratchFolder scratch;
     const std::string cube = scratch.write("cube.csg", "cube(1);");
@@ -179,8 +202,6 @@ TEST_CASE("batch: bad command lines and lists") {
     refused({"batch", list, "-o", folder, "--level", "77"}, 1, "77");
     refused({"batch", scratch.file("no list"), "-o", folder}, 6, "no list");
     refused({"batch", scratch.write("blank.txt", "\n# nothing\n"), "-o", folder}, 1, "lists no models");
-    const std::string twice = asset("block.csg") + "\n\n" + asset("star.csg") + "\n" + asset("block.csg");
-    refused({"batch", scratch.write("twice.txt", twice), "-o", folder}, 1, "twice.txt:4: ");
     refused({"batch", list, "-o", "/proc/nowhere/meshes"}, 6, "/proc/nowhere");
     refused({"batch", scratch.file("."), "-o", scratch.file("meshes")}, 6, "is a folder; expected a list");
 }

@@ -63,6 +63,21 @@ TEST_CASE("the models of assets/ give valid meshes in both formats") {
     CHECK(scratch.names("out").size() == 12);
 }
 
+TEST_CASE("extensions mean the same in any case of letters") {
+    const ScratchFolder scratch;
+    scratch.names("out");
+    const std::string model = scratch.write("part.CSG", read_file(asset("block.csg")));
+    CHECK(run({model, "-o", scratch.file("out/a.VTU"), "-o", scratch.file("out/b.Msh"), "--picture",
+               scratch.file("out/c.PNG"), "--report", scratch.file("out/d.Json"), "--features",
+               scratch.file("out/e.VTP"), "--level", "3"})
+              .code == 0);
+    CHECK(run({model, "-o", scratch.file("out/f.VTU"), "--memory", "1G", "--level", "3"}).code == 0);
+    CHECK(scratch.names("out") == Names{"a.VTU", "b.Msh", "c.PNG", "d.Json", "e.VTP", "f.VTU"});
+    CHECK(read_file(scratch.file("out/f.VTU")) == read_file(scratch.file("out/a.VTU")));
+    CHECK(run({"check", scratch.file("out/a.VTU")}).code == 0);
+    CHECK(run({"check", scratch.file("out/b.Msh")}).code == 0);
+}
+
 TEST_CASE("the summary tells what to do about a wall that is too thin, and only then") {
     const ScratchFolder scratch;
     scratch.names("out");

@@ -184,7 +184,7 @@ TEST_CASE(
 }
 
 TEST_CASE("unknown extensions are usage errors") {
-    for (const char* path : {"mesh", "mesh.stl", "folder.vtu/mesh", ".vtu", "mesh.VTU", ""}) {
+    for (const char* path : {"mesh", "mesh.stl", "folder.vtu/mesh", ".vtu", "mesh.VTX", ""}) {
         CAPTURE(path);
         for (const Error& error :
              {error_of([&] { write_mesh(mixed(), path); }), error_of([&] { check_writable(path); }),

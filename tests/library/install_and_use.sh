@@ -10,6 +10,11 @@ cmake -S "$here" -B "$scratch/build" -G Ninja -DCMAKE_PREFIX_PATH="$scratch/pref
 cmake --build "$scratch/build" >/dev/null
 "$scratch/build/example" "$scratch"
 "$scratch/prefix/bin/mortise" --version
+# The same without CMake.
+packages="$(dirname "$(find "$scratch/prefix" -name mortise.pc)")"
+read -ra flags <<<"$(PKG_CONFIG_PATH="$packages" pkg-config --cflags --libs mortise)"
+"${CXX:-c++}" -std=c++17 "$here/example.cpp" "${flags[@]}" -Wl,-rpath,"$(dirname "$packages")" -o "$scratch/by_pkg_config"
+"$scratch/by_pkg_config" "$scratch" >/dev/null
 for mesh in "$scratch"/plate1.vtu "$scratch"/plate20.vtu "$scratch"/large.vtu; do
     "$2" check "$mesh" >/dev/null
 done

@@ -190,6 +190,7 @@ TEST_CASE("every file of the corpora is read, or refused for a known reason") {
             try {
                 const Model model = read_model(path.string());
                 CHECK_FALSE(model.regions.empty());
+                CHECK_NOTHROW(check_model(model));
                 ++read;
             } catch (const Error& error) {
                 const std::string message = error.what();

@@ -9,13 +9,14 @@
 namespace mortise::model_reader {
 namespace {
 
-/// Whether the line at the cursor is a "bounds" line: not a definition of that name.
+/// Whether the line at the cursor is a "bounds" line: not a definition of that name. No formula has a name
+/// after a name, so a word there (nan) is a wrong number.
 bool is_bounds_line(TextCursor cursor) {
     if (cursor.take_name() != "bounds") return false;
     const bool blank = cursor.peek() == ' ' || cursor.peek() == '\t';
     while (cursor.peek() == ' ' || cursor.peek() == '\t') cursor.advance();
-    return blank &&
-           (is_digit(cursor.peek()) || cursor.peek() == '-' || cursor.peek() == '+' || cursor.peek() == '.');
+    return blank && (is_name_part(cursor.peek()) || cursor.peek() == '-' || cursor.peek() == '+' ||
+                     cursor.peek() == '.');
 }
 
 Box3 read_bounds(TextCursor& cursor) {
@@ -29,6 +30,8 @@ Box3 read_bounds(TextCursor& cursor) {
             negative = cursor.peek() == '-';
             cursor.advance();
         }
+        if (is_name_part(cursor.peek()) && !is_digit(cursor.peek()))
+            cursor.fail_here("bounds: expected six finite numbers, found " + cursor.found());
         number = cursor.take_number();
         if (negative) number = -number;
     }
