@@ -59,6 +59,15 @@ MORTISE_FUNCTION double surface_patch(MORTISE_GLOBAL Surface* s, MORTISE_GLOBAL 
     return patch_sample(data, data + (u32)s->form[0], s->form[2], u, gradient);
 }
 
+// Where a formula is no number it is asked a little beside, in box-local x: sin(x)/x has no value at 0, but
+// its limit. What is no number there either is outside: a root search then ends at the edge of the domain.
+#define kBesideNan (1.0 / 4194304.0)
+
+MORTISE_FUNCTION void surface_frame_beside(MORTISE_GLOBAL Surface* s, double x, double y, double z,
+                                           double* u) {
+    surface_frame(s, x + kBesideNan, y + 0.618 * kBesideNan, z + 0.414 * kBesideNan, u);
+}
+
 // f(x) alone: what sign tests and root finding need.
 MORTISE_FUNCTION double surface_value(MORTISE_GLOBAL Surface* s, MORTISE_GLOBAL ExpressionOp* ops, double x,
                                       double y, double z) {
@@ -72,8 +81,11 @@ MORTISE_FUNCTION double surface_value(MORTISE_GLOBAL Surface* s, MORTISE_GLOBAL 
                s->form[3];
     }
     if (s->kind == kSurfaceExpression) {
-        // Where a formula is no number is outside: a root search then ends at the edge of its domain.
-        const double value = expression_value(ops + s->first_op, s->op_count, u);
+        double value = expression_value(ops + s->first_op, s->op_count, u);
+        if (value != value) {
+            surface_frame_beside(s, x, y, z, u);
+            value = expression_value(ops + s->first_op, s->op_count, u);
+        }
         return value == value ? value : kMortiseInfinity;
     }
     if (s->kind == kSurfacePatch) {
@@ -109,6 +121,10 @@ MORTISE_FUNCTION SurfaceSample surface_sample(MORTISE_GLOBAL Surface* s, MORTISE
         for (int i = 0; i < 3; ++i) d[i] = 2 * s->form[i] * u[i];
     } else if (s->kind == kSurfaceExpression) {
         result.value = expression_sample(ops + s->first_op, s->op_count, u, d);
+        if (result.value != result.value) {
+            surface_frame_beside(s, x, y, z, u);
+            result.value = expression_sample(ops + s->first_op, s->op_count, u, d);
+        }
         if (result.value != result.value) result.value = kMortiseInfinity;
     } else if (s->kind == kSurfacePatch) {
         result.value = surface_patch(s, ops, u, d);
@@ -137,7 +153,8 @@ MORTISE_FUNCTION SurfaceSample surface_sample(MORTISE_GLOBAL Surface* s, MORTISE
 }
 
 // Sign of f at a point: -1 inside, +1 outside, 0 when the point is within kSignTolerance·cell_size of the
-// surface to first order. NaN counts as outside. Pure: the same point has the same sign in every cell.
+// surface to first order. NaN there and beside it counts as outside. Pure: the same point has the same sign
+// in every cell.
 MORTISE_FUNCTION int surface_sign(MORTISE_GLOBAL Surface* s, MORTISE_GLOBAL ExpressionOp* ops, double x,
                                   double y, double z, double cell_size) {
     const SurfaceSample sample = surface_sample(s, ops, x, y, z);

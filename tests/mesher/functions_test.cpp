@@ -1,6 +1,7 @@
 // Solids that are functions, meshed: volumes against closed forms and sums over the function itself.
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <iostream>
@@ -54,6 +55,28 @@ TEST_CASE("assets: a formula and a periodic sheet") {
     const double sheet = asset_volume("gyroid.csg", 6, 0);
     CHECK(sheet > 0.4 * box);  // 3.09 of area per cube of the period, times the thickness
     CHECK(sheet < 0.6 * box);
+}
+
+TEST_CASE("formulas without a value on a plane, a line or a point are as solid there as beside it") {
+    // The same functions with what they lack; vertices of the grid lie where they lack it.
+    const std::pair<const char*, const char*> pairs[] = {
+        {"hypot(x,hypot(y,z))-1-0.2*sin(x)/x\nbounds -2 -2 -2 2 2 2\n",
+         "hypot(x,hypot(y,z))-1-0.2*sin(x+1e-9)/(x+1e-9)\nbounds -2 -2 -2 2 2 2\n"},
+        {"r=hypot(x,hypot(y,z)); r-1-0.3*(z/r)^2\nbounds -2 -2 -2 2 2 2\n",
+         "r=hypot(x+1e-9,hypot(y,z)); r-1-0.3*(z/r)^2\nbounds -2 -2 -2 2 2 2\n"},
+        {"q=5*hypot(x,y); max(z-sin(q)/q, max(hypot(x,y)-1.7, -z-1))\nbounds -2 -2 -2 2 2 2\n",
+         "q=1e-9+5*hypot(x,y); max(z-sin(q)/q, max(hypot(x,y)-1.7, -z-1))\nbounds -2 -2 -2 2 2 2\n"}};
+    for (const auto& [lacking, whole] : pairs) {
+        CAPTURE(lacking);
+        const Meshed m = mesh_and_check(parse_model(lacking, "formula", "m.formula"), 5);
+        const Meshed expected = mesh_and_check(parse_model(whole, "formula", "m.formula"), 5);
+        CHECK(m.defects == "");
+        CHECK(m.check.euler_characteristic == 2);
+        CHECK(m.check.components == 1);
+        CHECK(m.check.volume == doctest::Approx(expected.check.volume).epsilon(1e-4));
+        CHECK(*std::min_element(m.report.scaled_jacobians.begin(), m.report.scaled_jacobians.end()) > 0.19F);
+        CHECK(m.report.warnings.empty());
+    }
 }
 
 TEST_CASE("a twisted bar, whose formula tells nothing of it far away, is found around the origin") {
