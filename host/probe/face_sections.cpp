@@ -56,21 +56,27 @@ void LeafProbe::find_section(int f) {
     for (int c = 0; c < 4; ++c) see(c & 1, c >> 1);
     if (negative == positive) return;
     hidden_sign_[0] = positive ? 1 : -1;
+    std::vector<Vec3> points;
     for (int i = 1; i < kAcross; ++i) {
-        for (int j = 1; j < kAcross; ++j) {
-            const Vec3 x = on_face(f, static_cast<double>(i) / kAcross, static_cast<double>(j) / kAcross);
-            if (!passes_through(f, x)) continue;
-            Found found;
-            is_missed(x, found);
-            std::uint32_t piece = 0;
-            for (int axis = 2; axis >= 0; --axis) {
-                const auto a = static_cast<std::size_t>(axis);
-                const double at = std::floor((x[a] - low_[a]) / edge_ * kSide);
-                const auto k = static_cast<std::uint32_t>(std::min(std::max(at, 0.0), kSide - 1.0));
-                piece = (piece << kDepth) | k;
-            }
-            found_[piece] = found;
+        for (int j = 1; j < kAcross; ++j)
+            points.push_back(on_face(f, static_cast<double>(i) / kAcross, static_cast<double>(j) / kAcross));
+    }
+    batch_.values(surface, tape::Places(points), values_);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        const Vec3& x = points[i];
+        const bool as_seen = (values_[i] <= 0) == (hidden_sign_[0] < 0);
+        if (as_seen || !passes_through(f, x)) continue;
+        Found found;
+        is_missed(x, found);
+        std::uint32_t piece = 0;
+        for (int axis = 2; axis >= 0; --axis) {
+            const auto a = static_cast<std::size_t>(axis);
+            const double at = std::floor((x[a] - low_[a]) / edge_ * kSide);
+            const auto k = static_cast<std::uint32_t>(std::min(std::max(at, 0.0), kSide - 1.0));
+            piece = (piece << kDepth) | k;
         }
+        if (found_.empty()) found_.assign(kSide * kSide * kSide, Found{});
+        found_[piece] = found;
     }
 }
 
@@ -79,8 +85,9 @@ void LeafProbe::find_sections(std::uint32_t leaf, std::vector<Component>& out) {
     for (const std::uint32_t s : winding_) {
         hidden_.assign(1, s);
         hidden_sign_.assign(1, 0);
-        found_.assign(kSide * kSide * kSide, Found{});
+        found_.clear();
         for (int f = 0; f < 6; ++f) find_section(f);
+        if (found_.empty()) continue;
         Component component;
         component.leaf = leaf;
         double deepest = -1;
@@ -92,7 +99,6 @@ void LeafProbe::find_sections(std::uint32_t leaf, std::vector<Component>& out) {
             deepest = found_[piece].value;
             component.point = found_[piece].point;
         }
-        if (component.pieces.empty()) continue;
         hidden_sign_[0] = static_cast<std::int8_t>(-sign_at(surfaces_[s], component.point));
         component.depth = 1;
         component.torn = true;

@@ -101,41 +101,6 @@ bool LeafProbe::load(const TreeNode& leaf) {
     return !hidden_.empty() && !(hidden_.size() == 1 && steady);
 }
 
-void LeafProbe::subdivide() {
-    found_.clear();
-    pieces_.assign(1, Piece{{0, 0, 0}, false});
-    for (int depth = 1;; ++depth) {
-        next_.clear();
-        for (const Piece& parent : pieces_) {
-            for (int c = 0; c < 8; ++c) {
-                Piece child = parent;
-                for (int j = 0; j < 3; ++j)
-                    child.at[j] = static_cast<std::uint8_t>(2 * parent.at[j] + ((c >> j) & 1));
-                if (!parent.decided) {
-                    const tape::Cell box = cell(child.at, depth);
-                    bool contrary = false;
-                    child.decided = true;
-                    for (std::size_t h = 0; h < hidden_.size(); ++h) {
-                        const int sign = tape::classify_surface(model_, surfaces_[hidden_[h]], box);
-                        contrary = contrary || sign != hidden_sign_[h];
-                        child.decided = child.decided && sign != 0;
-                    }
-                    if (!contrary) continue;
-                }
-                next_.push_back(child);
-            }
-        }
-        if (next_.empty()) return;
-        const bool full = next_.size() > kMostPieces;
-        if (!full) pieces_.swap(next_);
-        if (full || depth == kDepth) {
-            found_.assign(kPieces, Found{});
-            for (const Piece& piece : pieces_) sample(piece, full ? depth - 1 : depth);
-            return;
-        }
-    }
-}
-
 void LeafProbe::take_signs(const Vec3& x) {
     signs_.resize(surfaces_.size());
     for (std::size_t s = 0; s < surfaces_.size(); ++s) {
@@ -164,40 +129,6 @@ bool LeafProbe::is_missed(const Vec3& x, Found& found) {
     if (region == local_tape_.resolve(assumed_.data())) return false;
     found = {region, x, deepest};
     return true;
-}
-
-/// Looks for a missed point in a piece: its centre, then towards the hidden surfaces and as far beyond them.
-/// For a ball or a tube that is thin compared with the piece the second step ends at its middle.
-void LeafProbe::sample(const Piece& piece, int depth) {
-    const tape::Cell box = cell(piece.at, depth);
-    const Vec3 middle = {box.centre[0], box.centre[1], box.centre[2]};
-    Found found;
-    bool missed = is_missed(middle, found);
-    for (std::size_t h = 0; h < hidden_.size() && !missed && !piece.decided; ++h) {
-        const Surface* surface = &model_.surfaces[surfaces_[hidden_[h]]];
-        Vec3 x = middle;
-        for (int step = 0; step < 2 && !missed; ++step) {
-            const SurfaceSample f = surface_sample(surface, model_.expression_ops.data(), x[0], x[1], x[2]);
-            const double squared =
-                f.gradient[0] * f.gradient[0] + f.gradient[1] * f.gradient[1] + f.gradient[2] * f.gradient[2];
-            if (!(squared > 0) || !(squared < kMortiseInfinity)) break;
-            const double factor = 2 * f.value / squared;
-            for (std::size_t j = 0; j < 3; ++j) {
-                x[j] = std::clamp(x[j] - factor * f.gradient[j], box.centre[j] - box.half,
-                                  box.centre[j] + box.half);
-            }
-            missed = is_missed(x, found);
-        }
-    }
-    if (!missed) return;
-    const int shift = kDepth - depth;
-    const std::uint32_t edge = 1u << shift;
-    for (std::uint32_t k = 0; k < edge * edge * edge; ++k) {
-        const std::uint32_t x = (std::uint32_t{piece.at[0]} << shift) + k % edge;
-        const std::uint32_t y = (std::uint32_t{piece.at[1]} << shift) + k / edge % edge;
-        const std::uint32_t z = (std::uint32_t{piece.at[2]} << shift) + k / (edge * edge);
-        found_[x + kSide * (y + kSide * z)] = found;
-    }
 }
 
 void LeafProbe::run(std::uint32_t leaf, std::vector<Component>& out) {

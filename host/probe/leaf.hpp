@@ -14,6 +14,7 @@
 #include "host/tape/compile.hpp"
 #include "host/tape/local_tape.hpp"
 #include "host/tape/reference.hpp"
+#include "host/tape/surface_batch.hpp"
 
 namespace mortise::probe {
 
@@ -40,7 +41,8 @@ struct Component {
 /// Probes leaves one at a time; keeps its scratch memory. One per thread.
 class LeafProbe {
   public:
-    LeafProbe(const tape::BoundModel& model, const octree::Octree& tree) : model_(model), tree_(tree) {}
+    LeafProbe(const tape::BoundModel& model, const octree::Octree& tree)
+        : model_(model), tree_(tree), batch_(model) {}
 
     /// Appends the leaf's components, ordered by their first pieces.
     void run(std::uint32_t leaf, std::vector<Component>& out);
@@ -53,8 +55,8 @@ class LeafProbe {
 
   private:
     struct Piece {
-        std::uint8_t at[3];  ///< of 2^depth per edge
-        bool decided;        ///< no hidden surface is undecided in it
+        tape::GridPlace place;  ///< of 2^depth per edge
+        bool decided;           ///< no hidden surface is undecided in it
     };
     struct Found {
         std::int32_t region = -1;  ///< -1: nothing missed here
@@ -68,12 +70,21 @@ class LeafProbe {
     bool passes_through(int f, const Vec3& x);
     void find_section(int f);
     void find_sections(std::uint32_t leaf, std::vector<Component>& out);
+    // pieces.cpp
+    tape::Grid grid(int depth) const;
+    void subdivide();
+    void halve(int depth);
+    void decide(int depth);
+    void sample(int depth);
+    void keep_away(std::size_t hidden, int depth);
+    void find_missed(const std::vector<std::size_t>& pieces, const std::vector<Vec3>& points,
+                     std::size_t sampled);
+    void approach(std::size_t hidden, int depth);
+    void step_beyond(std::vector<std::size_t>& pieces, std::vector<Vec3>& points, int depth);
     // leaf.cpp
     bool load(const TreeNode& leaf);
     void load_tape(const TreeNode& leaf);
     std::int8_t sample_sign(std::uint32_t surface) const;
-    void subdivide();
-    void sample(const Piece& piece, int depth);
     bool is_missed(const Vec3& x, Found& found);
     void gather(std::uint32_t leaf, std::vector<Component>& out);
     void finish(Component& component);
@@ -101,8 +112,19 @@ class LeafProbe {
     std::vector<std::uint32_t> hidden_;     ///< indices into surfaces_
     std::vector<std::int8_t> hidden_sign_;  ///< at the samples
     std::vector<std::uint32_t> winding_;    ///< seen by some sample, and turning by 90 degrees or more
+    tape::SurfaceBatch batch_;
     std::vector<Piece> pieces_, next_;
-    std::vector<Found> found_;  ///< by piece of the last depth, or empty
+    std::vector<tape::GridPlace> places_;  ///< scratch for pieces
+    std::vector<std::int8_t> piece_signs_, contrary_, decided_;
+    std::vector<double> values_, widths_;
+    std::vector<SurfaceSample> samples_;
+    std::vector<std::vector<SurfaceSample>> middles_;  ///< of pieces_, by hidden surface
+    std::vector<std::vector<double>> slopes_;          ///< of pieces of kGradientDepth, by hidden surface
+    bool has_slopes_ = true;         ///< most pieces of kGradientDepth of each hidden formula
+    std::vector<std::size_t> open_;  ///< undecided among places_, with open_places_
+    std::vector<tape::GridPlace> open_places_;
+    std::vector<Found> missed_;  ///< by index into pieces_
+    std::vector<Found> found_;   ///< by piece of the last depth, or empty
     std::vector<std::int8_t> signs_, assumed_;
     std::vector<std::uint8_t> layer_;
 };

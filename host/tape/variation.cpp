@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "kernels/shared/expression_bounds.h"
+#include "host/tape/interval_slopes.hpp"
 
 namespace mortise::tape {
 namespace {
@@ -43,111 +43,21 @@ Gradient to_local(const Surface& s, const Gradient& d) {
     return g;
 }
 
-const Interval kZero = {0, 0};
-const Interval kOne = {1, 1};
-
-Interval hull(Interval a, Interval b) {
-    Interval both = interval_hull(a, b);
-    both.partial = a.partial | b.partial;
-    return both;
-}
-
-Interval negative(Interval a) { return interval_apply(kExprNegate, a, kZero); }
-Interval quotient(Interval a, Interval b) { return interval_apply(kExprDivide, a, b); }
-
-/// A factor that may be anything times a derivative that is 0.
-Interval chain(Interval by, Interval d) {
-    if ((d.low == 0 && d.high == 0) || (by.low == 0 && by.high == 0)) return kZero;
-    if (is_empty_interval(by) || is_empty_interval(d)) return undefined_interval();
-    return interval_apply(kExprMultiply, by, d);
-}
-
-/// 1 - a², 1 + a², …
-Interval one_and_square(Interval a, bool minus) {
-    const Interval square = interval_apply(kExprSquare, a, kZero);
-    return interval_apply(minus ? kExprSubtract : kExprAdd, kOne, square);
-}
-
-/// expression_slopes in interval arithmetic, but for min and max. Where a function may jump: not numbers.
-void slopes(std::int32_t operation, Interval a, Interval b, Interval f, Interval* by_a, Interval* by_b) {
-    *by_a = kOne;
-    *by_b = kZero;
-    const bool constant = f.low == f.high;
-    switch (operation) {
-        case kExprNegate: *by_a = {-1, -1}; break;
-        case kExprAbs: *by_a = {a.low >= 0 ? 1.0F : -1.0F, a.high <= 0 ? -1.0F : 1.0F}; break;
-        case kExprSqrt: *by_a = quotient({0.5F, 0.5F}, f); break;
-        case kExprSquare: *by_a = {2 * a.low, 2 * a.high}; break;
-        case kExprAdd: *by_b = kOne; break;
-        case kExprSubtract: *by_b = {-1, -1}; break;
-        case kExprMultiply:
-            *by_a = b;
-            *by_b = a;
-            break;
-        case kExprDivide:
-            *by_a = quotient(kOne, b);
-            *by_b = negative(interval_apply(kExprMultiply, f, *by_a));
-            break;
-        case kExprSin: *by_a = interval_apply(kExprCos, a, kZero); break;
-        case kExprCos: *by_a = negative(interval_apply(kExprSin, a, kZero)); break;
-        case kExprExp: *by_a = f; break;
-        case kExprLog: *by_a = quotient(kOne, a); break;
-        case kExprTan: *by_a = one_and_square(f, false); break;
-        case kExprAsin:
-            *by_a = quotient(kOne, interval_apply(kExprSqrt, one_and_square(a, true), kZero));
-            break;
-        case kExprAcos:
-            *by_a = quotient({-1, -1}, interval_apply(kExprSqrt, one_and_square(a, true), kZero));
-            break;
-        case kExprAtan: *by_a = quotient(kOne, one_and_square(a, false)); break;
-        case kExprAtan2: {
-            const Interval square = interval_apply(kExprAdd, interval_apply(kExprSquare, a, kZero),
-                                                   interval_apply(kExprSquare, b, kZero));
-            const bool jumps = a.low < 0 && a.high >= 0 && b.low <= 0;
-            *by_a = jumps ? undefined_interval() : quotient(b, square);
-            *by_b = jumps ? undefined_interval() : negative(quotient(a, square));
-            break;
-        }
-        case kExprMod: {
-            const Interval whole = interval_apply(kExprFloor, quotient(a, b), kZero);
-            if (whole.low != whole.high) *by_a = undefined_interval();
-            *by_b = whole.low == whole.high ? negative(whole) : undefined_interval();
-            break;
-        }
-        case kExprAnd:
-        case kExprOr: {
-            const bool first = operation == kExprOr;
-            const bool zero = a.low == 0 && a.high == 0;
-            *by_a = holds_zero(a) ? (zero ? kZero : undefined_interval()) : (first ? kOne : kZero);
-            *by_b = holds_zero(a) ? (zero ? (first ? kOne : kZero) : undefined_interval())
-                                  : (first ? kZero : kOne);
-            break;
-        }
-        case kExprHypot:
-            *by_a = quotient(a, f);
-            *by_b = quotient(b, f);
-            break;
-        case kExprPower:
-            *by_a = interval_apply(kExprMultiply, b, quotient(f, a));
-            *by_b = interval_apply(kExprMultiply, f, interval_apply(kExprLog, a, kZero));
-            break;
-        default: *by_a = constant ? kZero : undefined_interval(); break;  // steps
-    }
-}
-
 /// Derivatives of a formula by its frame coordinates over a box: expression_sample in interval arithmetic.
 Gradient expression_gradient(const ExpressionOp* ops, std::uint32_t count, const Interval* u) {
     Interval value[kExpressionRegisters + 1];
     Interval d[kExpressionRegisters + 1][3];
-    value[0] = kZero;
-    for (int j = 0; j < 3; ++j) d[0][j] = d[kExpressionLiteral][j] = kZero;
+    const Interval zero = {0, 0};
+    const Interval one = {1, 1};
+    value[0] = zero;
+    for (int j = 0; j < 3; ++j) d[0][j] = d[kExpressionLiteral][j] = zero;
     for (std::uint32_t i = 0; i < count; ++i) {
         const ExpressionOp& op = ops[i];
         value[kExpressionLiteral] = interval_literal(op.literal);
         if (op.operation <= kExprZ) {
             value[op.out] =
                 op.operation == kExprConstant ? value[kExpressionLiteral] : u[op.operation - kExprX];
-            for (int j = 0; j < 3; ++j) d[op.out][j] = op.operation == kExprX + j ? kOne : kZero;
+            for (int j = 0; j < 3; ++j) d[op.out][j] = op.operation == kExprX + j ? one : zero;
             continue;
         }
         const Interval a = value[op.a];
@@ -156,19 +66,16 @@ Gradient expression_gradient(const ExpressionOp* ops, std::uint32_t count, const
         const bool binary = expression_is_binary(op.operation) != 0;
         Interval by_a;
         Interval by_b;
-        slopes(op.operation, a, b, f, &by_a, &by_b);
+        interval_slopes(op.operation, a, b, f, &by_a, &by_b);
         for (int j = 0; j < 3; ++j) {
             const Interval da = d[op.a][j];
             const Interval db = d[op.b][j];
-            if (op.operation == kExprMin || op.operation == kExprMax) {
-                const bool first = op.operation == kExprMin ? a.high < b.low : a.low > b.high;
-                const bool second = op.operation == kExprMin ? b.high < a.low : b.low > a.high;
-                d[op.out][j] = first ? da : second ? db : hull(da, db);
-            } else if (!binary) {
+            if (op.operation == kExprMin || op.operation == kExprMax)
+                d[op.out][j] = slope_of_extremum(op.operation, a, b, da, db);
+            else if (!binary)
                 d[op.out][j] = chain(by_a, da);
-            } else {
+            else
                 d[op.out][j] = interval_apply(kExprAdd, chain(by_a, da), chain(by_b, db));
-            }
         }
         value[op.out] = f;
     }

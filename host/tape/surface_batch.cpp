@@ -1,0 +1,161 @@
+#include "host/tape/surface_batch.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "host/tape/expression_program.hpp"
+
+namespace mortise::tape {
+namespace {
+
+/// Runs a formula at all places. `input(i, u)` makes of coordinate u[i] what the lanes want; `store(k, block,
+/// lane)` takes the result of place k.
+template <class Lanes, class MakeInput, class Store>
+void run_at(ExpressionProgram<Lanes>& program, const BoundModel& model, const Surface& s,
+            const Places& places, const MakeInput& input, const Store& store) {
+    const Grid* grid = places.grid;
+    const auto in_plane = [&](std::size_t i, std::size_t axis, std::size_t k) {
+        Vec3 x = {grid->middle(0, 0), grid->middle(1, 0), grid->middle(2, 0)};
+        x[axis] = grid->middle(axis, k);
+        double u[3];
+        surface_frame(&s, x[0], x[1], x[2], u);
+        return input(i, u[i]);
+    };
+    program.prepare(s, model.expression_ops.data(), grid != nullptr ? grid->side : 0, in_plane);
+    typename Lanes::Input inputs[kLanes][3];
+    for (std::size_t first = 0; first < places.count; first += kLanes) {
+        const std::size_t n = std::min(kLanes, places.count - first);
+        for (std::size_t k = 0; k < n && program.needs_coordinates(); ++k) {
+            const Vec3 x = places.point(first + k);
+            double u[3];
+            surface_frame(&s, x[0], x[1], x[2], u);
+            for (std::size_t i = 0; i < 3; ++i) inputs[k][i] = input(i, u[i]);
+        }
+        const auto& block = program.run(n, grid != nullptr ? places.places + first : nullptr, inputs);
+        for (std::size_t k = 0; k < n; ++k) store(first + k, block, k);
+    }
+}
+
+/// The range of a coordinate over a cell, as classify_surface has it.
+class CoordinateRange {
+  public:
+    CoordinateRange(const Surface& s, double half) {
+        for (int i = 0; i < 3; ++i) {
+            const double* row = s.map + 4 * i;
+            w_[i] = half * (std::fabs(row[0]) + std::fabs(row[1]) + std::fabs(row[2]));
+        }
+    }
+    Interval operator()(std::size_t i, double u) const {
+        return make_interval(static_cast<float>(u - w_[i]), static_cast<float>(u + w_[i]));
+    }
+
+  private:
+    double w_[3];
+};
+
+double coordinate(std::size_t, double u) { return u; }
+
+}  // namespace
+
+struct SurfaceBatch::Programs {
+    ExpressionProgram<BoundsLanes> bounds;
+    ExpressionProgram<ValueLanes> values;
+    ExpressionProgram<SampleLanes> samples;
+    ExpressionProgram<GradientLanes> gradients;
+};
+
+SurfaceBatch::SurfaceBatch(const BoundModel& model)
+    : model_(model), programs_(std::make_unique<Programs>()) {}
+SurfaceBatch::~SurfaceBatch() = default;
+
+void SurfaceBatch::classify(std::uint32_t surface, const Grid& grid, const std::vector<GridPlace>& cells,
+                            std::vector<std::int8_t>& signs, std::vector<double>* widths) {
+    const Surface& s = model_.surfaces[surface];
+    const Places places(grid, cells);
+    signs.resize(places.count);
+    if (widths != nullptr) widths->assign(places.count, kMortiseInfinity);
+    const double half = 0.5 * grid.edge;
+    if (s.kind != kSurfaceExpression) {
+        for (std::size_t k = 0; k < places.count; ++k) {
+            const Vec3 x = places.point(k);
+            const Cell cell = {{x[0], x[1], x[2]}, half};
+            signs[k] = static_cast<std::int8_t>(classify_surface(model_, surface, cell));
+        }
+        return;
+    }
+    const auto store = [&](std::size_t k, const BoundsLanes::Block& block, std::size_t lane) {
+        signs[k] = static_cast<std::int8_t>(interval_sign(BoundsLanes::get(block, lane)));
+        if (widths != nullptr) (*widths)[k] = double{block.high[lane]} - double{block.low[lane]};
+    };
+    run_at(programs_->bounds, model_, s, places, CoordinateRange(s, half), store);
+}
+
+void SurfaceBatch::slopes(std::uint32_t surface, const Grid& grid, const std::vector<GridPlace>& cells,
+                          std::vector<double>& slopes) {
+    const Surface& s = model_.surfaces[surface];
+    const Places places(grid, cells);
+    slopes.assign(places.count, kMortiseInfinity);
+    if (s.kind != kSurfaceExpression) return;
+    const auto store = [&](std::size_t k, const GradientLanes::Block& block, std::size_t lane) {
+        bool partial = block.f.partial[lane] != 0;
+        double size[3];
+        for (int i = 0; i < 3; ++i) {
+            const Interval d = BoundsLanes::get(block.slope[i], lane);
+            partial = partial || d.partial != 0;
+            size[i] = larger(-d.low, d.high);
+        }
+        if (partial) return;
+        slopes[k] = 0;
+        for (int j = 0; j < 3; ++j) {
+            for (int i = 0; i < 3; ++i) slopes[k] += size[i] * std::fabs(s.map[4 * i + j]);
+        }
+        if (!(slopes[k] < kMortiseInfinity)) slopes[k] = kMortiseInfinity;
+    };
+    run_at(programs_->gradients, model_, s, places, CoordinateRange(s, 0.5 * grid.edge), store);
+}
+
+void SurfaceBatch::values(std::uint32_t surface, const Places& places, std::vector<double>& values) {
+    const Surface& s = model_.surfaces[surface];
+    values.resize(places.count);
+    if (s.kind != kSurfaceExpression) {
+        for (std::size_t k = 0; k < places.count; ++k) {
+            const Vec3 x = places.point(k);
+            values[k] = surface_value(&s, model_.expression_ops.data(), x[0], x[1], x[2]);
+        }
+        return;
+    }
+    const auto store = [&](std::size_t k, const ValueLanes::Block& block, std::size_t lane) {
+        values[k] = block.value[lane];
+        if (values[k] == values[k]) return;  // else it is asked beside
+        const Vec3 x = places.point(k);
+        values[k] = surface_value(&s, model_.expression_ops.data(), x[0], x[1], x[2]);
+    };
+    run_at(programs_->values, model_, s, places, coordinate, store);
+}
+
+void SurfaceBatch::samples(std::uint32_t surface, const Places& places, std::vector<SurfaceSample>& samples) {
+    const Surface& s = model_.surfaces[surface];
+    samples.resize(places.count);
+    if (s.kind != kSurfaceExpression) {
+        for (std::size_t k = 0; k < places.count; ++k) {
+            const Vec3 x = places.point(k);
+            samples[k] = surface_sample(&s, model_.expression_ops.data(), x[0], x[1], x[2]);
+        }
+        return;
+    }
+    const auto store = [&](std::size_t k, const SampleLanes::Block& block, std::size_t lane) {
+        samples[k].value = block.f.value[lane];
+        if (samples[k].value != samples[k].value) {  // it is asked beside
+            const Vec3 x = places.point(k);
+            samples[k] = surface_sample(&s, model_.expression_ops.data(), x[0], x[1], x[2]);
+            return;
+        }
+        for (int j = 0; j < 3; ++j) {
+            samples[k].gradient[j] = block.slope[0][lane] * s.map[j] + block.slope[1][lane] * s.map[4 + j] +
+                                     block.slope[2][lane] * s.map[8 + j];
+        }
+    };
+    run_at(programs_->samples, model_, s, places, coordinate, store);
+}
+
+}  // namespace mortise::tape
