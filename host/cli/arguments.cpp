@@ -149,9 +149,8 @@ void add_element_options(CLI::App& app, Arguments& arguments, Words& words) {
     app.option_defaults()->group("Elements");
     app.add_option("--elements", words.elements, "hex: mostly hexahedra (default); tet: tetrahedra only")
         ->option_text("hex|tet");
-    app.add_option("--min-angle", words.min_angle,
-                   "improve elements until no dihedral angle is below this, 18 (default) to 35")
-        ->option_text("DEGREES");
+    app.add_option("--min-angle", words.min_angle, "smallest dihedral angle that elements get, 18 to 35 (18)")
+        ->option_text("ANGLE");
     app.add_option("--smooth", words.smooth, "rounds of moving nodes to better places, 0 to 100 (4)")
         ->option_text("ROUNDS");
     app.add_option("--merge", words.merge,
