@@ -46,8 +46,8 @@ void check_precision(const Root& root, int finest_level, const std::string& sour
                                       "; move the model to the origin");
 }
 
-/// One line on the features smaller than a cell: how many, the largest, and which cells would show them all.
-std::string describe_missed(const std::vector<MissedFeature>& missed, const Root& root) {
+/// One line on the features smaller than a cell: how many, the largest, and which cells would show them.
+std::string describe_missed(const std::vector<MissedFeature>& missed, const Root& root, int refine) {
     std::size_t lost = 0;
     double thinnest = root.side;
     const MissedFeature* largest = nullptr;
@@ -66,15 +66,19 @@ std::string describe_missed(const std::vector<MissedFeature>& missed, const Root
     text += std::string("; the largest") + (lost == 0 ? "" : " lost") + ": " +
             (largest->material ? "material, " : "a hole, ") + number(largest->size) + " long and " +
             number(largest->thickness) + " thick, at " + place(largest->position) + "; ";
-    if (level > root.level + 1) text += "--refine 1 may show more, ";
-    text += "level " + std::to_string(level) + ", or --refine " + std::to_string(level - root.level) +
-            ", would resolve ";
-    return text + (missed.size() == 1 ? "it" : "them all") + (level > root.level + 1 ? " for certain" : "");
+    if (level <= root.level + refine)
+        return text + "cells there are as small as that already: no cells show a tip that narrows to nothing";
+    text += "--refine " + std::to_string(level - root.level);
+    if (level <= octree::kMaxUniformLevel) text += ", or level " + std::to_string(level) + ",";
+    text += std::string(" makes cells as small as ") + (missed.size() == 1 ? "it" : "the thinnest of them");
+    if (level == root.level + refine + 1) return text;
+    return text + "; --refine " + std::to_string(refine + 1) + " may do";
 }
 
-void refuse_missed(const std::vector<MissedFeature>& missed, const Root& root, const std::string& source) {
+void refuse_missed(const std::vector<MissedFeature>& missed, const Root& root, int refine,
+                   const std::string& source) {
     if (std::all_of(missed.begin(), missed.end(), [](const MissedFeature& f) { return f.kept; })) return;
-    throw Error(ExitCode::kMeshing, source + ": strict: " + describe_missed(missed, root));
+    throw Error(ExitCode::kMeshing, source + ": strict: " + describe_missed(missed, root, refine));
 }
 
 }  // namespace
@@ -227,7 +231,7 @@ Prepared prepare(const std::function<device::Device&()>& open_device, const Mode
     stages.begin("probe", 0.28);
     probe::Probe probed = probe::find_features(bound, tree, options.threads);
     out.missed = std::move(probed.features);
-    if (options.strict) refuse_missed(out.missed, root, model.source);
+    if (options.strict) refuse_missed(out.missed, root, options.refine, model.source);
     stages.end(probed.probed);
 
     stages.begin("classify", 0.3);
@@ -272,7 +276,7 @@ void report_cells(const Prepared& prepared, const Extracted& extracted, const Mo
     out.unresolved = extracted.unresolved;
     out.dropped_features = extracted.troubled;
     out.warnings.insert(out.warnings.begin(), model.warnings.begin(), model.warnings.end());
-    if (!out.missed.empty()) out.warnings.push_back(describe_missed(out.missed, root));
+    if (!out.missed.empty()) out.warnings.push_back(describe_missed(out.missed, root, options.refine));
     if (extracted.troubled > 0) {
         const double edge = octree::Octree::edge_of(tree.level_of(extracted.first_troubled));
         Vec3 at{};

@@ -1,6 +1,6 @@
-// Sections that a face of a leaf does not see: a rod that crosses it between its corners and its centre. The
-// leaf's other samples may see the rod, so that nothing is hidden in the leaf, but its mesh ends at that
-// face.
+// Sections that a face or an edge of a leaf does not see: a rod that crosses a face between its corners and
+// its centre, a slot that crosses an edge between its ends. The leaf's other samples may see these, so that
+// nothing is hidden in the leaf, but its mesh ends at that face, or has a bridge at that edge.
 #include <cmath>
 
 #include "host/probe/leaf.hpp"
@@ -13,6 +13,8 @@ constexpr int kAcross = 8;  ///< a face is sampled at this many places less one 
 /// Cells on both sides of the face that a rod must hold. A cap that reaches less far through it is how a mesh
 /// approximates a curved surface.
 constexpr double kThrough = 0.25;
+/// Cells from an edge's place to the surface, from which on what the edge does not see is no cap either.
+constexpr double kDeep = 0.2;
 
 }  // namespace
 
@@ -65,28 +67,62 @@ void LeafProbe::find_section(int f) {
     for (std::size_t i = 0; i < points.size(); ++i) {
         const Vec3& x = points[i];
         const bool as_seen = (values_[i] <= 0) == (hidden_sign_[0] < 0);
-        if (as_seen || !passes_through(f, x)) continue;
-        Found found;
-        is_missed(x, found);
-        std::uint32_t piece = 0;
-        for (int axis = 2; axis >= 0; --axis) {
-            const auto a = static_cast<std::size_t>(axis);
-            const double at = std::floor((x[a] - low_[a]) / edge_ * kSide);
-            const auto k = static_cast<std::uint32_t>(std::min(std::max(at, 0.0), kSide - 1.0));
-            piece = (piece << kDepth) | k;
-        }
-        if (found_.empty()) found_.assign(kSide * kSide * kSide, Found{});
-        found_[piece] = found;
+        if (!as_seen && passes_through(f, x)) note_section(x);
     }
 }
 
-/// Appends a component for the sections of each surface that unseen faces have in common.
+/// The piece at x holds a part of a section.
+void LeafProbe::note_section(const Vec3& x) {
+    Found found;
+    is_missed(x, found);
+    std::uint32_t piece = 0;
+    for (int axis = 2; axis >= 0; --axis) {
+        const auto a = static_cast<std::size_t>(axis);
+        const double at = std::floor((x[a] - low_[a]) / edge_ * kSide);
+        const auto k = static_cast<std::uint32_t>(std::min(std::max(at, 0.0), kSide - 1.0));
+        piece = (piece << kDepth) | k;
+    }
+    if (found_.empty()) found_.assign(kSide * kSide * kSide, Found{});
+    found_[piece] = found;
+}
+
+/// Pieces at an edge of the leaf, along an axis and at the upper end of the next two or not, that hold what
+/// its ends do not see.
+void LeafProbe::find_bridge(std::size_t axis, bool second, bool third) {
+    const std::uint32_t surface = surfaces_[hidden_[0]];
+    const auto on_edge = [&](int i) {
+        Vec3 x{};
+        x[axis] = low_[axis] + edge_ * i / kAcross;
+        x[(axis + 1) % 3] = low_[(axis + 1) % 3] + (second ? edge_ : 0);
+        x[(axis + 2) % 3] = low_[(axis + 2) % 3] + (third ? edge_ : 0);
+        return x;
+    };
+    const int sign = sign_at(surface, on_edge(0));
+    if (sign == 0 || sign != sign_at(surface, on_edge(kAcross))) return;
+    hidden_sign_[0] = static_cast<std::int8_t>(sign);
+    std::vector<Vec3> points;
+    for (int i = 1; i < kAcross; ++i) points.push_back(on_edge(i));
+    batch_.values(surface, tape::Places(points), values_);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        if ((values_[i] <= 0) == (sign < 0)) continue;
+        const Vec3& x = points[i];
+        const SurfaceSample s =
+            surface_sample(&model_.surfaces[surface], model_.expression_ops.data(), x[0], x[1], x[2]);
+        const double slope = std::sqrt(s.gradient[0] * s.gradient[0] + s.gradient[1] * s.gradient[1] +
+                                       s.gradient[2] * s.gradient[2]);
+        Found unused;
+        if (std::fabs(s.value) >= kDeep * edge_ * slope && is_missed(x, unused)) note_section(x);
+    }
+}
+
+/// Appends a component for the sections of each surface that faces and edges do not see.
 void LeafProbe::find_sections(std::uint32_t leaf, std::vector<Component>& out) {
     for (const std::uint32_t s : winding_) {
         hidden_.assign(1, s);
         hidden_sign_.assign(1, 0);
         found_.clear();
         for (int f = 0; f < 6; ++f) find_section(f);
+        for (int e = 0; e < 12; ++e) find_bridge(static_cast<std::size_t>(e / 4), (e & 1) != 0, (e & 2) != 0);
         if (found_.empty()) continue;
         Component component;
         component.leaf = leaf;

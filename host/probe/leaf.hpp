@@ -69,6 +69,8 @@ class LeafProbe {
     Vec3 on_face(int f, double u, double v) const;
     bool passes_through(int f, const Vec3& x);
     void find_section(int f);
+    void find_bridge(std::size_t axis, bool second, bool third);
+    void note_section(const Vec3& x);
     void find_sections(std::uint32_t leaf, std::vector<Component>& out);
     // pieces.cpp
     tape::Grid grid(int depth) const;

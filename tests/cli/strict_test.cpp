@@ -32,8 +32,7 @@ TEST_CASE("a feature that is lost is told with its place; with --strict nothing 
     REQUIRE(told.code == 0);
     CHECK(is_one_line(told.err, "warning: 1 feature between the vertices of the grid, 1 of them lost; "));
     CHECK(contains(told.err, " at (20."));
-    CHECK(contains(told.err,
-                   "; --refine 1 may show more, level 9, or --refine 4, would resolve it for certain"));
+    CHECK(contains(told.err, "; --refine 4, or level 9, makes cells as small as it; --refine 1 may do"));
     const Outcome refined =
         run({model, "-o", vtu, "--level", "5", "--refine", "4", "--strict", "--check", "--quiet"});
     CHECK(refined.code == 0);

@@ -242,6 +242,35 @@ TEST_CASE("a thin torus and a ball across an edge of the grid are reported with 
     CHECK(ball.report.missed[0].size == doctest::Approx(0.6).epsilon(0.25));
 }
 
+TEST_CASE(
+    "a round slot narrower than a cell, bridged where edges of the grid cross it, is reported as lost") {
+    // A row of slots of 0.7 cells, whose middles see the vertices, centres of faces or neither.
+    const auto slots = [](double width) {
+        std::string text = "difference() { cube([30, 30, 1]); ";
+        for (int i = 0; i < 5; ++i) {
+            const std::string x = std::to_string(4 + 5.3 * i);
+            const std::string disc = "circle(d = " + std::to_string(width) + ");";
+            text += "translate([" + x + ", 6, -1]) linear_extrude(height = 3) hull() { " + disc +
+                    " translate([0, 18]) " + disc + " } ";
+        }
+        return parse_model(text + "}", "csg", "slots.csg");
+    };
+    const Model narrow = slots(0.7);
+    const Meshed m = mesh_valid(narrow);
+    CHECK(m.check.euler_characteristic != 2 - 2 * 5);
+    CHECK(m.report.missed.size() == 5);
+    for (const MissedFeature& feature : m.report.missed) {
+        CHECK_FALSE(feature.kept);
+        CHECK_FALSE(feature.material);
+        CHECK(feature.size > 16);
+        CHECK(feature.size < 20);
+    }
+    CHECK(strict_refusal(narrow).find("a hole") != std::string::npos);
+    const Model wide = slots(1.6);
+    CHECK(mesh_valid(wide).check.euler_characteristic == 2 - 2 * 5);
+    CHECK(strict_refusal(wide) == "");
+}
+
 TEST_CASE("two features of one cell: one is kept, the other reported as lost") {
     const Model model = beside_frame([](Model& m) {
         return unite(m, {add_ball(m, {20.25, 20.25, 20.25}, 0.15), add_ball(m, {20.75, 20.7, 20.75}, 0.1)});
