@@ -20,8 +20,7 @@ Examples:
   mortise pipe.geo -o pipe.vtu -o pipe.msh --box -1 -1 0 1 1 4 --size 0.05
 )";
 
-constexpr const char* kExitCodes = R"(
-Exit codes:
+constexpr const char* kExitCodes = R"(Exit codes:
   0 success                       4 quality floor not met (mesh is written)
   1 wrong usage                   5 no OpenCL device, kernel build, memory
   2 model not understood, empty   6 file not found, not readable or writable

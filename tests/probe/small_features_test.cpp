@@ -244,11 +244,11 @@ TEST_CASE("a thin torus and a ball across an edge of the grid are reported with 
 
 TEST_CASE(
     "a round slot narrower than a cell, bridged where edges of the grid cross it, is reported as lost") {
-    // A row of slots of 0.7 cells, whose middles see the vertices, centres of faces or neither.
+    // A row of slots of 0.7 cells, each between two planes of the grid.
     const auto slots = [](double width) {
         std::string text = "difference() { cube([30, 30, 1]); ";
         for (int i = 0; i < 5; ++i) {
-            const std::string x = std::to_string(4 + 5.3 * i);
+            const std::string x = std::to_string(4.55 + 5 * i);
             const std::string disc = "circle(d = " + std::to_string(width) + ");";
             text += "translate([" + x + ", 6, -1]) linear_extrude(height = 3) hull() { " + disc +
                     " translate([0, 18]) " + disc + " } ";
