@@ -333,19 +333,19 @@ void read_mesh_words(const Words& words, Arguments& arguments) {
     arguments.file_options.compress = !words.no_compress;
     if (!words.smooth.empty()) {
         options.smooth = parse_integer("--smooth", words.smooth, 0, " to 100");
-        if (options.smooth > 100)
+        if (options.smooth > kMostSmooth)
             refuse("--smooth '" + words.smooth + "': expected a whole number from 0 to 100");
     }
     if (!words.min_angle.empty()) {
         options.min_angle = parse_number("--min-angle", words.min_angle);
-        if (!(options.min_angle >= 18 && options.min_angle <= 35))
+        if (!(options.min_angle >= kLeastMinAngle && options.min_angle <= kMostMinAngle))
             refuse("--min-angle '" + words.min_angle + "': expected 18 to 35 degrees");
-        if (words.no_improve && options.min_angle > 18)
+        if (words.no_improve && options.min_angle > kLeastMinAngle)
             refuse("--min-angle and --no-improve: elements reach larger angles by being improved only");
     }
     if (!words.merge.empty()) {
         options.merge_distance = parse_number("--merge", words.merge);
-        if (options.merge_distance < 0 || options.merge_distance > 0.25)
+        if (options.merge_distance < 0 || options.merge_distance > kMostMergeDistance)
             refuse("--merge '" + words.merge + "': expected a part of a cell, from 0 to 0.25");
     }
     options.quality = arguments.quality;

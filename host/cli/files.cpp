@@ -6,7 +6,7 @@
 #include <cstring>
 #include <filesystem>
 
-#include "host/io/formats.hpp"
+#include "host/common/lower_case.hpp"
 #include "host/io/temporary_file.hpp"
 #include "mortise/error.hpp"
 #include "mortise/io.hpp"
@@ -26,7 +26,7 @@ void check_mesh_output(const std::string& path) {
 
 void check_other_output(const std::string& option, const std::string& path, const std::string& extension) {
     const std::filesystem::path name(path);
-    if (io::lower_case(name.extension().string()) != extension) {
+    if (lower_case(name.extension().string()) != extension) {
         throw Error(ExitCode::kUsage, option + " '" + path + "': expected a name that ends in " + extension);
     }
     try_folder(path);

@@ -1,4 +1,3 @@
-// See help_formatter.hpp.
 #include "host/cli/help_formatter.hpp"
 
 #include <iomanip>

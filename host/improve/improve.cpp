@@ -41,6 +41,7 @@ bool holds_open(const Zone& zone, const std::vector<std::uint8_t>& is_open, cons
 /// Improves a mesh, run after run.
 class Session {
   public:
+    /// `trace` may be null; it is brought up to date.
     Session(Mesh mesh, const tape::BoundModel& model, const Options& options, Trace* trace)
         : mesh_(std::move(mesh)),
           frame_(make_frame(model, options.level)),
@@ -49,17 +50,14 @@ class Session {
           options_(options),
           trace_(trace) {
         if (options.leaves != nullptr && !options.leaves->is_uniform()) frame_.leaves = options.leaves;
-        if (trace_ == nullptr && options.is_open != nullptr) trace_ = &own_trace_;
-        if (trace_ != nullptr) start_trace(mesh_, *trace_);
     }
 
     /// Until all is good, but for what nothing helps; `loosens`: so it stays.
     void make_good(bool loosens) {
-        known_ = {};
         for (int run = 0; run < kRuns; ++run) {
             std::optional<Zone> zone = open(kGoodQuality, false);
             if (!zone) return;
-            if (run == 0) counters_.crumbs = remove_crumbs(*zone, options_.threads);
+            if (run == 0) take_out_crumbs(*zone);
             Improver improver(*zone, surfaces_, options_, {kGoodQuality, run == 0, 0});
             make_passes(improver, run);
             // After the first run features may be merged, which may leave room.
@@ -112,10 +110,8 @@ class Session {
         counters_.below_goal = count_below(mesh_, frame_, options_.goal, options_.threads);
     }
 
-    Mesh finish(Counters* counters) {
-        if (counters_.crumbs.first)
-            counters_.crumbs.first = frame_.origin + frame_.cell * *counters_.crumbs.first;
-        if (counters != nullptr) *counters = counters_;
+    Mesh finish(Counters& counters) {
+        counters = counters_;
         return std::move(mesh_);
     }
 
@@ -132,6 +128,12 @@ class Session {
         }
         counters_.zone_elements += zone.tetrahedra.size() + zone.pyramids.size();
         return zone;
+    }
+
+    void take_out_crumbs(Zone& zone) {
+        counters_.crumbs = remove_crumbs(zone, options_.threads);
+        std::optional<Point>& first = counters_.crumbs.first;
+        if (first) first = frame_.origin + frame_.cell * *first;
     }
 
     void make_passes(Improver& improver, int run) {
@@ -151,7 +153,6 @@ class Session {
     const Surfaces surfaces_;
     const std::vector<Tip> tips_;
     const Options& options_;
-    Trace own_trace_;
     Trace* trace_;
     Counters counters_;
     Known known_;
@@ -172,19 +173,23 @@ double quality_of_angle(double degrees) { return expression_sin(degrees * kRadia
 
 Mesh improve(Mesh mesh, const tape::BoundModel& model, const Options& options, Counters* counters,
              Trace* trace) {
+    Trace own;
+    if (trace == nullptr && options.is_open != nullptr) trace = &own;
+    if (trace != nullptr) start_trace(mesh, *trace);
     Session session(std::move(mesh), model, options, trace);
-    const bool raises = options.goal > kGoodQuality;
-    session.make_good(options.loosens && !raises);
-    if (raises) session.raise_in_steps();
-    return session.finish(counters);
+    session.make_good(!(options.goal > kGoodQuality));
+    Counters local;
+    return session.finish(counters != nullptr ? *counters : local);
 }
 
-Mesh raise(Mesh mesh, const tape::BoundModel& model, const Options& options, Counters& counters) {
-    Session session(std::move(mesh), model, options, nullptr);
+Mesh raise(Mesh mesh, const tape::BoundModel& model, const Options& options, Counters& counters,
+           Trace* trace) {
+    Session session(std::move(mesh), model, options, trace);
     session.raise_in_steps();
     Counters added;
-    mesh = session.finish(&added);
+    mesh = session.finish(added);
     counters.zone_elements += added.zone_elements;
+    counters.reached_open = added.reached_open;
     counters.loosened = added.loosened;
     counters.below_goal = added.below_goal;
     return mesh;

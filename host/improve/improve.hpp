@@ -17,8 +17,7 @@ struct Options {
     int level = 0;                     ///< of the finest cells
     int smooth = 4;                    ///< rounds of repositioning; 0: nodes move only onto the model
     double merge_distance = 0;         ///< features closer than this, in cells, may be merged; 0: none
-    double goal = kGoodQuality;        ///< elements are made at least this good (quality_of_angle)
-    bool loosens = true;               ///< false: raise() is still to come
+    double goal = kGoodQuality;        ///< of raise(), which follows if this is more (quality_of_angle)
     int threads = 0;                   ///< host threads; 0: all cores
     const LeafGrid* leaves = nullptr;  ///< null or empty: a uniform tree
     const std::vector<tape::Pole>* poles = nullptr;  ///< of the model; null: none
@@ -42,13 +41,14 @@ double quality_of_angle(double degrees);
 
 /// Precondition: the mesh's facets carry surfaces of `model` (indices into BoundModel::surfaces), in model
 /// coordinates; region and surface names are not looked at. The result does not depend on the threads.
-/// `trace`, if wanted, receives where its parts come from.
+/// `trace`, if wanted, receives where its parts come from. If raise() follows, no nodes are loosened yet.
 Mesh improve(Mesh mesh, const tape::BoundModel& model, const Options& options, Counters* counters,
              Trace* trace = nullptr);
 
-/// The second half of improve() alone, for a mesh that improve() has made without loosening and that has been
-/// split since: raises the quality of all elements to the goal. `counters` are those of improve(); what
-/// happens here is added.
-Mesh raise(Mesh mesh, const tape::BoundModel& model, const Options& options, Counters& counters);
+/// Raises the quality of all elements to a goal above kGoodQuality. The mesh is what improve() has made with
+/// these options, or what it has been split into; `counters` and `trace` are those of improve(), and are
+/// brought up to date.
+Mesh raise(Mesh mesh, const tape::BoundModel& model, const Options& options, Counters& counters,
+           Trace* trace = nullptr);
 
 }  // namespace mortise::improve

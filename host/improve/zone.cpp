@@ -89,6 +89,7 @@ class Opener {
                         });
     }
 
+    /// Cubes are no part of the ring around poor cells.
     void leave_cubes(std::vector<CellId> poor) {
         std::sort(poor.begin(), poor.end());
         for (std::size_t i = 0; i < places_.element[0].size(); ++i) {

@@ -25,9 +25,6 @@ Mesh read_msh(const FileReader& file);
 /// Reads Gmsh's text formats 4.1 and 2.2, as other programs write them.
 Mesh read_gmsh_text(const FileReader& file);
 
-/// Names of formats mean the same in any case of letters.
-std::string lower_case(std::string text);
-
 /// The first thing wrong with a mesh's array lengths, indices or regions; empty if all is in range.
 std::string find_range_error(const Mesh& mesh);
 

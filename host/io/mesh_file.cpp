@@ -8,6 +8,7 @@
 #include <new>
 #include <string>
 
+#include "host/common/lower_case.hpp"
 #include "host/io/element_table.hpp"
 #include "host/io/formats.hpp"
 #include "mortise/error.hpp"
@@ -24,7 +25,7 @@ Format format_of(const std::string& path) {
     const std::size_t dot = name.find_last_of('.');
     // A name that begins with its only dot has no extension.
     const std::string extension = dot == std::string::npos || dot == 0 ? "" : name.substr(dot);
-    const std::string small = io::lower_case(extension);
+    const std::string small = lower_case(extension);
     if (small == ".vtu") return Format::kVtu;
     if (small == ".msh") return Format::kMsh;
     throw Error(ExitCode::kUsage,
@@ -46,13 +47,6 @@ bool none_zero(const std::vector<Value>& values) {
 }
 
 }  // namespace
-
-std::string io::lower_case(std::string text) {
-    for (char& c : text) {
-        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-    }
-    return text;
-}
 
 std::string io::find_range_error(const Mesh& mesh) {
     const std::size_t nodes = mesh.node_count(), regions = mesh.region_names.size();

@@ -3,6 +3,7 @@
 #include <optional>
 #include <string>
 
+#include "host/common/lower_case.hpp"
 #include "host/io/block_spool.hpp"
 #include "host/io/element_table.hpp"
 #include "host/io/formats.hpp"
@@ -103,7 +104,7 @@ MeshFileStream::MeshFileStream(const std::string& path, const MeshFileOptions& o
     check_writable(path);
     constexpr const char* kExtension = ".vtu";
     const std::size_t length = std::string(kExtension).size();
-    if (path.size() < length || io::lower_case(path.substr(path.size() - length)) != kExtension) {
+    if (path.size() < length || lower_case(path.substr(path.size() - length)) != kExtension) {
         throw Error(ExitCode::kUsage,
                     "'" + path + "': a mesh in parts (--memory) can be written as .vtu only");
     }

@@ -5,7 +5,9 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <utility>
 
+#include "host/common/lower_case.hpp"
 #include "mortise/error.hpp"
 
 namespace mortise::model_reader {
@@ -43,11 +45,8 @@ std::string format_of(const std::string& path) {
 }
 
 std::string format_named(std::string extension) {
-    for (char& c : extension) {
-        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-    }
     if (!extension.empty() && extension.front() == '.') extension.erase(0, 1);
-    return extension;
+    return lower_case(std::move(extension));
 }
 
 }  // namespace mortise::model_reader

@@ -149,16 +149,9 @@ Mesh Mesher::generate(const Model& model, const MeshOptions& options, MeshReport
     improve::Options improve_options = pipeline::improvement_options(prepared, options);
     const std::vector<std::uint8_t> held = pipeline::held_surfaces(prepared.bound, prepared.periodic);
     if (!held.empty()) improve_options.held = &held;
-    // Elements are split into worse tetrahedra: of these the quality is raised.
-    const bool raises_split = options.tetrahedra && improve_options.goal > improve::kGoodQuality;
     if (options.improve) {
         stages.begin("improve", 0.93);
-        improve::Options first = improve_options;
-        if (raises_split) {
-            first.goal = improve::kGoodQuality;
-            first.loosens = false;
-        }
-        mesh = improve::improve(std::move(mesh), prepared.bound, first, &counters);
+        mesh = improve::improve(std::move(mesh), prepared.bound, improve_options, &counters);
         stages.end(counters.zone_elements);
     }
     if (mesh.element_count() == 0) pipeline::refuse_empty(model.source);
@@ -176,7 +169,8 @@ Mesh Mesher::generate(const Model& model, const MeshOptions& options, MeshReport
         mesh = tetrahedra::split(mesh, copy_of.empty() ? nullptr : &copy_of);
         stages.end(mesh.element_count());
     }
-    if (raises_split) {
+    // After elements have been split: what good ones are split into may be worse.
+    if (improve_options.goal > improve::kGoodQuality) {
         stages.begin("raise", 0.952);
         const std::uint64_t before = counters.zone_elements;
         mesh = improve::raise(std::move(mesh), prepared.bound, improve_options, counters);

@@ -259,6 +259,9 @@ Changes improve_parts(Parts& parts, improve::Scope& scope, FacetBlock facets, co
         improve::Trace trace;
         Mesh improved =
             improve::improve(std::move(selection.mesh), prepared.bound, improve_options, &counters, &trace);
+        if (!counters.reached_open && improve_options.goal > improve::kGoodQuality) {
+            improved = improve::raise(std::move(improved), prepared.bound, improve_options, counters, &trace);
+        }
         stages.end(counters.zone_elements);
         if (!counters.reached_open) {
             report_improvement(counters, options, source, out);

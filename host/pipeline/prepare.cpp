@@ -16,10 +16,6 @@ namespace {
 
 /// Surfaces closer than this everywhere are one: edges of the finest cells.
 constexpr double kSameSurface = 1e-4;
-constexpr double kLeastMinAngle = 18;  ///< of MeshOptions::min_angle
-constexpr double kMostMinAngle = 35;
-constexpr double kMostMergeDistance = 0.25;  ///< of MeshOptions::merge_distance
-constexpr int kMostSmooth = 100;             ///< of MeshOptions::smooth
 
 std::string number(double value) {
     char text[32];
@@ -67,7 +63,8 @@ std::string describe_missed(const std::vector<MissedFeature>& missed, const Root
             (largest->material ? "material, " : "a hole, ") + number(largest->size) + " long and " +
             number(largest->thickness) + " thick, at " + place(largest->position) + "; ";
     if (level <= root.level + refine)
-        return text + "cells there are as small as that already: no cells show a tip that narrows to nothing";
+        return text + "--refine " + std::to_string(refine) +
+               " allows cells as small as that already; what narrows to a tip is never shown whole";
     text += "--refine " + std::to_string(level - root.level);
     if (level <= octree::kMaxUniformLevel) text += ", or level " + std::to_string(level) + ",";
     text += std::string(" makes cells as small as ") + (missed.size() == 1 ? "it" : "the thinnest of them");

@@ -64,13 +64,15 @@ class LeafProbe {
         double value = 0;  ///< |f| of the hidden surface there
     };
 
-    // face_sections.cpp
+    // sections.cpp
     int sign_at(std::uint32_t surface, const Vec3& x) const;
     Vec3 on_face(int f, double u, double v) const;
-    bool passes_through(int f, const Vec3& x);
+    Vec3 on_edge(int e, double t) const;
+    bool passes_through(int f, const Vec3& x) const;
+    bool is_deep(const Vec3& x) const;
     void find_section(int f);
-    void find_bridge(std::size_t axis, bool second, bool third);
-    void note_section(const Vec3& x);
+    void find_bridge(int e);
+    void note_section(const Found& found);
     void find_sections(std::uint32_t leaf, std::vector<Component>& out);
     // pieces.cpp
     tape::Grid grid(int depth) const;

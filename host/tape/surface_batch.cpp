@@ -55,6 +55,27 @@ class CoordinateRange {
 
 double coordinate(std::size_t, double u) { return u; }
 
+/// A surface at all places: a formula in lanes, whose results `store` takes; all else, and places where a
+/// formula is no number, by `single`, one after the other.
+template <class Lanes, class Single, class Store, class Result>
+void evaluate(ExpressionProgram<Lanes>& program, const BoundModel& model, std::uint32_t surface,
+              const Places& places, const Single& single, const Store& store, std::vector<Result>& results) {
+    const Surface& s = model.surfaces[surface];
+    results.resize(places.count);
+    const auto ask = [&](std::size_t k) {
+        const Vec3 x = places.point(k);
+        results[k] = single(&s, model.expression_ops.data(), x[0], x[1], x[2]);
+    };
+    if (s.kind != kSurfaceExpression) {
+        for (std::size_t k = 0; k < places.count; ++k) ask(k);
+        return;
+    }
+    run_at(program, model, s, places, coordinate,
+           [&](std::size_t k, const typename Lanes::Block& block, std::size_t lane) {
+               if (!store(results[k], block, lane)) ask(k);
+           });
+}
+
 }  // namespace
 
 struct SurfaceBatch::Programs {
@@ -115,47 +136,24 @@ void SurfaceBatch::slopes(std::uint32_t surface, const Grid& grid, const std::ve
 }
 
 void SurfaceBatch::values(std::uint32_t surface, const Places& places, std::vector<double>& values) {
-    const Surface& s = model_.surfaces[surface];
-    values.resize(places.count);
-    if (s.kind != kSurfaceExpression) {
-        for (std::size_t k = 0; k < places.count; ++k) {
-            const Vec3 x = places.point(k);
-            values[k] = surface_value(&s, model_.expression_ops.data(), x[0], x[1], x[2]);
-        }
-        return;
-    }
-    const auto store = [&](std::size_t k, const ValueLanes::Block& block, std::size_t lane) {
-        values[k] = block.value[lane];
-        if (values[k] == values[k]) return;  // else it is asked beside
-        const Vec3 x = places.point(k);
-        values[k] = surface_value(&s, model_.expression_ops.data(), x[0], x[1], x[2]);
+    const auto store = [](double& value, const ValueLanes::Block& block, std::size_t lane) {
+        value = block.value[lane];
+        return value == value;
     };
-    run_at(programs_->values, model_, s, places, coordinate, store);
+    evaluate(programs_->values, model_, surface, places, surface_value, store, values);
 }
 
 void SurfaceBatch::samples(std::uint32_t surface, const Places& places, std::vector<SurfaceSample>& samples) {
-    const Surface& s = model_.surfaces[surface];
-    samples.resize(places.count);
-    if (s.kind != kSurfaceExpression) {
-        for (std::size_t k = 0; k < places.count; ++k) {
-            const Vec3 x = places.point(k);
-            samples[k] = surface_sample(&s, model_.expression_ops.data(), x[0], x[1], x[2]);
-        }
-        return;
-    }
-    const auto store = [&](std::size_t k, const SampleLanes::Block& block, std::size_t lane) {
-        samples[k].value = block.f.value[lane];
-        if (samples[k].value != samples[k].value) {  // it is asked beside
-            const Vec3 x = places.point(k);
-            samples[k] = surface_sample(&s, model_.expression_ops.data(), x[0], x[1], x[2]);
-            return;
-        }
+    const double* map = model_.surfaces[surface].map;
+    const auto store = [map](SurfaceSample& sample, const SampleLanes::Block& block, std::size_t lane) {
+        sample.value = block.f.value[lane];
         for (int j = 0; j < 3; ++j) {
-            samples[k].gradient[j] = block.slope[0][lane] * s.map[j] + block.slope[1][lane] * s.map[4 + j] +
-                                     block.slope[2][lane] * s.map[8 + j];
+            sample.gradient[j] = block.slope[0][lane] * map[j] + block.slope[1][lane] * map[4 + j] +
+                                 block.slope[2][lane] * map[8 + j];
         }
+        return sample.value == sample.value;
     };
-    run_at(programs_->samples, model_, s, places, coordinate, store);
+    evaluate(programs_->samples, model_, surface, places, surface_sample, store, samples);
 }
 
 }  // namespace mortise::tape

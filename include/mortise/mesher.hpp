@@ -20,6 +20,12 @@ namespace mortise {
 /// of one size, ends at 10. 3 × 19 bits of coordinate, 5 of level and 2 of axis fill a 64-bit key.
 inline constexpr int kMaxLevel = 18;
 
+/// Limits of MeshOptions::min_angle, smooth and merge_distance.
+inline constexpr double kLeastMinAngle = 18;
+inline constexpr double kMostMinAngle = 35;
+inline constexpr int kMostSmooth = 100;
+inline constexpr double kMostMergeDistance = 0.25;
+
 /// A wish for small cells around a point: at distance d from it none is larger than size + grading × d.
 struct SizeSource {
     Vec3 at{};
@@ -51,7 +57,7 @@ struct MeshOptions {
     int smooth = 4;  ///< rounds of node repositioning, 100 at most; 0: nodes move only onto the model
     /// Degrees: elements are improved until no dihedral angle is smaller, 18 to 35. What goes with it, for
     /// 18, 25 and 32 degrees: angles of 155, 145 and 134 at most, scaled Jacobians of 0.2, 0.27 and 0.34.
-    double min_angle = 18;
+    double min_angle = kLeastMinAngle;
     /// Nodes of creases and corners closer than this to other features, in cells, may be merged with them
     /// where elements would be slivers, and nodes may lie beside the model by three times as much where
     /// nothing else helps. At most 0.25; 0, or `strict`: never.

@@ -121,8 +121,10 @@ TEST_CASE("a small ball inside a cell is found and kept as a ball") {
     }
 }
 
-TEST_CASE("a ball of 1/18 of a cell is found wherever it lies") {
-    for (int k = 0; k < 40; ++k) {
+/// Balls of 1/18 of a cell at `count` places in a cell: each is reported, or in the mesh because a sample
+/// lies in it.
+void check_tiny_balls(int count, const std::function<NodeIndex(Model&, const Vec3&)>& add) {
+    for (int k = 0; k < count; ++k) {
         const Vec3 centre = {20 + std::fmod(0.07 + 0.6180339887 * k, 1),
                              20 + std::fmod(0.31 + 0.7548776662 * k, 1),
                              20 + std::fmod(0.83 + 0.5698402910 * k, 1)};
@@ -131,9 +133,8 @@ TEST_CASE("a ball of 1/18 of a cell is found wherever it lies") {
         options.level = kLevel;
         options.improve = false;
         MeshReport report;
-        const Mesh mesh = generate_mesh(beside_frame([&](Model& m) { return add_ball(m, centre, 1.0 / 18); }),
-                                        options, &report);
-        // Reported, or in the mesh because a sample lies in it.
+        const Mesh mesh =
+            generate_mesh(beside_frame([&](Model& m) { return add(m, centre); }), options, &report);
         if (report.missed.empty())
             CHECK(nearest_node(mesh, centre) < 0.1);
         else
@@ -141,32 +142,20 @@ TEST_CASE("a ball of 1/18 of a cell is found wherever it lies") {
     }
 }
 
+TEST_CASE("a ball of 1/18 of a cell is found wherever it lies") {
+    check_tiny_balls(40, [](Model& m, const Vec3& centre) { return add_ball(m, centre, 1.0 / 18); });
+}
+
 // Bounds of its polynomial are loose, so that gradients and samples must tell.
 TEST_CASE("a ball of 1/18 of a cell is found where a formula of degree 8 makes it") {
-    for (int k = 0; k < 20; ++k) {
-        const Vec3 centre = {20 + std::fmod(0.07 + 0.6180339887 * k, 1),
-                             20 + std::fmod(0.31 + 0.7548776662 * k, 1),
-                             20 + std::fmod(0.83 + 0.5698402910 * k, 1)};
-        CAPTURE(k);
+    check_tiny_balls(20, [](Model& m, const Vec3& centre) {
         Primitive ball;
         ball.kind = Primitive::Kind::kExpression;
         ball.expression = "s = (x-" + std::to_string(centre[0]) + ")^2 + (y-" + std::to_string(centre[1]) +
                           ")^2 + (z-" + std::to_string(centre[2]) +
                           ")^2; 8*s^4 - 20*s^3 + 18*s^2 + 12*s - 12/18^2";
-        MeshOptions options;
-        options.level = kLevel;
-        options.improve = false;
-        MeshReport report;
-        const Mesh mesh = generate_mesh(
-            beside_frame([&](Model& m) {
-                return intersect(m, {m.add_primitive(ball), add_box(m, {15, 15, 15}, {25, 25, 25})});
-            }),
-            options, &report);
-        if (report.missed.empty())
-            CHECK(nearest_node(mesh, centre) < 0.1);
-        else
-            CHECK(distance(report.missed[0].position, centre) < 1.0 / 18);
-    }
+        return intersect(m, {m.add_primitive(ball), add_box(m, {15, 15, 15}, {25, 25, 25})});
+    });
 }
 
 TEST_CASE("what passes through cells between their vertices is reported as lost") {

@@ -31,11 +31,20 @@ Vec3 LeafProbe::on_face(int f, double u, double v) const {
     return x;
 }
 
-/// Whether the hidden surface's rod passes through face f at x.
-bool LeafProbe::passes_through(int f, const Vec3& x) {
+/// Place t, 0 to 1, along edge e: along axis e / 4, at the upper end of the next axis for bit 0, of the one
+/// after that for bit 1.
+Vec3 LeafProbe::on_edge(int e, double t) const {
+    const auto axis = static_cast<std::size_t>(e / 4);
+    Vec3 x{};
+    x[axis] = low_[axis] + t * edge_;
+    x[(axis + 1) % 3] = low_[(axis + 1) % 3] + ((e & 1) != 0 ? edge_ : 0);
+    x[(axis + 2) % 3] = low_[(axis + 2) % 3] + ((e & 2) != 0 ? edge_ : 0);
+    return x;
+}
+
+/// Whether the hidden surface's rod, of which x is a part, passes through face f there.
+bool LeafProbe::passes_through(int f, const Vec3& x) const {
     const std::uint32_t surface = surfaces_[hidden_[0]];
-    Found unused;
-    if (!is_missed(x, unused)) return false;
     for (const double side : {-kThrough, kThrough}) {
         Vec3 beside = x;
         beside[static_cast<std::size_t>(f / 2)] += side * edge_;
@@ -67,14 +76,14 @@ void LeafProbe::find_section(int f) {
     for (std::size_t i = 0; i < points.size(); ++i) {
         const Vec3& x = points[i];
         const bool as_seen = (values_[i] <= 0) == (hidden_sign_[0] < 0);
-        if (!as_seen && passes_through(f, x)) note_section(x);
+        Found found;
+        if (!as_seen && is_missed(x, found) && passes_through(f, x)) note_section(found);
     }
 }
 
-/// The piece at x holds a part of a section.
-void LeafProbe::note_section(const Vec3& x) {
-    Found found;
-    is_missed(x, found);
+/// The piece there holds a part of a section.
+void LeafProbe::note_section(const Found& found) {
+    const Vec3& x = found.point;
     std::uint32_t piece = 0;
     for (int axis = 2; axis >= 0; --axis) {
         const auto a = static_cast<std::size_t>(axis);
@@ -86,32 +95,28 @@ void LeafProbe::note_section(const Vec3& x) {
     found_[piece] = found;
 }
 
-/// Pieces at an edge of the leaf, along an axis and at the upper end of the next two or not, that hold what
-/// its ends do not see.
-void LeafProbe::find_bridge(std::size_t axis, bool second, bool third) {
+/// Whether the hidden surface is so far from x that no cap reaches there.
+bool LeafProbe::is_deep(const Vec3& x) const {
+    const SurfaceSample s = surface_sample(&model_.surfaces[surfaces_[hidden_[0]]],
+                                           model_.expression_ops.data(), x[0], x[1], x[2]);
+    const double squared =
+        s.gradient[0] * s.gradient[0] + s.gradient[1] * s.gradient[1] + s.gradient[2] * s.gradient[2];
+    return std::fabs(s.value) >= kDeep * edge_ * std::sqrt(squared);
+}
+
+/// Pieces at edge e that hold what its ends do not see.
+void LeafProbe::find_bridge(int e) {
     const std::uint32_t surface = surfaces_[hidden_[0]];
-    const auto on_edge = [&](int i) {
-        Vec3 x{};
-        x[axis] = low_[axis] + edge_ * i / kAcross;
-        x[(axis + 1) % 3] = low_[(axis + 1) % 3] + (second ? edge_ : 0);
-        x[(axis + 2) % 3] = low_[(axis + 2) % 3] + (third ? edge_ : 0);
-        return x;
-    };
-    const int sign = sign_at(surface, on_edge(0));
-    if (sign == 0 || sign != sign_at(surface, on_edge(kAcross))) return;
+    const int sign = sign_at(surface, on_edge(e, 0));
+    if (sign == 0 || sign != sign_at(surface, on_edge(e, 1))) return;
     hidden_sign_[0] = static_cast<std::int8_t>(sign);
     std::vector<Vec3> points;
-    for (int i = 1; i < kAcross; ++i) points.push_back(on_edge(i));
+    for (int i = 1; i < kAcross; ++i) points.push_back(on_edge(e, static_cast<double>(i) / kAcross));
     batch_.values(surface, tape::Places(points), values_);
     for (std::size_t i = 0; i < points.size(); ++i) {
-        if ((values_[i] <= 0) == (sign < 0)) continue;
-        const Vec3& x = points[i];
-        const SurfaceSample s =
-            surface_sample(&model_.surfaces[surface], model_.expression_ops.data(), x[0], x[1], x[2]);
-        const double slope = std::sqrt(s.gradient[0] * s.gradient[0] + s.gradient[1] * s.gradient[1] +
-                                       s.gradient[2] * s.gradient[2]);
-        Found unused;
-        if (std::fabs(s.value) >= kDeep * edge_ * slope && is_missed(x, unused)) note_section(x);
+        const bool as_seen = (values_[i] <= 0) == (sign < 0);
+        Found found;
+        if (!as_seen && is_deep(points[i]) && is_missed(points[i], found)) note_section(found);
     }
 }
 
@@ -122,7 +127,7 @@ void LeafProbe::find_sections(std::uint32_t leaf, std::vector<Component>& out) {
         hidden_sign_.assign(1, 0);
         found_.clear();
         for (int f = 0; f < 6; ++f) find_section(f);
-        for (int e = 0; e < 12; ++e) find_bridge(static_cast<std::size_t>(e / 4), (e & 1) != 0, (e & 2) != 0);
+        for (int e = 0; e < 12; ++e) find_bridge(e);
         if (found_.empty()) continue;
         Component component;
         component.leaf = leaf;
