@@ -10,14 +10,14 @@
 
 #include "host/cli/files.hpp"
 #include "host/cli/help_formatter.hpp"
+#include "host/common/lower_case.hpp"
 
 namespace mortise::cli {
 namespace {
 
 constexpr const char* kExamples = R"(
-Examples:
-  mortise bracket.csg -o bracket.vtu --picture bracket.png
-  mortise pipe.geo -o pipe.vtu -o pipe.msh --box -1 -1 0 1 1 4 --size 0.05
+Examples: mortise bracket.csg -o bracket.vtu --picture bracket.png
+          mortise pipe.geo -o pipe.vtu -o pipe.msh --box -1 -1 0 1 1 4 --size 0.05
 )";
 
 constexpr const char* kExitCodes = R"(Exit codes:
@@ -59,6 +59,7 @@ struct Words {
     bool box_fit = false;
     bool no_templates = false;
     bool no_snap = false;
+    bool hanging = false;
     bool no_improve = false;
     bool no_compress = false;
     std::string smooth, min_angle, merge;
@@ -102,7 +103,8 @@ void add_shape_options(CLI::App& app, Arguments& arguments, Words& words) {
 void add_model_options(CLI::App& app, Arguments& arguments, Words& words) {
     app.add_option("MODEL", arguments.file,
                    "model file: .csg, .scad, .geo, .stl, .obj, .off, .formula, .vm or .frep");
-    app.add_option("-o,--output", arguments.outputs, "mesh file, .vtu or .msh; may be given several times")
+    app.add_option("-o,--output", arguments.outputs,
+                   ".vtu, .msh, or OpenFOAM's folder polyMesh; may be given several times")
         ->option_text("FILE")
         ->allow_extra_args(false);
     add_shape_options(app, arguments, words);
@@ -148,6 +150,8 @@ void add_element_options(CLI::App& app, Arguments& arguments, Words& words) {
     app.option_defaults()->group("Elements");
     app.add_option("--elements", words.elements, "hex: mostly hexahedra (default); tet: tetrahedra only")
         ->option_text("hex|tet");
+    app.add_flag("--hanging", words.hanging,
+                 "cells inside beside smaller ones stay hexahedra, with hanging nodes");
     app.add_option("--min-angle", words.min_angle, "smallest dihedral angle that elements get, 18 to 35 (18)")
         ->option_text("ANGLE");
     app.add_option("--smooth", words.smooth, "rounds of moving nodes to better places, 0 to 100 (4)")
@@ -327,6 +331,9 @@ void read_mesh_words(const Words& words, Arguments& arguments) {
         refuse("--elements '" + words.elements + "': expected hex or tet");
     }
     options.tetrahedra = words.elements == "tet";
+    options.hanging = words.hanging;
+    if (options.hanging && options.tetrahedra)
+        refuse("--hanging and --elements tet: only hexahedra have hanging nodes; leave one away");
     options.templates = !words.no_templates;
     options.snap = !words.no_snap;
     options.improve = !words.no_improve;
@@ -390,6 +397,13 @@ void read_memory(const std::string& word, Arguments& arguments) {
     }
 }
 
+/// Gmsh's format would lose which nodes hang.
+void refuse_hanging_msh(const std::string& option, const std::string& value) {
+    refuse(option + " '" + value +
+           "': .msh files have no place for hanging nodes; use .vtu, or leave --hanging "
+           "away");
+}
+
 void check_files(const Arguments& arguments) {
     if (arguments.file.empty())
         refuse("no model given; use: mortise MODEL -o FILE.vtu, or see mortise --help");
@@ -400,6 +414,9 @@ void check_files(const Arguments& arguments) {
         if (std::any_of(arguments.outputs.begin(), path,
                         [&](const std::string& before) { return is_same_file(before, *path); }))
             refuse("-o '" + *path + "': given twice");
+        if (arguments.options.hanging && path->size() >= 4 &&
+            lower_case(path->substr(path->size() - 4)) == ".msh")
+            refuse_hanging_msh("-o", *path);
     }
 }
 
@@ -409,6 +426,8 @@ void read_batch_words(const Words& words, Arguments& arguments) {
     if (arguments.format != "vtu" && arguments.format != "msh") {
         refuse("--format '" + arguments.format + "': expected vtu or msh");
     }
+    if (arguments.options.hanging && arguments.format == "msh")
+        refuse_hanging_msh("--format", arguments.format);
     if (!words.jobs.empty()) arguments.jobs = parse_integer("--jobs", words.jobs, 1, "");
 }
 

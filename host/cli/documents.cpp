@@ -108,6 +108,7 @@ Json mesh_document(const MeshReport& report, const MeshFigures& figures) {
     if (!report.leaves.empty()) {
         json["cells_by_level"] = report.leaves;
         json["transition_cells"] = report.transition_cells;
+        json["hanging_cells"] = report.hanging_cells;
     }
     json["cell_size"] = report.cell_size;
     json["root_box"] = {{"min", report.root.min}, {"max", report.root.max}};

@@ -21,7 +21,7 @@ void try_folder(const std::string& path) { const io::TemporaryFile attempt(path)
 
 void check_mesh_output(const std::string& path) {
     check_writable(path);
-    try_folder(path);
+    if (!is_mesh_folder(path)) try_folder(path);
 }
 
 void check_other_output(const std::string& option, const std::string& path, const std::string& extension) {

@@ -68,10 +68,17 @@ std::string summary(const Arguments& arguments, const MeshReport& report, const 
     if (!report.leaves.empty()) {
         text += "  cells      " + list_levels(report.leaves);
         if (report.transition_cells > 0) {
-            const double each =
-                static_cast<double>(figures.kinds[3]) / static_cast<double>(report.transition_cells);
             text += "; " + std::to_string(report.transition_cells) + " inside beside smaller ones";
-            if (figures.kinds[3] > 0) text += ", of " + short_number(each, 3) + " elements each";
+            // What is left of templates: cells with hanging nodes are an element each.
+            const std::uint64_t divided = report.transition_cells - report.hanging_cells;
+            if (report.hanging_cells > 0)
+                text += ", " + std::to_string(report.hanging_cells) + " of them hexahedra with hanging nodes";
+            if (divided > 0 && figures.kinds[3] > report.hanging_cells)
+                text += std::string(report.hanging_cells > 0 ? ", the others" : ",") + " of " +
+                        short_number(static_cast<double>(figures.kinds[3] - report.hanging_cells) /
+                                         static_cast<double>(divided),
+                                     3) +
+                        " elements each";
         }
         text += "\n";
     }

@@ -17,9 +17,10 @@
 namespace mortise {
 namespace {
 
-enum class Format { kVtu, kMsh };
+enum class Format { kVtu, kMsh, kFoam };
 
 Format format_of(const std::string& path) {
+    if (is_mesh_folder(path)) return Format::kFoam;
     const std::size_t slash = path.find_last_of('/');
     const std::string name = slash == std::string::npos ? path : path.substr(slash + 1);
     const std::size_t dot = name.find_last_of('.');
@@ -28,8 +29,8 @@ Format format_of(const std::string& path) {
     const std::string small = lower_case(extension);
     if (small == ".vtu") return Format::kVtu;
     if (small == ".msh") return Format::kMsh;
-    throw Error(ExitCode::kUsage,
-                "'" + path + "': unknown mesh format '" + extension + "', expected .vtu or .msh");
+    throw Error(ExitCode::kUsage, "'" + path + "': unknown mesh format '" + extension +
+                                      "', expected .vtu, .msh, or a folder polyMesh (OpenFOAM)");
 }
 
 [[noreturn]] void refuse(const std::string& path, const std::string& cause) {
@@ -70,6 +71,10 @@ std::string io::find_range_error(const Mesh& mesh) {
         return "facet with a region out of range";
     if (!mesh.model_dimension.empty() && mesh.model_dimension.size() != nodes)
         return "model_dimension and points of unequal length";
+    if (mesh.hanging.masters.size() != 4 * mesh.hanging.size())
+        return "hanging nodes and their masters of unequal number";
+    if (!all_below(mesh.hanging.node, nodes) || !all_below(mesh.hanging.masters, nodes))
+        return "hanging node with a node index out of range";
     return {};
 }
 
@@ -82,18 +87,33 @@ void write_mesh(const Mesh& mesh, const std::string& path, const std::vector<flo
     if (!error.empty())
         throw Error(ExitCode::kMeshing,
                     "cannot write '" + path + "': invalid mesh: " + error + "; see check_mesh");
+    if (format == Format::kMsh && mesh.hanging.size() > 0)
+        throw Error(ExitCode::kUsage,
+                    "cannot write '" + path + "': .msh files have no place for hanging nodes; use .vtu");
+    if (format == Format::kFoam) return io::write_foam(mesh, path);
     io::TemporaryFile file(path);
     format == Format::kVtu ? io::write_vtu(mesh, jacobians, io::packing_of(options), file)
                            : io::write_msh(mesh, file);
     file.commit();
 }
 
+bool is_mesh_folder(const std::string& path) {
+    const std::string name = "polyMesh";
+    const std::size_t end = path.find_last_not_of('/') + 1;
+    if (end < name.size() || path.compare(end - name.size(), name.size(), name) != 0) return false;
+    return end == name.size() || path[end - name.size() - 1] == '/';
+}
+
 void check_writable(const std::string& path) {
-    format_of(path);
+    const bool is_folder = format_of(path) == Format::kFoam;
     struct stat status;
-    if (stat(path.c_str(), &status) == 0 && S_ISDIR(status.st_mode)) refuse(path, std::strerror(EISDIR));
-    const std::size_t slash = path.find_last_of('/');
-    const std::string folder = slash == std::string::npos ? "." : path.substr(0, slash + 1);
+    const bool is_there = stat(path.c_str(), &status) == 0;
+    if (is_there && is_folder != S_ISDIR(status.st_mode))
+        refuse(path, is_folder ? "it is a file, expected a folder" : std::strerror(EISDIR));
+    // The folder that is written to: of a polyMesh that is not there yet the one above it.
+    const std::size_t slash = path.find_last_of('/', path.find_last_not_of('/'));
+    const std::string above = slash == std::string::npos ? "." : path.substr(0, slash + 1);
+    const std::string folder = is_folder && is_there ? path : above;
     if (stat(folder.c_str(), &status) != 0)
         refuse(path, "folder '" + folder + "': " + std::strerror(errno) + "; create it first");
     if (!S_ISDIR(status.st_mode)) refuse(path, "'" + folder + "' is not a folder");
@@ -103,6 +123,10 @@ void check_writable(const std::string& path) {
 
 Mesh read_mesh(const std::string& path) {
     const Format format = format_of(path);
+    if (format == Format::kFoam)
+        throw Error(
+            ExitCode::kUsage,
+            "'" + path + "': OpenFOAM's meshes are written only, not read; its checkMesh tells of them");
     try {
         const io::FileReader file(path);
         Mesh mesh = format == Format::kVtu ? io::read_vtu(file) : io::read_msh(file);

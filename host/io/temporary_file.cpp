@@ -24,17 +24,19 @@ constexpr std::size_t kNameSize = 4096;
 enum SlotState : int { kFree, kTaken, kNamed };
 struct Slot {
     std::atomic<int> state{kFree};
+    bool is_folder = false;
     char name[kNameSize];
 };
 Slot slots[kSlots];
 std::atomic<unsigned> next_number{0};
 static_assert(std::atomic<int>::is_always_lock_free, "remove_temporary_files runs in signal handlers");
 
-int take_slot(const std::string& name) {
+int take_slot(const std::string& name, bool is_folder) {
     for (int i = 0; i < kSlots; ++i) {
         int expected = kFree;
         if (!slots[i].state.compare_exchange_strong(expected, kTaken)) continue;
         std::memcpy(slots[i].name, name.c_str(), name.size() + 1);
+        slots[i].is_folder = is_folder;
         slots[i].state = kNamed;
         return i;
     }
@@ -71,7 +73,10 @@ const char* obstacle(const std::filesystem::path& target) {
 
 void remove_temporary_files() noexcept {
     for (Slot& slot : slots) {
-        if (slot.state == kNamed) unlink(slot.name);
+        if (slot.state == kNamed && !slot.is_folder) unlink(slot.name);
+    }
+    for (Slot& slot : slots) {
+        if (slot.state == kNamed && slot.is_folder) rmdir(slot.name);
     }
 }
 
@@ -82,7 +87,7 @@ TemporaryFile::TemporaryFile(const std::string& path) : path_(path) {
     temporary_ = target_ + "." + std::to_string(getpid()) + "-" + std::to_string(next_number++) + ".tmp";
     if (temporary_.size() >= kNameSize) fail("create", ENAMETOOLONG);
     buffer_.reserve(kBufferSize);
-    slot_ = take_slot(temporary_);
+    slot_ = take_slot(temporary_, false);
     if (slot_ < 0) fail("create", EMFILE);
     // A file of that name can only be left over from a dead process with our number.
     unlink(temporary_.c_str());
@@ -144,6 +149,33 @@ void TemporaryFile::write_all(const char* data, std::size_t size, std::uint64_t 
 void TemporaryFile::fail(const char* action, int error) const {
     throw Error(ExitCode::kFiles,
                 "cannot " + std::string(action) + " '" + path_ + "': " + std::strerror(error));
+}
+
+NewFolder::NewFolder(const std::string& path) : path_(path) {
+    const auto fail = [this](int error) {
+        throw Error(ExitCode::kFiles, "cannot create '" + path_ + "': " + std::strerror(error));
+    };
+    if (mkdir(path_.c_str(), 0777) != 0) {
+        struct stat status;
+        const int error = errno;
+        if (error == EEXIST && stat(path_.c_str(), &status) == 0 && S_ISDIR(status.st_mode)) return;
+        fail(error);
+    }
+    slot_ = path_.size() < kNameSize ? take_slot(path_, true) : -1;
+    if (slot_ < 0) {
+        rmdir(path_.c_str());
+        fail(EMFILE);
+    }
+}
+
+NewFolder::~NewFolder() {
+    if (slot_ >= 0) rmdir(path_.c_str());
+    keep();
+}
+
+void NewFolder::keep() {
+    if (slot_ >= 0) slots[slot_].state = kFree;
+    slot_ = -1;
 }
 
 }  // namespace mortise::io

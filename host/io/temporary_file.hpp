@@ -8,8 +8,8 @@
 
 namespace mortise::io {
 
-/// Removes every temporary file that is open now. Async-signal-safe: for handlers of signals that end the
-/// process; the TemporaryFile objects are of no use afterwards.
+/// Removes every temporary file that is open now, then every NewFolder that is empty. Async-signal-safe: for
+/// handlers of signals that end the process; the TemporaryFile objects are of no use afterwards.
 void remove_temporary_files() noexcept;
 
 /// A file being written. Every failure throws Error(kFiles) with the target's path and the cause, and the
@@ -51,6 +51,22 @@ class TemporaryFile {
     std::uint64_t flushed_ = 0;
     int descriptor_ = -1;
     int slot_ = -1;  ///< in the list of names for remove_temporary_files
+};
+
+/// A folder that is there while the object is: made if it was missing, and then removed again, if it is
+/// empty, unless keep() has been called. Throws Error(kFiles) with the path and the cause.
+class NewFolder {
+  public:
+    explicit NewFolder(const std::string& path);
+    ~NewFolder();
+    NewFolder(const NewFolder&) = delete;
+    NewFolder& operator=(const NewFolder&) = delete;
+
+    void keep();
+
+  private:
+    std::string path_;
+    int slot_ = -1;  ///< as in TemporaryFile; -1: the folder stays
 };
 
 }  // namespace mortise::io

@@ -234,6 +234,10 @@ Mesh read_vtu(const FileReader& file) {
     mesh.facets.surface = reader.array<std::uint32_t>(reader.fields(), "facet_surface", "UInt32");
     mesh.facets.inside = reader.array<std::uint16_t>(reader.fields(), "facet_inside", "UInt16");
     mesh.facets.outside = reader.array<std::uint16_t>(reader.fields(), "facet_outside", "UInt16");
+    if (reader.fields().find_child_by_attribute("DataArray", "Name", "hanging_nodes")) {
+        mesh.hanging.node = reader.array<std::uint32_t>(reader.fields(), "hanging_nodes", "UInt32");
+        mesh.hanging.masters = reader.array<std::uint32_t>(reader.fields(), "hanging_masters", "UInt32");
+    }
     return mesh;
 }
 

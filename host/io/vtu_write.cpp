@@ -6,7 +6,7 @@
 // model_dimension (UInt8, see Features). VTK has no facets beside cells, so these travel in FieldData:
 // facet_nodes (4 per facet, a triangle repeats its last node), facet_surface, facet_inside, facet_outside (as
 // in FacetBlock), and the names as VTK string arrays region_names and surface_names, inline as character
-// codes.
+// codes; so do, if there are any, hanging_nodes and hanging_masters (4 per node, as in HangingNodes).
 #include <algorithm>
 #include <limits>
 #include <string>
@@ -83,6 +83,10 @@ void write_vtu_file(const MeshTotals& totals, const Mesh& outline, const VtuArra
     writer.field("UInt32", "facet_surface", 1, outline.facets.surface);
     writer.field("UInt16", "facet_inside", 1, outline.facets.inside);
     writer.field("UInt16", "facet_outside", 1, outline.facets.outside);
+    if (outline.hanging.size() > 0) {
+        writer.field("UInt32", "hanging_nodes", 1, outline.hanging.node);
+        writer.field("UInt32", "hanging_masters", 4, outline.hanging.masters);
+    }
     writer.text("</FieldData>");
     writer.text("<Piece NumberOfPoints=\"" + std::to_string(totals.nodes) + "\" NumberOfCells=\"" +
                 std::to_string(elements) + "\">");

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "host/features/features.hpp"
+#include "host/hanging/restore.hpp"
 #include "host/improve/improve.hpp"
 #include "host/jacobian/jacobian.hpp"
 #include "host/pipeline/names.hpp"
@@ -175,6 +176,14 @@ Mesh Mesher::generate(const Model& model, const MeshOptions& options, MeshReport
         const std::uint64_t before = counters.zone_elements;
         mesh = improve::raise(std::move(mesh), prepared.bound, improve_options, counters);
         stages.end(counters.zone_elements - before);
+    }
+    if (options.hanging) {
+        stages.begin("hanging", 0.953);
+        hanging::Restored restored = hanging::restore_cells(
+            std::move(mesh), {prepared.root.origin, prepared.root.side, &prepared.leaves}, options.threads);
+        mesh = std::move(restored.mesh);
+        out.hanging_cells = restored.cells;
+        stages.end(restored.cells);
     }
     if (options.improve) pipeline::report_improvement(counters, options, model.source, out);
     stages.begin("faces", 0.955);

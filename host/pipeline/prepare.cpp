@@ -129,6 +129,8 @@ void check_options(const MeshOptions& options) {
                                           " is out of range; use " + number(kLeastMinAngle) + " to " +
                                           number(kMostMinAngle) + " degrees");
     }
+    if (options.hanging && options.tetrahedra)
+        throw Error(ExitCode::kUsage, "hanging nodes are those of hexahedra; leave them or tetrahedra away");
     if (options.min_angle > kLeastMinAngle && !options.improve)
         throw Error(ExitCode::kUsage, "a smallest angle needs elements to be improved");
     bool positive = options.size_min >= 0 && options.size_max >= 0 && options.curvature_elements >= 0 &&

@@ -21,7 +21,9 @@ CheckReport check_mesh(const Mesh& mesh) {
     if (quality::check_structure(mesh, log)) {
         quality::check_nodes(mesh, log);
         quality::check_elements(mesh, log, report);
-        const std::vector<quality::BoundaryFacet> boundary = quality::check_facets(mesh, log, report);
+        const std::vector<HangingFace> hanging = quality::check_hanging(mesh, log);
+        const std::vector<quality::BoundaryFacet> boundary =
+            quality::check_facets(mesh, hanging, log, report);
         quality::check_boundary(mesh, boundary, log, report);
         quality::check_hinges(mesh, boundary, report);
     }

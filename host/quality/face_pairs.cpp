@@ -3,6 +3,7 @@
 #include <atomic>
 
 #include "host/common/parallel.hpp"
+#include "mortise/hanging.hpp"
 
 namespace mortise::quality {
 namespace {
@@ -78,6 +79,15 @@ std::uint64_t sum_of_outer_facets(const FacetBlock& facets, int threads) {
         const NodeId* node = facets.nodes.data() + 4 * i;
         return signed_hash(node, node[2] == node[3] ? 3 : 4);
     });
+}
+
+std::uint64_t sum_of_hanging_faces(const HangingNodes& hanging) {
+    std::uint64_t sum = 0;
+    for (const HangingFace& face : hanging_faces(hanging)) {
+        sum += signed_hash(face.whole.data(), 4);
+        for (const auto& quarter : face.quarters) sum -= signed_hash(quarter.data(), 4);
+    }
+    return sum;
 }
 
 }  // namespace mortise::quality

@@ -16,8 +16,13 @@ std::uint64_t sum_of_faces(const Mesh& mesh, int threads);
 /// check_mesh tells what does not fit.
 std::uint64_t sum_of_outer_facets(const FacetBlock& facets, int threads);
 
+/// The same of faces with hanging nodes: what a larger face and the four that it meets leave of the sum.
+/// Throws what hanging_faces throws.
+std::uint64_t sum_of_hanging_faces(const HangingNodes& hanging);
+
 inline bool faces_are_paired(const Mesh& mesh, int threads) {
-    return sum_of_faces(mesh, threads) == sum_of_outer_facets(mesh.facets, threads);
+    return sum_of_faces(mesh, threads) ==
+           sum_of_outer_facets(mesh.facets, threads) + sum_of_hanging_faces(mesh.hanging);
 }
 
 }  // namespace mortise::quality

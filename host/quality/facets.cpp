@@ -3,7 +3,8 @@
 // Every facet, of an element or listed, becomes a 20-byte entry filed under its smallest node: a counting
 // sort with atomic cursors, two parallel passes over the elements. The entries of one node (a dozen or two)
 // are then sorted by their other nodes, which brings equal facets together and makes the order independent of
-// the threads. Entries of one facet are judged together by check_group.
+// the threads. Entries of one facet are judged together by check_group. A face with a hanging node counts as
+// a flat element between the larger face and the four that it meets, numbered after all others.
 #include <algorithm>
 #include <atomic>
 #include <limits>
@@ -76,15 +77,18 @@ struct Place {
 
 class FacetMatcher {
   public:
-    FacetMatcher(const Mesh& mesh, DefectLog& log, CheckReport& report)
-        : mesh_(mesh), log_(log), report_(report) {
+    FacetMatcher(const Mesh& mesh, const std::vector<HangingFace>& hanging, DefectLog& log,
+                 CheckReport& report)
+        : mesh_(mesh), hanging_(hanging), log_(log), report_(report) {
         for (std::size_t t = 0; t < kElementTypes; ++t) first_[t + 1] = first_[t] + mesh.elements[t].size();
     }
 
     std::vector<BoundaryFacet> run() {
         file_entries();
-        parents_.reset(new std::atomic<std::uint32_t>[first_[kElementTypes]]);
-        for (std::size_t i = 0; i < first_[kElementTypes]; ++i) parents_[i] = static_cast<std::uint32_t>(i);
+        const std::size_t owners = first_[kElementTypes] + hanging_.size();
+        parents_.reset(new std::atomic<std::uint32_t>[owners]);
+        for (std::size_t i = 0; i < owners; ++i) parents_[i] = static_cast<std::uint32_t>(i);
+        hanging_region_.reset(new std::atomic<std::uint16_t>[hanging_.size()]());
         const std::size_t nodes = mesh_.node_count();
         std::vector<ChunkResult> results(chunk_count(nodes, kNodeChunk));
         parallel_chunks(nodes, kNodeChunk, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
@@ -125,7 +129,11 @@ class FacetMatcher {
         return mesh_.block(at.type).region[at.index];
     }
 
-    /// Calls visit(smallest node, entry) for every facet of every element and of the list.
+    bool is_hanging(const Entry& entry) const {
+        return !entry.listed && entry.owner >= first_[kElementTypes];
+    }
+
+    /// Calls visit(smallest node, entry) for every facet of every element, of flat ones and of the list.
     template <class Visit>
     void visit_facets(const Visit& visit) const {
         for (std::size_t t = 0; t < kElementTypes; ++t) {
@@ -150,6 +158,19 @@ class FacetMatcher {
                                     }
                                 }
                             });
+        }
+        for (std::size_t i = 0; i < hanging_.size(); ++i) {
+            std::array<NodeId, 4> whole = hanging_[i].whole;
+            std::reverse(whole.begin(), whole.end());
+            for (std::size_t f = 0; f < 5; ++f) {
+                Entry entry;
+                const NodeId smallest =
+                    make_entry(f == 0 ? whole.data() : hanging_[i].quarters[f - 1].data(), 4, entry);
+                entry.owner = static_cast<std::uint32_t>(first_[kElementTypes] + i);
+                entry.face = static_cast<std::uint8_t>(f);
+                entry.listed = false;
+                visit(smallest, entry);
+            }
         }
         for (std::size_t i = 0; i < mesh_.facets.size(); ++i) {
             const NodeId* nodes = mesh_.facets.nodes.data() + 4 * i;
@@ -198,6 +219,7 @@ class FacetMatcher {
 
     std::string owner_text(const Entry& entry) const {
         if (entry.listed) return "facet " + std::to_string(entry.owner) + " of the list";
+        if (is_hanging(entry)) return "hanging face " + std::to_string(entry.owner - first_[kElementTypes]);
         const Place at = place(entry.owner);
         return std::string(element_name(at.type)) + " " + std::to_string(at.index);
     }
@@ -212,7 +234,7 @@ class FacetMatcher {
         };
         for (const Entry* entry = begin + 1; entry < listed; ++entry) {
             join(begin->owner, entry->owner);
-            check_duplicate(begin, entry, result);
+            if (!is_hanging(*entry)) check_duplicate(begin, entry, result);
         }
         if (elements > 2) {
             report(DefectKind::kFacetShared, begin[2]);
@@ -223,10 +245,27 @@ class FacetMatcher {
                 report(DefectKind::kFacetSameOrientation, begin[1]);
             }
         } else if (elements == 1) {
+            if (is_hanging(*begin)) return report(DefectKind::kHangingFace, *begin);
             result.boundary.push_back(boundary_facet(*begin));
+        }
+        if (elements == 2 && is_hanging(begin[1])) {
+            check_hanging_region(begin, report);
+            if (listed != end) report(DefectKind::kListedInside, *listed);
+            return;
         }
         if (end - listed > 1) report(DefectKind::kListedTwice, listed[1]);
         check_listed(begin, elements, listed == end ? nullptr : listed, report, result);
+    }
+
+    /// An element and a flat one: all elements around the latter are of one region.
+    template <class Report>
+    void check_hanging_region(const Entry* entry, const Report& report) {
+        if (is_hanging(entry[0])) return report(DefectKind::kFacetShared, entry[0]);
+        const std::uint16_t mine = region(entry[0]);
+        std::uint16_t known = 0;
+        auto& shared = hanging_region_[entry[1].owner - first_[kElementTypes]];
+        if (!shared.compare_exchange_strong(known, mine) && known != mine)
+            report(DefectKind::kHangingRegion, entry[0]);
     }
 
     /// Compares a facet's elements with its entry in the list, null if there is none.
@@ -312,18 +351,21 @@ class FacetMatcher {
     }
 
     const Mesh& mesh_;
+    const std::vector<HangingFace>& hanging_;
     DefectLog& log_;
     CheckReport& report_;
     std::array<std::size_t, kElementTypes + 1> first_{};  ///< number of the first element of each type
     std::unique_ptr<std::atomic<std::uint64_t>[]> ends_;
     std::unique_ptr<Entry[]> entries_;
     std::unique_ptr<std::atomic<std::uint32_t>[]> parents_;
+    std::unique_ptr<std::atomic<std::uint16_t>[]> hanging_region_;  ///< of flat elements; 0: not known yet
 };
 
 }  // namespace
 
-std::vector<BoundaryFacet> check_facets(const Mesh& mesh, DefectLog& log, CheckReport& report) {
-    return FacetMatcher(mesh, log, report).run();
+std::vector<BoundaryFacet> check_facets(const Mesh& mesh, const std::vector<HangingFace>& hanging,
+                                        DefectLog& log, CheckReport& report) {
+    return FacetMatcher(mesh, hanging, log, report).run();
 }
 
 }  // namespace mortise::quality

@@ -6,6 +6,7 @@
 
 #include "host/quality/defects.hpp"
 #include "mortise/check.hpp"
+#include "mortise/hanging.hpp"
 
 namespace mortise::quality {
 
@@ -18,16 +19,21 @@ void check_nodes(const Mesh& mesh, DefectLog& log);
 /// Repeated nodes and Jacobians; fills volumes, scaled Jacobians and dihedral angles of the report.
 void check_elements(const Mesh& mesh, DefectLog& log, CheckReport& report);
 
+/// Hanging nodes: each once, its masters different nodes that do not hang, itself in their middle. Returns
+/// the faces that have one; none if there are defects.
+std::vector<HangingFace> check_hanging(const Mesh& mesh, DefectLog& log);
+
 /// A facet that belongs to one element only, in that element's outward order.
 struct BoundaryFacet {
     NodeId nodes[4];  ///< a triangle repeats its last node
     int count() const { return nodes[2] == nodes[3] ? 3 : 4; }
 };
 
-/// Matches the facets of all elements with each other and with the mesh's facet list; also finds duplicate
-/// elements. Fills facet counts and components of the report. Returns the boundary, in order of smallest
-/// node.
-std::vector<BoundaryFacet> check_facets(const Mesh& mesh, DefectLog& log, CheckReport& report);
+/// Matches the facets of all elements with each other, with `hanging` faces and with the mesh's facet list;
+/// also finds duplicate elements. Fills facet counts and components of the report. Returns the boundary, in
+/// order of smallest node.
+std::vector<BoundaryFacet> check_facets(const Mesh& mesh, const std::vector<HangingFace>& hanging,
+                                        DefectLog& log, CheckReport& report);
 
 /// Closedness, quadrilaterals against triangles; fills area, Euler characteristic and non-manifold edges.
 void check_boundary(const Mesh& mesh, const std::vector<BoundaryFacet>& boundary, DefectLog& log,

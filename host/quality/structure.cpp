@@ -37,6 +37,7 @@ void check_lengths(const Mesh& mesh, DefectLog& log) {
     expect_length("facet nodes", mesh.facets.nodes.size(), 4 * mesh.facets.size(), log);
     expect_length("facet inside", mesh.facets.inside.size(), mesh.facets.size(), log);
     expect_length("facet outside", mesh.facets.outside.size(), mesh.facets.size(), log);
+    expect_length("hanging masters", mesh.hanging.masters.size(), 4 * mesh.hanging.size(), log);
     // Facet matching counts elements and nodes in 32 bits and keeps the largest value for itself.
     constexpr std::uint64_t limit = std::numeric_limits<std::uint32_t>::max() - 1;
     if (mesh.element_count() > limit || mesh.node_count() > limit) {
@@ -95,11 +96,16 @@ bool check_structure(const Mesh& mesh, DefectLog& log) {
                 log);
     check_range(facets.inside, regions, true, DefectKind::kFacetRegion, "facet", "inside region", 1, log);
     check_range(facets.outside, regions, false, DefectKind::kFacetRegion, "facet", "outside region", 1, log);
+    check_index(mesh.hanging.node, mesh.node_count(), DefectKind::kHangingNode, "hanging node", "node", 1,
+                log);
+    check_index(mesh.hanging.masters, mesh.node_count(), DefectKind::kHangingNode, "hanging node", "master",
+                4, log);
     std::unordered_set<std::string> names;
     for (const std::string& name : mesh.surface_names) {
         if (!names.insert(name).second) log.add(DefectKind::kSurfaceName, [&] { return "'" + name + "'"; });
     }
-    return log.count(DefectKind::kElementNodeRange) == 0 && log.count(DefectKind::kFacetNodeRange) == 0;
+    return log.count(DefectKind::kElementNodeRange) == 0 && log.count(DefectKind::kFacetNodeRange) == 0 &&
+           log.count(DefectKind::kHangingNode) == 0;
 }
 
 }  // namespace mortise::quality

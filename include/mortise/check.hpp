@@ -46,8 +46,10 @@ struct CheckReport {
 /// Checked: indices in range; no repeated node in an element; unused nodes; coincident nodes; duplicate
 /// elements; Jacobian positive everywhere (a lower bound by Bézier coefficients with subdivision, not
 /// corners only); every facet shared by at most two elements, oppositely oriented, a quadrilateral never
-/// against triangles; the boundary closed; facet list equal to the boundary and the region interfaces,
-/// with the right orientation and regions. Where indices or lengths of arrays are wrong, that alone is told.
+/// against triangles; hanging nodes in the middle of their masters, and the faces that they tell of those of
+/// one element on one side and of four on the other, in one region; the boundary closed; facet list equal to
+/// the boundary and the region interfaces, with the right orientation and regions. Where indices or lengths
+/// of arrays are wrong, that alone is told.
 CheckReport check_mesh(const Mesh& mesh);
 
 /// Scaled Jacobian per element, in the order of mesh.elements: the smallest corner triple product of unit

@@ -16,8 +16,10 @@ struct MeshFileOptions {
 };
 
 /// Writes a mesh; the format follows from the extension, in any case of letters: .vtu (VTK XML, appended),
-/// .msh (Gmsh 4.1, binary). Written to a temporary name beside `path` and renamed at the end, so a file of
-/// that name is always whole. Throws Error(kUsage) for an unknown extension, Error(kFiles) with the cause.
+/// .msh (Gmsh 4.1, binary), or from the name polyMesh: OpenFOAM's folder, a patch for each surface of the
+/// outer boundary and a cell zone for each region. Written to a temporary name beside `path` and renamed at
+/// the end, so a file of that name is always whole. Hanging nodes: not in .msh. Throws Error(kUsage) for an
+/// unknown extension, Error(kFiles) with the cause.
 ///
 /// `jacobians`: what scaled_jacobians(mesh) gives (mortise/check.hpp), if it is known already.
 void write_mesh(const Mesh& mesh, const std::string& path, const std::vector<float>& jacobians = {},
@@ -40,6 +42,9 @@ class MeshFileStream : public MeshSink {
     struct Implementation;
     std::unique_ptr<Implementation> implementation_;
 };
+
+/// Whether write_mesh makes a folder of that name: its last part is polyMesh.
+bool is_mesh_folder(const std::string& path);
 
 /// Throws what write_mesh(mesh, path) would throw for the name alone: unknown extension, missing or
 /// unwritable folder. Called before the work starts.

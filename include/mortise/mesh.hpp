@@ -21,7 +21,7 @@ enum class ElementKind : std::uint8_t {
     kIn = 0,          ///< an IN cell
     kSnio = 1,        ///< a template of a cell with one simple surface
     kCnio = 2,        ///< the certificate of a complex cell
-    kTransition = 3,  ///< a template between leaves of different sizes
+    kTransition = 3,  ///< between leaves of different sizes: a template, or a cube with hanging nodes
 };
 
 /// All elements of one type. Order: Morton order of the leaf that made them.
@@ -44,7 +44,19 @@ struct FacetBlock {
     std::size_t size() const { return surface.size(); }
 };
 
-/// A conforming mesh of hexahedra, wedges, pyramids and tetrahedra.
+/// Nodes in the middles of edges and faces of larger hexahedra (MeshOptions::hanging): a field that is
+/// continuous has the mean of the node's four masters there. All lie inside a region, none on its boundary,
+/// and no master hangs itself.
+struct HangingNodes {
+    std::vector<NodeId> node;  ///< ascending
+    /// Length: 4 × count. Of a face's middle its corners, counter-clockwise seen from outside the larger
+    /// hexahedron; of an edge's middle its ends a, b as a, b, a, b.
+    std::vector<NodeId> masters;
+    std::size_t size() const { return node.size(); }
+    bool in_edge(std::size_t i) const { return masters[4 * i] == masters[4 * i + 2]; }
+};
+
+/// A mesh of hexahedra, wedges, pyramids and tetrahedra: conforming, but for hanging nodes.
 ///
 /// Node order of elements (VTK's for hexahedra, pyramids and tetrahedra), all right-handed:
 /// - hexahedron: 0-3 counter-clockwise seen from inside looking from face 4-7, i.e. 0 (0,0,0), 1 (1,0,0),
@@ -55,8 +67,9 @@ struct FacetBlock {
 /// - tetrahedron: 0 (0,0,0), 1 (1,0,0), 2 (0,1,0), 3 (0,0,1).
 ///
 /// Guarantees of a mesh that the mesher returns: every element's Jacobian is positive everywhere; every
-/// facet of an element is shared by exactly one other element with the same nodes or lies on the boundary;
-/// no two nodes, and no two elements, coincide; every node is used.
+/// facet of an element is shared by exactly one other element with the same nodes or lies on the boundary
+/// (with hanging nodes also: or is four facets of others, hanging.hpp); no two nodes, and no two elements,
+/// coincide; every node is used.
 struct Mesh {
     std::vector<double> points;  ///< length: 3 × nodes; x, y, z in model units
     std::array<ElementBlock, kElementTypes> elements;
@@ -64,6 +77,7 @@ struct Mesh {
     std::vector<std::string> region_names;      ///< region r is region_names[r - 1]
     std::vector<std::string> surface_names;     ///< unique, file-safe
     std::vector<std::uint8_t> model_dimension;  ///< length: nodes, or empty; see Features::model_dimension
+    HangingNodes hanging;                       ///< empty, but with MeshOptions::hanging
 
     std::size_t node_count() const { return points.size() / 3; }
     std::size_t element_count() const {

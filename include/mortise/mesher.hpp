@@ -63,9 +63,12 @@ struct MeshOptions {
     /// nothing else helps. At most 0.25; 0, or `strict`: never.
     double merge_distance = 0.05;
     bool tetrahedra = false;  ///< split everything into tetrahedra
-    int pieces = 1;           ///< parts of the Morton range that are meshed apart and merged: the same mesh
-    bool quality = false;     ///< also make MeshReport::quality
-    bool strict = false;      ///< Error(kMeshing) if the mesh is not known to show every feature of the model
+    /// Cells beside smaller ones stay hexahedra, with nodes in the middles of their edges and faces
+    /// (Mesh::hanging), where only cells inside the solid are concerned; else the mesh conforms everywhere.
+    bool hanging = false;
+    int pieces = 1;        ///< parts of the Morton range that are meshed apart and merged: the same mesh
+    bool quality = false;  ///< also make MeshReport::quality
+    bool strict = false;   ///< Error(kMeshing) if the mesh is not known to show every feature of the model
     /// Mesher::stream only: bytes of memory that the run tries to keep to; 0: 4 GiB.
     std::uint64_t memory = 0;
     int threads = 0;          ///< host threads for extraction; 0: all cores
@@ -103,6 +106,7 @@ struct MeshReport {
     int finest_level = 0;                ///< of the smallest cells
     std::vector<std::uint64_t> leaves;   ///< cells that are not OUT, by level; empty: all have `level`
     std::uint64_t transition_cells = 0;  ///< inside a region, beside smaller ones: elements of kTransition
+    std::uint64_t hanging_cells = 0;     ///< of these, hexahedra with hanging nodes
     Box3 root{};                         ///< the root box, a cube
     std::uint64_t cells_evaluated = 0;
     std::uint64_t in_cells = 0;

@@ -157,6 +157,12 @@ TEST_CASE("a command line that is not understood") {
                    {model, "-o", out, "--min-angle", "17"});
     expect_failure(scratch, kUsage, "--min-angle and --no-improve",
                    {model, "-o", out, "--min-angle", "25", "--no-improve"});
+    expect_failure(scratch, kUsage, "--hanging and --elements tet",
+                   {model, "-o", out, "--hanging", "--elements", "tet"});
+    expect_failure(scratch, kUsage, ".msh files have no place for hanging nodes",
+                   {model, "-o", scratch.file("out/a.MSH"), "--hanging"});
+    expect_failure(scratch, kUsage, "a folder polyMesh (OpenFOAM)", {model, "-o", scratch.file("out/mesh")});
+    expect_failure(scratch, kUsage, "OpenFOAM's meshes are written only", {"check", "case/polyMesh"});
     expect_failure(scratch, kUsage, "--merge '0.3'", {model, "-o", out, "--merge", "0.3"});
     expect_failure(scratch, kUsage, "no mesh given", {"check"});
     expect_failure(scratch, kUsage, "no model given", {"info"});

@@ -294,6 +294,32 @@ TEST_CASE("a signal ends a run at once, without a file") {
     }
 }
 
+TEST_CASE("a mesh with hanging nodes as .vtu, which check reads, and for OpenFOAM") {
+    const ScratchFolder scratch;
+    scratch.names("out");
+    const std::string vtu = scratch.file("out/a.vtu"), foam = scratch.file("out/polyMesh");
+    const std::vector<std::string> words = {
+        asset("block.csg"), "--interior-coarsening", "3", "--hanging", "-o", vtu, "-o", foam};
+    const Outcome outcome = run(words);
+    CHECK(outcome.code == 0);
+    CHECK(outcome.err.empty());
+    CHECK(contains(outcome.out, "of them hexahedra with hanging nodes"));
+    CHECK(run({"check", vtu}).code == 0);
+    CHECK(scratch.names("out/polyMesh") ==
+          Names{"boundary", "cellZones", "faces", "neighbour", "owner", "points"});
+    // A second run takes the place of the first.
+    CHECK(run(words).code == 0);
+    CHECK(scratch.names("out") == Names{"a.vtu", "polyMesh"});
+}
+
+TEST_CASE("a signal in the middle of writing for OpenFOAM leaves no folder") {
+    const ScratchFolder scratch;
+    scratch.names("out");
+    Program program({asset("bracket.csg"), "-o", scratch.file("out/polyMesh"), "--level", "7"});
+    while (program.running() && scratch.names("out").empty()) wait_a_little();
+    expect_interrupted(scratch, program, SIGTERM);
+}
+
 TEST_CASE("a signal leaves the old file of that name untouched") {
     const ScratchFolder scratch;
     const std::string out = scratch.write("out/a.vtu", "old");

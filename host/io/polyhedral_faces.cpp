@@ -1,0 +1,196 @@
+#include "host/io/polyhedral_faces.hpp"
+
+#include <algorithm>
+#include <string>
+
+#include "host/common/large_array.hpp"
+#include "host/common/parallel.hpp"
+#include "host/common/parallel_sort.hpp"
+#include "mortise/error.hpp"
+#include "mortise/hanging.hpp"
+
+namespace mortise::io {
+namespace {
+
+constexpr std::size_t kChunk = 16384;
+constexpr NodeId kNoNode = 0xffffffffu;
+using Key = std::array<NodeId, 4>;  ///< nodes in ascending order; a triangle ends with kNoNode
+
+Key key_of(const NodeId* nodes, std::size_t count) {
+    Key key;
+    std::copy_n(nodes, count, key.begin());
+    if (count == 3) key[3] = kNoNode;
+    std::sort(key.begin(), key.end());
+    return key;
+}
+
+std::uint64_t edge_key(NodeId a, NodeId b) { return std::uint64_t{std::min(a, b)} << 32 | std::max(a, b); }
+
+/// Keys with what they stand for, to be found by key.
+using KeyTable = std::vector<std::pair<Key, std::uint32_t>>;
+
+const std::uint32_t* find_key(const KeyTable& table, const Key& key) {
+    const auto found = std::lower_bound(table.begin(), table.end(), std::make_pair(key, std::uint32_t{0}));
+    return found != table.end() && found->first == key ? &found->second : nullptr;
+}
+
+}  // namespace
+
+struct PolyhedralFaces::Entry {
+    Key key;
+    std::uint32_t cell;
+    std::uint8_t local;
+
+    bool operator<(const Entry& other) const {
+        return key != other.key ? key < other.key : cell < other.cell;
+    }
+};
+
+PolyhedralFaces::PolyhedralFaces(const Mesh& mesh) : mesh_(mesh) {
+    for (std::size_t t = 0; t < kElementTypes; ++t) first_[t + 1] = first_[t] + mesh.elements[t].size();
+    std::vector<Entry> entries;
+    for (std::size_t t = 0; t < kElementTypes; ++t) {
+        const int count = local_faces(static_cast<ElementType>(t)).count;
+        const std::size_t size = mesh.elements[t].size();
+        std::vector<std::vector<Entry>> parts(chunk_count(size, kChunk));
+        parallel_chunks(size, kChunk, 0, [&](std::size_t begin, std::size_t end, int) {
+            for (std::size_t i = begin; i < end; ++i) {
+                for (int f = 0; f < count; ++f) {
+                    Entry entry;
+                    entry.cell = static_cast<std::uint32_t>(first_[t] + i);
+                    entry.local = static_cast<std::uint8_t>(f);
+                    NodeId nodes[4];
+                    entry.key = key_of(nodes, local_nodes(entry.cell, entry.local, nodes));
+                    parts[begin / kChunk].push_back(entry);
+                }
+            }
+        });
+        append_lists(parts, 0, entries);
+    }
+    parallel_sort(entries, 0);
+    match(entries);
+}
+
+std::size_t PolyhedralFaces::local_nodes(std::uint32_t cell, std::uint8_t local, NodeId* nodes) const {
+    std::size_t type = 0;
+    while (cell >= first_[type + 1]) ++type;
+    const auto per_element = static_cast<std::size_t>(kElementNodes[type]);
+    const NodeId* element = mesh_.elements[type].nodes.data() + per_element * (cell - first_[type]);
+    std::size_t count = 0;
+    for (const int k : local_faces(static_cast<ElementType>(type)).faces[local]) {
+        if (k >= 0) nodes[count++] = element[k];
+    }
+    return count;
+}
+
+void PolyhedralFaces::match(std::vector<Entry>& entries) {
+    std::vector<Entry> unmatched;
+    for (std::size_t i = 0; i < entries.size(); ++i) {
+        if (i + 1 < entries.size() && entries[i].key == entries[i + 1].key) {
+            faces_.push_back(
+                {entries[i].cell, entries[i + 1].cell, entries[i].cell, entries[i].local, false});
+            ++i;
+        } else {
+            unmatched.push_back(entries[i]);
+        }
+    }
+    entries = {};
+    if (mesh_.hanging.size() > 0) unmatched = add_hanging(unmatched);
+    inner_count_ = faces_.size();
+    parallel_sort(faces_, 0, [](const Face& a, const Face& b) {
+        if (a.owner != b.owner) return a.owner < b.owner;
+        if (a.neighbour != b.neighbour) return a.neighbour < b.neighbour;
+        return a.cell != b.cell ? a.cell < b.cell : a.local < b.local;
+    });
+    add_outer(unmatched);
+}
+
+/// Faces between a larger cell and four others. Returns what is left.
+std::vector<PolyhedralFaces::Entry> PolyhedralFaces::add_hanging(const std::vector<Entry>& unmatched) {
+    const HangingNodes& hanging = mesh_.hanging;
+    is_master_.assign(mesh_.node_count(), 0);
+    for (std::size_t i = 0; i < hanging.size(); ++i) {
+        if (!hanging.in_edge(i)) continue;
+        const NodeId a = hanging.masters[4 * i], b = hanging.masters[4 * i + 1];
+        is_master_[a] = is_master_[b] = 1;
+        edge_middles_.emplace_back(edge_key(a, b), hanging.node[i]);
+    }
+    std::sort(edge_middles_.begin(), edge_middles_.end());
+    const std::vector<HangingFace> pairs = hanging_faces(hanging);
+    KeyTable wholes, quarters;
+    for (std::uint32_t i = 0; i < pairs.size(); ++i) {
+        wholes.emplace_back(key_of(pairs[i].whole.data(), 4), i);
+        for (const auto& quarter : pairs[i].quarters) quarters.emplace_back(key_of(quarter.data(), 4), i);
+    }
+    std::sort(wholes.begin(), wholes.end());
+    std::sort(quarters.begin(), quarters.end());
+    std::vector<std::uint32_t> larger(pairs.size(), kOutside);
+    for (const Entry& entry : unmatched) {
+        if (const std::uint32_t* pair = find_key(wholes, entry.key)) larger[*pair] = entry.cell;
+    }
+    std::vector<Entry> left;
+    for (const Entry& entry : unmatched) {
+        const std::uint32_t* pair = find_key(quarters, entry.key);
+        if (pair != nullptr && larger[*pair] != kOutside) {
+            const std::uint32_t other = larger[*pair];
+            faces_.push_back({std::min(entry.cell, other), std::max(entry.cell, other), entry.cell,
+                              entry.local, other < entry.cell});
+        } else if (find_key(wholes, entry.key) == nullptr) {
+            left.push_back(entry);
+        }
+    }
+    return left;
+}
+
+void PolyhedralFaces::add_outer(const std::vector<Entry>& unmatched) {
+    KeyTable surfaces;
+    for (std::size_t i = 0; i < mesh_.facets.size(); ++i) {
+        const NodeId* nodes = mesh_.facets.nodes.data() + 4 * i;
+        if (mesh_.facets.outside[i] == 0)
+            surfaces.emplace_back(key_of(nodes, nodes[2] == nodes[3] ? 3 : 4), mesh_.facets.surface[i]);
+    }
+    parallel_sort(surfaces, 0);
+    std::vector<std::pair<std::uint32_t, Face>> outer;
+    for (const Entry& entry : unmatched) {
+        const std::uint32_t* surface = find_key(surfaces, entry.key);
+        if (surface == nullptr) {
+            throw Error(ExitCode::kMeshing, "cell " + std::to_string(entry.cell) +
+                                                " has an outer face that is no facet of the mesh; see "
+                                                "check_mesh");
+        }
+        outer.push_back({*surface, {entry.cell, kOutside, entry.cell, entry.local, false}});
+    }
+    std::sort(outer.begin(), outer.end(), [](const auto& a, const auto& b) {
+        if (a.first != b.first) return a.first < b.first;
+        return a.second.cell != b.second.cell ? a.second.cell < b.second.cell
+                                              : a.second.local < b.second.local;
+    });
+    for (const auto& [surface, face] : outer) {
+        if (patches_.empty() || patches_.back().surface != surface)
+            patches_.push_back({surface, faces_.size(), 0});
+        ++patches_.back().count;
+        faces_.push_back(face);
+    }
+}
+
+NodeId PolyhedralFaces::middle(NodeId a, NodeId b) const {
+    if (is_master_.empty() || is_master_[a] == 0 || is_master_[b] == 0) return kNoNode;
+    const auto found = std::lower_bound(edge_middles_.begin(), edge_middles_.end(),
+                                        std::make_pair(edge_key(a, b), NodeId{0}));
+    return found != edge_middles_.end() && found->first == edge_key(a, b) ? found->second : kNoNode;
+}
+
+std::size_t PolyhedralFaces::corners(const Face& face, std::array<NodeId, kMostCorners>& corners) const {
+    NodeId nodes[4];
+    const std::size_t own = local_nodes(face.cell, face.local, nodes);
+    if (face.reversed) std::reverse(nodes, nodes + own);
+    std::size_t count = 0;
+    for (std::size_t k = 0; k < own; ++k) {
+        corners[count++] = nodes[k];
+        const NodeId between = middle(nodes[k], nodes[(k + 1) % own]);
+        if (between != kNoNode) corners[count++] = between;
+    }
+    return count;
+}
+
+}  // namespace mortise::io
