@@ -251,8 +251,8 @@ MORTISE_FUNCTION int facet_holds(const u8* facet, int size, int code) {
     return 0;
 }
 
-// Outlines of all faces and the loop of Γ; face meshes are left to the caller, who knows positions.
-MORTISE_FUNCTION void make_outline(u32 inside, u32 on, CellBoundary* b) {
+// The nodes of all faces, and the loop of Γ, from the outlines of the faces.
+MORTISE_FUNCTION void link_outline(u32 inside, CellBoundary* b) {
     u32 corners_of[6];
     u8 next[kCellInteriorNode];
     u32 has_next = 0;
@@ -260,12 +260,6 @@ MORTISE_FUNCTION void make_outline(u32 inside, u32 on, CellBoundary* b) {
     b->nodes = 0;
     b->loop_size = 0;
     for (int f = 0; f < 6; ++f) {
-        const int count = face_outline(inside, on, f, b->node[f]);
-        if (count < 0) {
-            b->loop_size = -1;
-            return;
-        }
-        b->count[f] = (u8)count;
         corners_of[f] = 0;
         for (int i = 0; i < b->count[f]; ++i) {
             b->nodes |= 1u << b->node[f][i];
@@ -323,6 +317,20 @@ MORTISE_FUNCTION void make_outline(u32 inside, u32 on, CellBoundary* b) {
         } while (at != start && size < edges);
         b->loop_size = at == start && size == edges ? size : -1;
     }
+}
+
+// Outlines of all faces and the loop of Γ; face meshes are left to the caller, who knows positions.
+MORTISE_FUNCTION void make_outline(u32 inside, u32 on, CellBoundary* b) {
+    for (int f = 0; f < 6; ++f) {
+        const int count = face_outline(inside, on, f, b->node[f]);
+        if (count < 0) {
+            b->nodes = 0;
+            b->loop_size = -1;
+            return;
+        }
+        b->count[f] = (u8)count;
+    }
+    link_outline(inside, b);
 }
 
 // Axis of the wedge that a cell's inside part is: two opposite triangular faces alike, two faces whole

@@ -115,19 +115,28 @@ MORTISE_FUNCTION double cone_element_quality(const double (*p)[3], const u8* fac
     return worst;
 }
 
-// Whether the cone from node `code` has the facets of face f: the node lies off the face, or on all its
-// facets and these are triangles.
-MORTISE_FUNCTION int face_allows_apex(const CellBoundary* b, int f, int code) {
-    const int count = b->count[f];
-    const u8* n = b->node[f];
-    for (int i = 0; i < count; ++i) {
-        if (n[i] != code) continue;
-        if (count == 5) return i == pentagon_apex(n, b->mesh[f]);
-        if (b->mesh[f] == kFaceSplit02) return (i & 1) == 0;
-        if (b->mesh[f] == kFaceSplit13) return (i & 1) == 1;
-        return count == 3;
+// Nodes whose cones have the facets of all faces: a node lies off a face, or on all its facets and these are
+// triangles.
+MORTISE_FUNCTION u32 possible_apexes(const CellBoundary* b) {
+    u32 apexes = b->nodes | (1u << kCellInteriorNode);
+    for (int f = 0; f < 6; ++f) {
+        const int count = b->count[f];
+        const u8* n = b->node[f];
+        u32 on_face = 0;
+        u32 allowed = 0;
+        for (int i = 0; i < count; ++i) on_face |= 1u << n[i];
+        if (count == 5) {
+            allowed = 1u << n[pentagon_apex(n, b->mesh[f])];
+        } else if (b->mesh[f] == kFaceSplit02) {
+            allowed = (1u << n[0]) | (1u << n[2]);
+        } else if (b->mesh[f] == kFaceSplit13) {
+            allowed = (1u << n[1]) | (1u << n[3]);
+        } else if (count == 3) {
+            allowed = on_face;
+        }
+        apexes &= ~(on_face & ~allowed);
     }
-    return 1;
+    return apexes;
 }
 
 // Divides Γ for an apex off it: dynamic programming over chains of the loop. facing: faces of the cell on
@@ -272,22 +281,29 @@ MORTISE_FUNCTION int is_positive_corner(const double* o, const double* a, const 
 // facing as in best_cone.
 MORTISE_FUNCTION int has_cone(const CellBoundary* b, double (*p)[3], u32 facing) {
     const int n = b->loop_size;
+    const u32 apexes = possible_apexes(b);
+    u8 facets[18][4];
+    u8 sizes[18];
+    int facet_count = 0;
+    for (int f = 0; f < 6; ++f) {
+        for (int i = 0; i < 3; ++i) {
+            const int size = face_facet(b, f, i, facets[facet_count]);
+            if (size == 0) break;
+            sizes[facet_count++] = (u8)size;
+        }
+    }
     for (int apex = 0; apex <= kCellInteriorNode; ++apex) {
-        int valid = apex == kCellInteriorNode || ((b->nodes >> apex) & 1);
+        int valid = 1;
         int place = -1;
-        for (int f = 0; f < 6 && valid; ++f) valid = face_allows_apex(b, f, apex);
-        if (!valid) continue;
+        if (((apexes >> apex) & 1) == 0) continue;
         if (apex == kCellInteriorNode) place_interior_node(b, p);
-        for (int f = 0; f < 6 && valid; ++f) {
-            for (int i = 0; i < 3 && valid; ++i) {
-                u8 facet[4];
-                const int size = face_facet(b, f, i, facet);
-                if (size == 0) break;
-                if (facet_holds(facet, size, apex)) continue;
-                for (int k = 0; k < (size == 4 ? 4 : 1) && valid; ++k) {
-                    valid = is_positive_corner(p[facet[k]], p[facet[k + 1 < size ? k + 1 : 0]],
-                                               p[facet[k > 0 ? k - 1 : size - 1]], p[apex]);
-                }
+        for (int i = 0; i < facet_count && valid; ++i) {
+            const u8* facet = facets[i];
+            const int size = sizes[i];
+            if (facet_holds(facet, size, apex)) continue;
+            for (int k = 0; k < (size == 4 ? 4 : 1) && valid; ++k) {
+                valid = is_positive_corner(p[facet[k]], p[facet[k + 1 < size ? k + 1 : 0]],
+                                           p[facet[k > 0 ? k - 1 : size - 1]], p[apex]);
             }
         }
         if (!valid) continue;
@@ -322,12 +338,11 @@ MORTISE_FUNCTION Cone best_cone(const CellBoundary* b, double (*p)[3], u32 facin
     best.apex = kNoApex;
     best.elements = 0;
     best.facet_count = 0;
+    const u32 apexes = possible_apexes(b);
     for (int j = 0; j < 3; ++j) p[kCellInteriorNode][j] = 0;
     for (int code = 0; code <= kCellInteriorNode; ++code) {
-        int allowed = code == kCellInteriorNode || ((b->nodes >> code) & 1);
         Cone cone;
-        for (int f = 0; f < 6 && allowed; ++f) allowed = face_allows_apex(b, f, code);
-        if (!allowed) continue;
+        if (((apexes >> code) & 1) == 0) continue;
         if (code == kCellInteriorNode) {
             if (best.quality >= kWorthNoNode) break;
             place_interior_node(b, p);

@@ -122,62 +122,107 @@ MORTISE_FUNCTION int row_is_positive(const TemplateRow* row, double (*p)[3]) {
 // Whether the Jacobian of the whole cell is positive everywhere: its columns are convex combinations of the
 // four edges along each axis, so all products of one edge of each decide.
 MORTISE_FUNCTION int hexahedron_is_positive(const double (*p)[3]) {
-    for (int k = 0; k < 64; ++k) {
-        double e[3][3];
-        for (int axis = 0; axis < 3; ++axis) {
-            const int edge = 4 * axis + ((k >> (2 * axis)) & 3);
-            for (int j = 0; j < 3; ++j)
-                e[axis][j] = p[kEdgeCorners[edge][1]][j] - p[kEdgeCorners[edge][0]][j];
-        }
-        {
-            const double x = e[1][1] * e[2][2] - e[1][2] * e[2][1];
-            const double y = e[1][2] * e[2][0] - e[1][0] * e[2][2];
-            const double z = e[1][0] * e[2][1] - e[1][1] * e[2][0];
-            if (!(e[0][0] * x + e[0][1] * y + e[0][2] * z > kLeastRelativeVolume)) return 0;
-        }
+    double e[12][3];
+    for (int i = 0; i < 12; ++i) {
+        for (int j = 0; j < 3; ++j) e[i][j] = p[kEdgeCorners[i][1]][j] - p[kEdgeCorners[i][0]][j];
+    }
+    for (int k = 0; k < 16; ++k) {
+        const double* u = e[4 + (k & 3)];
+        const double* v = e[8 + (k >> 2)];
+        const double x = u[1] * v[2] - u[2] * v[1];
+        const double y = u[2] * v[0] - u[0] * v[2];
+        const double z = u[0] * v[1] - u[1] * v[0];
+        int positive = 1;
+        for (int i = 0; i < 4; ++i)
+            positive &= e[i][0] * x + e[i][1] * y + e[i][2] * z > kLeastRelativeVolume;
+        if (!positive) return 0;
     }
     return 1;
+}
+
+// The method that a boundary tells: kMethodHexahedron, -1 for none; else kMethodCone.
+MORTISE_FUNCTION int boundary_method(const CellBoundary* b, const double (*p)[3]) {
+    int hexahedron = b->loop_size == 0;
+    if (b->loop_size < 0) return -1;
+    for (int f = 0; f < 6; ++f) hexahedron = hexahedron && b->count[f] == 4 && b->mesh[f] == kFaceWhole;
+    if (!hexahedron) return kMethodCone;
+    return hexahedron_is_positive(p) ? kMethodHexahedron : -1;
 }
 
 // Outlines and face meshes of a leaf. Returns the method if they tell it: kMethodNothing, kMethodHexahedron,
 // -1 for none; else kMethodCone.
 MORTISE_FUNCTION int make_boundary(u32 inside, u32 on, const double (*p)[3], CellBoundary* b) {
-    int hexahedron;
     b->nodes = 0;
     b->loop_size = 0;
     // All corners on the surface, and volume between them: no template tells where it is.
     if (inside == 0) return on != 0xff ? kMethodNothing : -1;
     make_outline(inside, on, b);
     if (b->loop_size < 0) return -1;
-    hexahedron = b->loop_size == 0;
-    for (int f = 0; f < 6; ++f) {
-        b->mesh[f] = (u8)face_mesh_of(b->node[f], b->count[f], inside, p);
-        hexahedron = hexahedron && b->count[f] == 4 && b->mesh[f] == kFaceWhole;
-    }
-    if (!hexahedron) return kMethodCone;
-    return hexahedron_is_positive(p) ? kMethodHexahedron : -1;
+    for (int f = 0; f < 6; ++f) b->mesh[f] = (u8)face_mesh_of(b->node[f], b->count[f], inside, p);
+    return boundary_method(b, p);
 }
 
-// Whether a leaf has a template for given corner states and positions. rows_only: leaves without corners on
-// the surface take their row, others none.
-MORTISE_FUNCTION int has_template(u32 inside, u32 on, double (*p)[3], int rows_only) {
-    CellBoundary b;
-    const int method = make_boundary(inside, on, (const double(*)[3])p, &b);
-    if (method != kMethodCone) return method >= 0;
+// Whether there is a template for a boundary that does not tell it. rows_only: leaves without corners on the
+// surface take their row, others none.
+MORTISE_FUNCTION int has_divided_template(u32 inside, u32 on, const CellBoundary* b, double (*p)[3],
+                                          int rows_only) {
     if (on == 0) {
         const TemplateRow row = kTemplateRows[inside];
         return row.shape != 0 && row_is_positive(&row, p);
     }
     if (rows_only) return 0;
     // Not known yet which faces have volume behind them.
-    if (has_cone(&b, p, 0x3f)) return 1;
+    if (has_cone(b, p, 0x3f)) return 1;
     {
-        const int axis = wedge_axis(inside, on, &b);
+        const int axis = wedge_axis(inside, on, b);
         int n[6];
         if (axis < 0) return 0;
-        wedge_nodes(&b, axis, n);
+        wedge_nodes(b, axis, n);
         return row_element_quality((const double(*)[3])p, 1, n) > 0;
     }
+}
+
+// Whether a leaf has a template for given corner states and positions.
+MORTISE_FUNCTION int has_template(u32 inside, u32 on, double (*p)[3], int rows_only) {
+    CellBoundary b;
+    const int method = make_boundary(inside, on, (const double(*)[3])p, &b);
+    if (method != kMethodCone) return method >= 0;
+    return has_divided_template(inside, on, &b, p, rows_only);
+}
+
+// A leaf's faces for the choices of corners that move: a face is a function of its own four.
+typedef struct FaceMemory {
+    u32 known[6];  // bit k: the face is known for choice k of its corners, in the order of its frame
+    u8 count[6][16];
+    u8 mesh[6][16];
+    u8 node[6][16][5];
+} FaceMemory;
+
+// has_template of one of several choices of corners that move: `moved` are those among `on` that do, p their
+// positions. `memory` is that of the leaf; known[] is 0 at first.
+MORTISE_FUNCTION int has_template_again(u32 inside, u32 on, u32 moved, double (*p)[3], int rows_only,
+                                        FaceMemory* memory) {
+    CellBoundary b;
+    int method;
+    if (inside == 0) return on != 0xff;
+    for (int f = 0; f < 6; ++f) {
+        u32 k = 0;
+        for (u32 i = 0; i < 4; ++i) k |= ((moved >> kFaceCorners[f][i]) & 1u) << i;
+        if (((memory->known[f] >> k) & 1) == 0) {
+            const int count = face_outline(inside, on, f, memory->node[f][k]);
+            if (count < 0) return 0;
+            memory->known[f] |= 1u << k;
+            memory->count[f][k] = (u8)count;
+            memory->mesh[f][k] = (u8)face_mesh_of(memory->node[f][k], count, inside, (const double(*)[3])p);
+        }
+        b.count[f] = memory->count[f][k];
+        b.mesh[f] = memory->mesh[f][k];
+        for (int i = 0; i < 5; ++i) b.node[f][i] = memory->node[f][k][i];
+    }
+    link_outline(inside, &b);
+    method = boundary_method(&b, (const double(*)[3])p);
+    if (method != kMethodCone) return method >= 0;
+    return has_divided_template(inside, on, &b, p, rows_only);
 }
 
 // The best template of a leaf for which has_template holds; facing: faces beyond which there is volume.

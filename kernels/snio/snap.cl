@@ -154,6 +154,7 @@ MORTISE_KERNEL void test_subsets(__global const SnioPoints* points, __global Sni
         const uint near = candidate.near;
         double p[kCellNodes][3];
         double moved[8][3];
+        FaceMemory memory;
         uint subset = 0;
         int valid = 1;
         if ((candidate.flags & kCandidateSimple) == 0) return;
@@ -161,6 +162,7 @@ MORTISE_KERNEL void test_subsets(__global const SnioPoints* points, __global Sni
         for (uint c = 0; c < 8; ++c) {
             for (int j = 0; j < 3; ++j) moved[c][j] = p[c][j];
         }
+        for (uint f = 0; f < 6; ++f) memory.known[f] = 0;
         // All subsets of `near`, the empty one first.
         do {
             const uint on = candidate.zero | subset;
@@ -170,7 +172,7 @@ MORTISE_KERNEL void test_subsets(__global const SnioPoints* points, __global Sni
                 p[c][1] = is_moved ? moved[c][1] : (double)((c >> 1) & 1);
                 p[c][2] = is_moved ? moved[c][2] : (double)(c >> 2);
             }
-            valid = has_template(candidate.inside & ~on, on, p, !snap) ||
+            valid = has_template_again(candidate.inside & ~on, on, subset, p, !snap, &memory) ||
                     (subset == 0 && (candidate.flags & kCandidatePromoted) != 0);
             if (subset == 0 && !valid) {
                 candidates[item].flags = candidate.flags & ~kCandidateSimple;
