@@ -56,6 +56,7 @@ void Block::load(const Zone& zone, const std::vector<std::uint32_t>& tetrahedra,
     unit_ = zone.unit;
     rounding_ = zone.rounding;
     free_.clear();
+    shared_.clear();
     joined_.clear();
     strata_.clear();
     renewed_.clear();
@@ -70,6 +71,7 @@ void Block::load(const Zone& zone, const std::vector<std::uint32_t>& tetrahedra,
             points_.push_back(zone.points[n]);
             size_.push_back(edge_of(zone.size_class[n]));
             free_.push_back(free[n]);
+            shared_.push_back(free[n] == 0 && zone.frozen[n] == 0 ? 1 : 0);
             joined_.push_back(zone.joined[n]);
             strata_.emplace_back(zone.surfaces(n), zone.surfaces(n) + zone.stratum_size(n));
         }
@@ -143,6 +145,16 @@ Block::Result Block::result() const {
 
 bool Block::is_inside(const std::array<Local, 4>& node) const {
     return std::all_of(node.begin(), node.end(), [this](Local n) { return free_[n] != 0; });
+}
+
+/// Whether a change is at nodes that are free in a later pass. Made around them it can be a dead end that
+/// only repositioning would lead out of: along a crease in the plane between two blocks, in every cell alike.
+bool Block::is_for_later(const Change& change) const {
+    if (!options_.spares_shared) return false;
+    return std::any_of(change.removed.begin(), change.removed.end(), [this](std::uint32_t i) {
+        const auto& node = tetrahedra_[i].node;
+        return std::any_of(node.begin(), node.end(), [this](Local n) { return shared_[n] != 0; });
+    });
 }
 
 double Block::quality(const std::array<Local, 4>& n) const {
@@ -320,7 +332,7 @@ void Block::collapse_short_edges() {
                 std::swap(trial_, best_);
                 found = true;
             }
-            if (found) apply(best_);
+            if (found && !is_for_later(best_)) apply(best_);
         }
     }
 }
@@ -329,7 +341,7 @@ bool Block::improve(std::uint32_t tetrahedron) {
     bool found = false;
     const auto better_than = [&] { return found ? best_.after : 0; };
     const auto consider = [&](bool better) {
-        if (!better) return;
+        if (!better || is_for_later(trial_)) return;
         std::swap(trial_, best_);
         found = true;
     };

@@ -53,6 +53,7 @@ struct BlockOptions {
     bool is_first = true;          ///< nothing has been improved yet
     double raised_from = 0;        ///< if positive: what is at least this good gets better still
     bool watch_facets = false;     ///< no change may make facets cross
+    bool spares_shared = false;    ///< no change at nodes that other blocks have, too
     double target = kGoodQuality;  ///< elements at least this good are left alone
     double merge_distance = 0;     ///< features closer than this, in cells, may be merged; 0: none
     int rounds = 6;
@@ -203,6 +204,7 @@ class Block {
 
     // block.cpp
     bool is_inside(const std::array<Local, 4>& node) const;
+    bool is_for_later(const Change& change) const;
     void apply(Change& change);
     double quality(const std::array<Local, 4>& node) const;
     bool is_short_edge(Local a, Local b) const {
@@ -326,6 +328,7 @@ class Block {
     double rounding_ = kVolumeRounding;
     double most_sag_ = kMostSag;  ///< of a facet that a change makes
     std::vector<std::uint8_t> free_;
+    std::vector<std::uint8_t> shared_;  ///< per node: other blocks have it, too
     std::vector<std::uint8_t> joined_;
     std::vector<std::uint8_t> tip_;  ///< 0, or 1 + place in tips_
     std::vector<Point> tips_;

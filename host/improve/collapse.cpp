@@ -6,7 +6,10 @@ namespace mortise::improve {
 namespace {
 
 // Lengths in cells; a cell at a node is the smallest leaf around it.
-constexpr double kLongestEdge = 1.75;     ///< an edge that a collapse makes; longer ones may only shrink
+constexpr double kLongestEdge = 1.75;  ///< an edge that a collapse makes; longer ones may only shrink
+/// The same where nodes are not repositioned: vertices of the grid, at ends of cells' diagonals (1.73), must
+/// snap outward. From 2 on facets would grow across vertices just below them.
+constexpr double kLongestStillEdge = 1.95;
 constexpr double kOffSurface = 2e-5;      ///< nodes that could not be projected are closer than that
 constexpr double kTinyFacet = 1e-3;       ///< a facet without a longer edge has no direction to speak of
 constexpr double kHopeless = 1e-3;        ///< elements this flat justify that narrow facets fold
@@ -398,7 +401,7 @@ bool Block::examine_collapse(Local gone, Local kept, bool good_will_do, double b
     change.kept = kept;
     entries_.clear();
     const bool on_surface = !strata_[gone].empty();
-    const double longest = kLongestEdge * size_[gone];
+    const double longest = (options_.reposition ? kLongestEdge : kLongestStillEdge) * size_[gone];
     double longest_before = longest * longest;
     for (const std::uint32_t i : star_[gone]) {
         const Tetrahedron& t = tetrahedra_[i];

@@ -73,6 +73,7 @@ Block::Local Block::add_node(const Point& at, double size, std::vector<std::uint
     points_.push_back(at);
     size_.push_back(size);
     free_.push_back(1);
+    shared_.push_back(0);
     joined_.push_back(0);
     tip_.push_back(0);
     strata_.push_back(std::move(stratum));
