@@ -158,7 +158,8 @@ void add_element_options(CLI::App& app, Arguments& arguments, Words& words) {
     app.add_flag("--no-improve", words.no_improve, "leave elements as templates and certificate make them");
     app.add_flag("--no-snap", words.no_snap, "do not move grid vertices onto the surface");
     app.add_flag("--no-templates", words.no_templates, "mesh simple surface cells like complex ones");
-    app.add_flag("--strict", arguments.options.strict, "exit 3, write nothing, if a feature may be missing");
+    app.add_flag("--strict", arguments.options.strict,
+                 "exit 3, write nothing, if a feature may be missing or regions overlap");
     app.add_option("--quality-floor", words.floor, "exit 4 if a scaled Jacobian is below X, 0 to 1")
         ->option_text("X");
 }

@@ -65,7 +65,7 @@ struct MeshOptions {
     bool tetrahedra = false;  ///< split everything into tetrahedra
     int pieces = 1;           ///< parts of the Morton range that are meshed apart and merged: the same mesh
     bool quality = false;     ///< also make MeshReport::quality
-    bool strict = false;      ///< Error(kMeshing) if the mesh is not known to show every feature of the model
+    bool strict = false;  ///< Error(kMeshing) if a feature of the model may be missing, or regions overlap
     /// Mesher::stream only: bytes of memory that the run tries to keep to; 0: 4 GiB.
     std::uint64_t memory = 0;
     int threads = 0;          ///< host threads for extraction; 0: all cores
