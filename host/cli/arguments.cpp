@@ -10,6 +10,7 @@
 
 #include "host/cli/files.hpp"
 #include "host/cli/help_formatter.hpp"
+#include "host/common/lower_case.hpp"
 
 namespace mortise::cli {
 namespace {
@@ -407,9 +408,11 @@ void check_files(const Arguments& arguments) {
 void read_batch_words(const Words& words, Arguments& arguments) {
     if (arguments.file.empty()) refuse("no list given; use: mortise batch LIST -o FOLDER");
     if (arguments.outputs.size() != 1) refuse("batch: expected one folder for the meshes; add -o FOLDER");
-    if (arguments.format != "vtu" && arguments.format != "msh") {
+    const std::string format = lower_case(arguments.format);
+    if (format != "vtu" && format != "msh") {
         refuse("--format '" + arguments.format + "': expected vtu or msh");
     }
+    arguments.format = format;
     if (!words.jobs.empty()) arguments.jobs = parse_integer("--jobs", words.jobs, 1, "");
 }
 
