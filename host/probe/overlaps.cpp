@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "host/common/parallel.hpp"
+#include "host/common/watch.hpp"
 #include "host/tape/local_tape.hpp"
 #include "host/tape/projection.hpp"
 #include "host/tape/reference.hpp"
@@ -85,6 +86,7 @@ class Search {
 
     /// Appends the children of a node that are to be searched further; leaves are searched at once.
     void split(const Node& node, std::vector<Node>& children) {
+        keep_watch();
         for (std::uint64_t c = 0; c < 8; ++c) {
             Node child;
             child.cell.half = 0.5 * node.cell.half;

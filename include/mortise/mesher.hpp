@@ -71,10 +71,9 @@ struct MeshOptions {
     int threads = 0;          ///< host threads for extraction; 0: all cores
     std::string device;       ///< as printed by `mortise devices`; empty: environment, else default
     int work_group_size = 0;  ///< 0: the device class's default
-    /// Called with a stage's name and progress in [0, 1] when the stage begins, by the thread that meshes;
-    /// may be empty. Between two calls may lie 40 % of a run, as during `extract` or `improve` of a large
-    /// mesh. Returning false stops the run there, with Interrupted; what it throws goes to the caller of the
-    /// mesher.
+    /// Called with a stage's name and progress in [0, 1] when the stage begins, and again some ten times a
+    /// second until it ends, by the thread that meshes; may be empty. Returning false stops the run there,
+    /// within half a second as a rule, with Interrupted; what it throws goes to the caller of the mesher.
     std::function<bool(const char* stage, double progress)> progress;
 };
 
