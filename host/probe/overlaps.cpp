@@ -42,6 +42,14 @@ struct Node {
     std::vector<Candidate> candidates;
 };
 
+/// How deep a point lies in a region, to first order (negative outside), and which surface tells.
+struct Depth {
+    double value;
+    std::uint32_t surface;  ///< kNoSurface: none
+    double side;            ///< 1: the region is where the surface's value is negative; -1: positive
+};
+constexpr std::uint32_t kNoSurface = 0xffffffffu;
+
 using Pair = std::pair<std::int32_t, std::int32_t>;
 struct Place {
     Vec3 at;
@@ -169,6 +177,52 @@ class Search {
                 try_point(node, middle);
             }
         }
+        for (const Candidate& a : node.candidates) {
+            for (const Candidate& b : node.candidates) {
+                if (a.region < b.region && found_.count({a.region, b.region}) == 0) climb(node, a, b);
+            }
+        }
+    }
+
+    /// From the middle of a leaf to where it is deepest in both regions, by ever shorter steps: to where it
+    /// is as deep in one as in the other, and along there to where both are deeper. A ball that dips into a
+    /// plate is narrower than what it passes by.
+    void climb(const Node& node, const Candidate& a, const Candidate& b) {
+        constexpr int kSteps = 24;
+        constexpr double kShorter = 0.8;
+        constexpr double kSameWay = 1e-12;
+        Vec3 x = {node.cell.centre[0], node.cell.centre[1], node.cell.centre[2]};
+        double step = node.cell.half;
+        for (int k = 0; k < kSteps; ++k, step *= kShorter) {
+            const Depth in_a = depth_in(node, a, x);
+            const Depth in_b = depth_in(node, b, x);
+            if (std::min(in_a.value, in_b.value) > kLeastDepth) return try_point(node, x);
+            Vec3 into_a{}, into_b{};
+            if (!direction_into(in_a, x, into_a) || !direction_into(in_b, x, into_b)) return;
+            double apart = 0, along = 0;  // squared
+            for (std::size_t j = 0; j < 3; ++j) {
+                apart += (into_a[j] - into_b[j]) * (into_a[j] - into_b[j]);
+                along += (into_a[j] + into_b[j]) * (into_a[j] + into_b[j]);
+            }
+            if (k > 0 && along <= kSameWay) return;  // face to face, as where one surface parts them
+            const double even = apart > kSameWay ? (in_b.value - in_a.value) / apart : 0;
+            const double up = along > kSameWay ? step / std::sqrt(along) : 0;
+            for (std::size_t j = 0; j < 3; ++j) {
+                const double to = x[j] + even * (into_a[j] - into_b[j]) + up * (into_a[j] + into_b[j]);
+                x[j] = std::clamp(to, node.cell.centre[j] - node.cell.half,
+                                  node.cell.centre[j] + node.cell.half);
+            }
+        }
+    }
+
+    /// The direction in which a point gets deeper, of unit length; false if there is none.
+    bool direction_into(const Depth& depth, const Vec3& x, Vec3& direction) const {
+        if (depth.surface == kNoSurface) return false;
+        const SurfaceSample s =
+            surface_sample(&model_.surfaces[depth.surface], model_.expression_ops.data(), x[0], x[1], x[2]);
+        const double slope = std::hypot(s.gradient[0], s.gradient[1], s.gradient[2]);
+        for (std::size_t j = 0; j < 3; ++j) direction[j] = -depth.side / slope * s.gradient[j];
+        return slope > 0 && slope < kInfinity;
     }
 
     /// Notes the pairs of regions that both hold a point of the cell.
@@ -178,7 +232,7 @@ class Search {
         }
         depths_.clear();
         for (const Candidate& candidate : node.candidates)
-            depths_.push_back(candidate.tape.empty() ? node.cell.half : depth_at(candidate.tape, x));
+            depths_.push_back(depth_in(node, candidate, x).value);
         for (std::size_t i = 0; i < depths_.size(); ++i) {
             if (!(depths_[i] > kLeastDepth)) continue;
             for (std::size_t j = i + 1; j < depths_.size(); ++j) {
@@ -189,21 +243,22 @@ class Search {
         }
     }
 
-    /// How deep a point lies in a region, to first order; negative outside.
-    double depth_at(const std::vector<std::uint32_t>& tape, const Vec3& x) {
+    Depth depth_in(const Node& node, const Candidate& candidate, const Vec3& x) {
+        const std::vector<std::uint32_t>& tape = candidate.tape;
+        if (tape.empty()) return {node.cell.half, kNoSurface, 0};
         stack_.clear();
         for (std::size_t i = 0; i + 1 < tape.size(); ++i) {
             const std::uint32_t operation = tape_operation(tape[i]);
             if (operation == kTapeLiteral) {
-                const double depth = depth_below(tape_surface(tape[i]), x);
-                stack_.push_back(tape_negated(tape[i]) != 0 ? -depth : depth);
+                const double side = tape_negated(tape[i]) != 0 ? -1 : 1;
+                const std::uint32_t surface = tape_surface(tape[i]);
+                stack_.push_back({side * depth_below(surface, x), surface, side});
             } else if (operation == kTapeSpatial) {
-                stack_.push_back(-kInfinity);  // smaller cells tell
+                stack_.push_back({-kInfinity, kNoSurface, 0});  // smaller cells tell
             } else {
-                const double top = stack_.back();
+                const Depth top = stack_.back();
                 stack_.pop_back();
-                stack_.back() =
-                    operation == kTapeAnd ? std::min(stack_.back(), top) : std::max(stack_.back(), top);
+                if ((top.value < stack_.back().value) == (operation == kTapeAnd)) stack_.back() = top;
             }
         }
         return stack_.back();
@@ -222,7 +277,8 @@ class Search {
     const octree::Octree& tree_;
     Found found_;
     std::vector<std::uint32_t> surfaces_, own_;
-    std::vector<double> depths_, stack_;
+    std::vector<double> depths_;
+    std::vector<Depth> stack_;
 };
 
 }  // namespace

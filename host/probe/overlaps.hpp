@@ -19,9 +19,9 @@ struct Overlap {
 
 /// Each pair of regions that overlap once, ascending. The same result for any number of threads.
 ///
-/// Found for certain are overlaps that hold a ball of a leaf's diagonal, thinner ones between two surfaces,
-/// and beside one, as a rule. Regions that only touch are none: what is less deep than 1e-6 of the root box
-/// is rounding.
+/// Found for certain are overlaps that hold a ball of a leaf's diagonal, thinner ones, as between two
+/// surfaces, as a rule. Regions that only touch are none: what is less deep than 1e-6 of the root box is
+/// rounding.
 std::vector<Overlap> find_overlaps(const tape::BoundModel& model, const octree::Octree& tree, int threads);
 
 }  // namespace mortise::probe

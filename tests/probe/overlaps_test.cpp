@@ -86,6 +86,19 @@ TEST_CASE("two regions that overlap are named, with a place in both") {
     }
 }
 
+TEST_CASE("a ball that dips into a plate by a hair overlaps it, one that touches it does not") {
+    for (const int level : {3, 5}) {
+        for (const double deep : {0.1, 0.01, 0.001, 0.0, -0.001}) {
+            CAPTURE(level);
+            CAPTURE(deep);
+            Model model;
+            add_region(model, add_ball(model, {13.3, 16.1, 10}, 9), "ball");
+            add_region(model, add_box(model, {0, 0, 19 - deep}, {30, 30, 22}), "plate");
+            CHECK(overlaps_of(model, at_level(level)).size() == (deep > 0 ? 1 : 0));
+        }
+    }
+}
+
 TEST_CASE("a region inside another one overlaps it, though it has no element") {
     Model model;
     add_region(model, add_box(model, {0, 0, 0}, {30, 30, 30}), "all");
