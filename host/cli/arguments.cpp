@@ -162,7 +162,8 @@ void add_element_options(CLI::App& app, Arguments& arguments, Words& words) {
     app.add_flag("--no-improve", words.no_improve, "leave elements as templates and certificate make them");
     app.add_flag("--no-snap", words.no_snap, "do not move grid vertices onto the surface");
     app.add_flag("--no-templates", words.no_templates, "mesh simple surface cells like complex ones");
-    app.add_flag("--strict", arguments.options.strict, "exit 3, write nothing, if a feature may be missing");
+    app.add_flag("--strict", arguments.options.strict,
+                 "exit 3, write nothing, if a feature may be missing or regions overlap");
     app.add_option("--quality-floor", words.floor, "exit 4 if a scaled Jacobian is below X, 0 to 1")
         ->option_text("X");
 }
@@ -423,11 +424,12 @@ void check_files(const Arguments& arguments) {
 void read_batch_words(const Words& words, Arguments& arguments) {
     if (arguments.file.empty()) refuse("no list given; use: mortise batch LIST -o FOLDER");
     if (arguments.outputs.size() != 1) refuse("batch: expected one folder for the meshes; add -o FOLDER");
-    if (arguments.format != "vtu" && arguments.format != "msh") {
+    const std::string format = lower_case(arguments.format);
+    if (format != "vtu" && format != "msh") {
         refuse("--format '" + arguments.format + "': expected vtu or msh");
     }
-    if (arguments.options.hanging && arguments.format == "msh")
-        refuse_hanging_msh("--format", arguments.format);
+    if (arguments.options.hanging && format == "msh") refuse_hanging_msh("--format", arguments.format);
+    arguments.format = format;
     if (!words.jobs.empty()) arguments.jobs = parse_integer("--jobs", words.jobs, 1, "");
 }
 

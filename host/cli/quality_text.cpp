@@ -58,10 +58,14 @@ std::string shapes_text(const QualityReport& report) {
 }
 
 std::string distance_text(const char* name, const DistanceFigures& distance, double cell) {
-    if (distance.samples == 0) return format("  %-13s no samples\n", name);
+    const std::string others =
+        distance.unmeasured == 0 ? ""
+                                 : format("; %llu samples not measured: a formula shows no surface near them",
+                                          static_cast<unsigned long long>(distance.unmeasured));
+    if (distance.samples == 0) return format("  %-13s no samples", name) + others + "\n";
     return format("  %-13s max %.3g (%.3g cells), mean %.3g (%.3g cells), ", name, distance.maximum,
                   distance.maximum / cell, distance.mean, distance.mean / cell) +
-           "worst at " + place_text(distance.place) + "\n";
+           "worst at " + place_text(distance.place) + others + "\n";
 }
 
 std::string corner_names(const ModelCorner& corner) {
@@ -97,10 +101,15 @@ std::string model_text(const QualityReport& report, const Features* features) {
 }
 
 Json distance_document(const DistanceFigures& distance, double cell) {
-    if (distance.samples == 0) return {{"samples", 0}};
-    return {{"samples", distance.samples},          {"max", distance.maximum},
-            {"max_cells", distance.maximum / cell}, {"mean", distance.mean},
-            {"mean_cells", distance.mean / cell},   {"place", distance.place}};
+    Json json = {{"samples", distance.samples}};
+    if (distance.unmeasured > 0) json["unmeasured"] = distance.unmeasured;
+    if (distance.samples == 0) return json;
+    json.update({{"max", distance.maximum},
+                 {"max_cells", distance.maximum / cell},
+                 {"mean", distance.mean},
+                 {"mean_cells", distance.mean / cell},
+                 {"place", distance.place}});
+    return json;
 }
 
 void add_model(const QualityReport& report, const Features* features, Json& json) {

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "host/common/watch.hpp"
+
 namespace mortise::cnio {
 namespace {
 
@@ -25,6 +27,7 @@ bool frame_points_outward(int f) {
 }  // namespace
 
 CellRecord Certificate::run(const TreeNode& leaf, CellArena& arena, const LatticePoint* apex) {
+    keep_watch();
     cell_.load(leaf);
     if (cell_.is_crowded()) ++cell_.counters.limited;
     simplices_.clear();
@@ -232,6 +235,7 @@ bool Certificate::is_resolved(const Simplex& simplex) {
 /// Splits the inner edges of simplices that are mixed for surface order[k], where it changes the region;
 /// tells whether there were any.
 bool Certificate::bisect(const std::vector<std::size_t>& order, std::size_t k, int round) {
+    keep_watch();  // a crowded cell may take seconds
     const std::size_t p = order[k];
     bool any = false;
     mixed_.clear();

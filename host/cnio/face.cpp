@@ -4,6 +4,7 @@
 
 #include "host/cnio/cell.hpp"
 #include "host/common/cube_grid.hpp"
+#include "host/common/watch.hpp"
 #include "host/tape/reference.hpp"
 
 namespace mortise::cnio {
@@ -396,6 +397,7 @@ bool Cell::ends_crease(std::size_t p, const std::array<std::uint16_t, 2>& edge, 
 /// split: it makes fewer triangles, and beside an edge of the cell where several surfaces are not active, the
 /// splits would not end.
 bool Cell::split_patch(const Patch& patch, std::size_t k, int round) {
+    keep_watch();
     bool any = false;
     const std::size_t p = patch_order_[k];
     const std::uint8_t* active = patch_active_.data();

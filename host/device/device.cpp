@@ -1,6 +1,8 @@
 // A device: opening it, launching kernels, and their times. See device.hpp.
 #include "host/device/device.hpp"
 
+#include <algorithm>
+#include <chrono>
 #include <limits>
 
 #include "host/device/build_options.hpp"
@@ -15,6 +17,9 @@ namespace {
 constexpr int kWorkGroupCpu = 32;
 constexpr int kWorkGroupGpu = 128;
 constexpr int kLanesCpu = 8;
+/// Launches are cut into slices of so many items at first, and more where these take less than so long.
+constexpr std::size_t kFirstSlice = 4096;
+constexpr double kSliceSeconds = 0.04;
 constexpr std::size_t kPendingEvents = 64;  // harvested beyond that, so that long runs hold few events
 
 }  // namespace
@@ -123,8 +128,10 @@ std::uint32_t Device::checked_items(const Kernel& kernel, std::size_t items) {
     return static_cast<std::uint32_t>(items);
 }
 
+void Device::set_look(void (*look)()) { implementation_->look = look; }
+
 Event Device::launch_arguments(const Kernel& kernel, std::size_t items, const Argument* arguments,
-                               std::size_t count) {
+                               std::size_t count, Cut cut) {
     Implementation& self = *implementation_;
     Event event;
     if (!kernel.implementation_) misuse("launching an empty kernel handle");
@@ -159,20 +166,33 @@ Event Device::launch_arguments(const Kernel& kernel, std::size_t items, const Ar
     }
     const auto group = static_cast<std::size_t>(work_group_size());
     const std::size_t global = (items + group - 1) / group * group;
-    event.implementation_ = std::make_shared<Event::Implementation>();
-    event.implementation_->entry = target.entry;
-    event.implementation_->handle = guarded(
-        "clEnqueueNDRangeKernel", "kernel " + target.entry + " with " + std::to_string(items) + " items",
-        [&] {
-            compute::event launched = self.queue.enqueue_1d_range_kernel(target.handle, 0, global, group);
-            self.queue.flush();
-            return launched;
-        });
     KernelTime& time = self.times[target.time_index];
     ++time.launches;
     time.items += items;
-    self.pending.push_back({event.implementation_->handle, target.time_index});
-    if (self.pending.size() > kPendingEvents) self.harvest(false);
+    std::size_t slice =
+        self.look != nullptr && cut == Cut::kAllowed ? (kFirstSlice + group - 1) / group * group : global;
+    for (std::size_t first = 0; first < global; first += slice) {
+        if (first > 0) {
+            // What has been launched is done when look() is called, so it may throw.
+            const auto start = std::chrono::steady_clock::now();
+            event.wait();
+            const std::chrono::duration<double> waited = std::chrono::steady_clock::now() - start;
+            self.look();
+            if (waited.count() < kSliceSeconds) slice *= 2;
+        }
+        event.implementation_ = std::make_shared<Event::Implementation>();
+        event.implementation_->entry = target.entry;
+        event.implementation_->handle =
+            guarded("clEnqueueNDRangeKernel",
+                    "kernel " + target.entry + " with " + std::to_string(items) + " items", [&] {
+                        compute::event launched = self.queue.enqueue_1d_range_kernel(
+                            target.handle, first, std::min(slice, global - first), group);
+                        self.queue.flush();
+                        return launched;
+                    });
+        self.pending.push_back({event.implementation_->handle, target.time_index});
+        if (self.pending.size() > kPendingEvents) self.harvest(false);
+    }
     return event;
 }
 

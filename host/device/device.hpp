@@ -282,8 +282,12 @@ class Device {
     Event launch(const Kernel& kernel, std::size_t items, const Arguments&... arguments) {
         const std::uint32_t count = checked_items(kernel, items);
         const Argument list[] = {Argument(arguments)..., Argument(count)};
-        return launch_arguments(kernel, items, list, sizeof...(Arguments) + 1);
+        return launch_arguments(kernel, items, list, sizeof...(Arguments) + 1, Cut::kAllowed);
     }
+
+    /// `look` is called several times a second while long launches run, by the thread that launches; it may
+    /// throw. These are cut into slices, and launch() returns when the last of them begins. Null: not so.
+    void set_look(void (*look)());
 
     /// out[i] = in[0] + ... + in[i-1] for 0 <= i <= n; returns out[n], the total.
     ///
@@ -305,9 +309,17 @@ class Device {
 
   private:
     friend struct Internals;
+    /// Kernels that ask for their group's number are not to be cut.
+    enum class Cut : std::uint8_t { kAllowed, kNever };
+    template <class... Arguments>
+    Event launch_whole(const Kernel& kernel, std::size_t items, const Arguments&... arguments) {
+        const std::uint32_t count = checked_items(kernel, items);
+        const Argument list[] = {Argument(arguments)..., Argument(count)};
+        return launch_arguments(kernel, items, list, sizeof...(Arguments) + 1, Cut::kNever);
+    }
     static std::uint32_t checked_items(const Kernel& kernel, std::size_t items);
     Event launch_arguments(const Kernel& kernel, std::size_t items, const Argument* arguments,
-                           std::size_t count);
+                           std::size_t count, Cut cut);
     void upload_bytes(Buffer& buffer, const void* data, std::size_t bytes, std::size_t offset);
     void download_bytes(const Buffer& buffer, void* data, std::size_t bytes, std::size_t offset);
     Mapping map_bytes(Buffer& buffer, Access access, std::size_t bytes, std::size_t offset);

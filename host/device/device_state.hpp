@@ -99,6 +99,7 @@ struct Device::Implementation {
     std::string cache_folder;
     std::string kernels_folder;
     bool float_is_exact = false;
+    void (*look)() = nullptr;  ///< Device::set_look
     MemoryCounter memory = std::make_shared<MemoryUse>();
     std::map<std::string, compute::program> programs;  // by file and defines
     std::map<std::string, Kernel> kernels;             // by file, defines and entry

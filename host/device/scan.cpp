@@ -39,7 +39,7 @@ std::uint64_t Device::exclusive_scan(const Buffer& in, Buffer& out, std::size_t 
 
     const std::string defines = wide ? "-DSUM=ulong" : "-DSUM=uint";
     Buffer sums = allocate(chunks * sizeof(std::uint64_t));
-    launch(kernel("scan.cl", "scan_sums", defines), items, in, sums, chunk, count);
+    launch_whole(kernel("scan.cl", "scan_sums", defines), items, in, sums, chunk, count);
     std::uint64_t total = 0;
     {
         const auto mapped = map<std::uint64_t>(sums, Access::kReadWrite);
@@ -53,7 +53,7 @@ std::uint64_t Device::exclusive_scan(const Buffer& in, Buffer& out, std::size_t 
         throw Error(ExitCode::kDevice, "prefix sum reaches " + std::to_string(total) +
                                            ", more than 32-bit numbers hold; choose a lower level");
     }
-    launch(kernel("scan.cl", "scan_fill", defines), items, in, out, sums, chunk, count);
+    launch_whole(kernel("scan.cl", "scan_fill", defines), items, in, out, sums, chunk, count);
     return total;
 }
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "host/common/watch.hpp"
+
 namespace mortise::improve {
 namespace {
 
@@ -320,6 +322,7 @@ Block::Fit Block::fit(std::uint32_t surface, const Point& a, const Point& b, con
 
 void Block::collapse_short_edges() {
     for (std::uint32_t i = 0; i < tetrahedra_.size(); ++i) {
+        keep_watch();
         for (int e = 0; e < 6 && alive_[i] != 0; ++e) {
             const Local a = tetrahedra_[i].node[kEdgeEnds[e][0]];
             const Local b = tetrahedra_[i].node[kEdgeEnds[e][1]];
@@ -338,6 +341,7 @@ void Block::collapse_short_edges() {
 }
 
 bool Block::improve(std::uint32_t tetrahedron) {
+    keep_watch();
     bool found = false;
     const auto better_than = [&] { return found ? best_.after : 0; };
     const auto consider = [&](bool better) {

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/common/watch.hpp"
 #include "host/improve/block.hpp"
 #include "host/improve/crossing.hpp"
 
@@ -107,6 +108,7 @@ bool Block::has_crossed() {
     };
     for (std::uint32_t i = 0; i < tetrahedra_.size(); ++i) {
         if (alive_[i] == 0) continue;
+        keep_watch();
         for (std::size_t f = 0; f < 4; ++f) {
             if (!is_outer(tetrahedra_[i].tag[f]) || !is_new(i, f)) continue;
             const std::array<Local, 3> facet = face_nodes(tetrahedra_[i], f);

@@ -4,6 +4,7 @@
 // step, until it is better than the worst of them all was before. Otherwise all steps are undone.
 #include <algorithm>
 
+#include "host/common/watch.hpp"
 #include "host/improve/block.hpp"
 
 namespace mortise::improve {
@@ -178,6 +179,7 @@ bool Block::finish_trial() {
 }
 
 bool Block::look_ahead(std::uint32_t tetrahedron) {
+    keep_watch();
     std::vector<Candidate> candidates;
     least_gain_ = 0;
     gather_candidates(tetrahedron, candidates);

@@ -6,6 +6,7 @@
 // almost. Topology is that of any collapse: sheets are never joined or parted.
 #include <algorithm>
 
+#include "host/common/watch.hpp"
 #include "host/improve/block.hpp"
 
 namespace mortise::improve {
@@ -121,6 +122,7 @@ void Block::merge_close_nodes() {
     };
     may_merge_ = true;
     for (std::uint32_t i = 0; i < tetrahedra_.size(); ++i) {
+        keep_watch();
         for (std::size_t k = 0; k < 12 && alive_[i] != 0; ++k) {
             const Local gone = tetrahedra_[i].node[k % 4];
             const Local kept = tetrahedra_[i].node[(k % 4 + 1 + k / 4) % 4];

@@ -7,6 +7,7 @@
 
 #include "host/common/parallel.hpp"
 #include "host/common/vec3.hpp"
+#include "host/common/watch.hpp"
 #include "host/octree/leaf_formula.hpp"
 #include "host/octree/tangent.hpp"
 #include "host/tape/projection.hpp"
@@ -211,6 +212,7 @@ std::uint64_t drop_coincident(device::Device& device, const tape::BoundModel& mo
         LeafSimplifier simplifier(model, tree);
         for (std::size_t i = begin; i < end; ++i) {
             if (tree.nio[i].tape_length < kFewest) continue;
+            keep_watch();
             if (auto tape = simplifier.run(tree.nio[i]))
                 found[begin / kChunk].push_back(
                     {static_cast<std::uint32_t>(i), std::move(*tape), simplifier.joint()});

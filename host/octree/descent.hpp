@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "host/common/watch.hpp"
 #include "host/octree/octree.hpp"
 #include "mortise/error.hpp"
 
@@ -45,6 +46,7 @@ class Descent {
 
     /// Splits the nodes at hand, which are of level - 1; then those are their undecided children.
     void step(int level, const Buffer& ops) {
+        keep_watch();
         if (!used_) used_ = device_.allocate(2 * sizeof(std::uint32_t));
         split(level, ops);
         cells_evaluated_ += 8 * evaluated_;

@@ -25,11 +25,13 @@ void add_named_size(const std::string& name, double size, const tape::CompiledMo
         field.region[r] = std::min(field.region[r], size);
         found = true;
     }
-    for (std::size_t s = 0; s < model.surfaces.size(); ++s) {
-        if (compiled.surface_names[model.surface_name[s]] != name) continue;
-        field.surface[s] = std::min(field.surface[s], size);
+    const auto add_surface = [&](std::size_t surface, std::uint32_t called) {
+        if (compiled.surface_names[called] != name) return;
+        field.surface[surface] = std::min(field.surface[surface], size);
         found = true;
-    }
+    };
+    for (std::size_t s = 0; s < model.surfaces.size(); ++s) add_surface(s, model.surface_name[s]);
+    for (const tape::RegionSurfaceName& own : model.names_by_region) add_surface(own.surface, own.name);
     if (found) return;
     std::string known;
     for (const auto* names : {&compiled.region_names, &compiled.surface_names}) {

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <optional>
 
+#include "host/common/watch.hpp"
 #include "host/features/features.hpp"
 #include "host/hanging/restore.hpp"
 #include "host/improve/improve.hpp"
@@ -86,13 +87,15 @@ struct Mesher::Implementation {
     std::optional<device::Device> device;
     std::atomic<bool> is_busy{false};
 
-    device::Device& open() {
+    /// For a run that reports its progress, or not.
+    device::Device& open(const MeshOptions& options) {
         if (!device) {
             pipeline::check_work_group(work_group_size);
-            device::DeviceOptions options;
-            options.work_group_size = work_group_size;
-            device.emplace(choice, options);
+            device::DeviceOptions device_options;
+            device_options.work_group_size = work_group_size;
+            device.emplace(choice, device_options);
         }
+        device->set_look(options.progress ? &keep_watch : nullptr);
         return *device;
     }
 };
@@ -141,9 +144,9 @@ Mesh Mesher::generate(const Model& model, const MeshOptions& options, MeshReport
     pipeline::check_options(options);
     const std::optional<jacobian::Method> jacobian_method = jacobian::wanted_method();
     Stages stages(options, out);
-    Prepared prepared = pipeline::prepare([this]() -> device::Device& { return implementation_->open(); },
-                                          model, options, stages, out);
-    device::Device& device = implementation_->open();
+    const auto open = [&]() -> device::Device& { return implementation_->open(options); };
+    Prepared prepared = pipeline::prepare(open, model, options, stages, out);
+    device::Device& device = open();
     Mesh mesh;
     const Extracted extracted = mesh_pieces(device, options, prepared, stages, &mesh);
     improve::Counters counters;
@@ -208,8 +211,8 @@ void Mesher::stream(const Model& model, const MeshOptions& options, MeshSink& si
     MeshReport local;
     MeshReport& out = report != nullptr ? *report : local;
     out = MeshReport{};
-    pipeline::stream([this]() -> device::Device& { return implementation_->open(); }, model, options, sink,
-                     out);
+    pipeline::stream([&]() -> device::Device& { return implementation_->open(options); }, model, options,
+                     sink, out);
 }
 
 }  // namespace mortise

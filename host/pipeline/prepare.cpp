@@ -9,6 +9,7 @@
 #include "host/octree/coincident.hpp"
 #include "host/octree/poles.hpp"
 #include "host/pipeline/grading.hpp"
+#include "host/probe/overlaps.hpp"
 #include "host/triangles/divide.hpp"
 
 namespace mortise::pipeline {
@@ -70,6 +71,31 @@ std::string describe_missed(const std::vector<MissedFeature>& missed, const Root
     text += std::string(" makes cells as small as ") + (missed.size() == 1 ? "it" : "the thinnest of them");
     if (level == root.level + refine + 1) return text;
     return text + "; --refine " + std::to_string(refine + 1) + " may do";
+}
+
+/// A line for each pair of regions that overlap; behind the first few, one for all others.
+void report_overlaps(const std::vector<probe::Overlap>& overlaps, const Model& model,
+                     const MeshOptions& options, MeshReport& out) {
+    constexpr std::size_t kMostLines = 5;
+    for (std::size_t k = 0; k < std::min(overlaps.size(), kMostLines); ++k) {
+        const probe::Overlap& overlap = overlaps[k];
+        const auto name = [&model](std::int32_t region) {
+            return "'" + model.regions[static_cast<std::size_t>(region) - 1].name + "'";
+        };
+        const std::string first = name(overlap.first);
+        const std::string second = name(overlap.second);
+        const std::string text = "the regions " + first + " and " + second + " overlap, around " +
+                                 place(overlap.at) + " by " + number(2 * overlap.depth) +
+                                 " or more; what both claim belongs to " + first + "; cut it from " + second +
+                                 " if that is meant ('and not'), or move them apart";
+        if (options.strict) throw Error(ExitCode::kMeshing, model.source + ": strict: " + text);
+        out.warnings.push_back(text);
+    }
+    if (overlaps.size() > kMostLines) {
+        const std::size_t others = overlaps.size() - kMostLines;
+        out.warnings.push_back(std::to_string(others) + (others == 1 ? " other pair of regions overlaps"
+                                                                     : " other pairs of regions overlap"));
+    }
 }
 
 void refuse_missed(const std::vector<MissedFeature>& missed, const Root& root, int refine,
@@ -232,6 +258,13 @@ Prepared prepare(const std::function<device::Device&()>& open_device, const Mode
     out.missed = std::move(probed.features);
     if (options.strict) refuse_missed(out.missed, root, options.refine, model.source);
     stages.end(probed.probed);
+
+    if (model.regions.size() > 1) {
+        stages.begin("overlaps", 0.29);
+        const std::vector<probe::Overlap> overlaps = probe::find_overlaps(bound, tree, options.threads);
+        report_overlaps(overlaps, model, options, out);
+        stages.end(overlaps.size());
+    }
 
     stages.begin("classify", 0.3);
     out.in_cells = tree.in_count;

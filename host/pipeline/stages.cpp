@@ -14,8 +14,14 @@ double process_seconds() {
 
 }  // namespace
 
+Stages::Stages(const MeshOptions& options, MeshReport& report) : options_(options), report_(report) {
+    if (options.progress) watch_.emplace([this] { return options_.progress(told_, progress_); });
+}
+
 void Stages::begin(const char* stage, double progress) {
     end(0);
+    told_ = stage;
+    progress_ = progress;
     if (options_.progress && !options_.progress(stage, progress)) {
         throw Interrupted();
     }

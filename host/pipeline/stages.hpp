@@ -3,15 +3,18 @@
 
 #include <chrono>
 #include <cstdint>
+#include <optional>
 
+#include "host/common/watch.hpp"
 #include "mortise/mesher.hpp"
 
 namespace mortise::pipeline {
 
-/// Times the stages of one run and reports progress. Throws Error(kMeshing) if the caller wants no more.
+/// Times the stages of one run and reports progress, by the thread that made the object. Throws Interrupted
+/// if the caller wants no more.
 class Stages {
   public:
-    Stages(const MeshOptions& options, MeshReport& report) : options_(options), report_(report) {}
+    Stages(const MeshOptions& options, MeshReport& report);
 
     void begin(const char* stage, double progress);
     /// Ends the stage; a stage of the same name as an earlier one is added to it.
@@ -21,6 +24,9 @@ class Stages {
     const MeshOptions& options_;
     MeshReport& report_;
     const char* stage_ = nullptr;
+    const char* told_ = "";  ///< as last reported
+    double progress_ = 0;
+    std::optional<Watch> watch_;  ///< reports again while a stage takes its time
     std::chrono::steady_clock::time_point wall_;
     double cpu_ = 0;
 };

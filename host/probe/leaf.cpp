@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/common/watch.hpp"
 #include "host/tape/variation.hpp"
 #include "kernels/shared/surface.h"
 
@@ -133,6 +134,7 @@ bool LeafProbe::is_missed(const Vec3& x, Found& found) {
 
 void LeafProbe::run(std::uint32_t leaf, std::vector<Component>& out) {
     if (load(tree_.nio[leaf])) {
+        keep_watch();
         ++probed_;
         subdivide();
         if (!found_.empty()) gather(leaf, out);

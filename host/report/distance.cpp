@@ -1,6 +1,7 @@
 // See distance.hpp.
 #include "host/report/distance.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "host/common/random.hpp"
@@ -18,6 +19,7 @@ constexpr int kBisections = 40;  // of one of them: 2⁻⁴³ of a cell
 /// A sum and the largest of many values, with the place of the largest.
 struct Tally {
     std::uint64_t count = 0;
+    std::uint64_t unmeasured = 0;
     double weight = 0, sum = 0, maximum = -1;
     Vector place;
 
@@ -33,6 +35,7 @@ struct Tally {
     }
     void add(const Tally& later) {
         count += later.count;
+        unmeasured += later.unmeasured;
         weight += later.weight;
         sum += later.sum;
         if (later.maximum > maximum) {
@@ -50,6 +53,7 @@ Vec3 place_of(const tape::BoundModel& model, const Vector& local) {
 DistanceFigures figures_of(const Tally& tally, const tape::BoundModel& model) {
     DistanceFigures figures;
     figures.samples = tally.count;
+    figures.unmeasured = tally.unmeasured;
     if (tally.count == 0) return figures;
     figures.maximum = model.side * tally.maximum;
     figures.mean = model.side * (tally.sum / tally.weight);
@@ -57,22 +61,87 @@ DistanceFigures figures_of(const Tally& tally, const tape::BoundModel& model) {
     return figures;
 }
 
+/// The point of a surface that belongs to a sample.
+struct Foot {
+    Vector at;
+    bool is_found = false;
+    bool is_smooth = false;  ///< the surface has a normal there
+};
+
 /// Where Newton's method along the gradient ends. Steps are limited: near a centre the gradient is small.
-Vector project(const tape::BoundModel& model, std::uint32_t surface, const Vector& from) {
+Foot project(const tape::BoundModel& model, std::uint32_t surface, const Vector& from) {
     constexpr int kSteps = 40;
     constexpr double kLongest = 0.1;  // edges of the root box
+    constexpr double kSettled = 1e-14;
+    constexpr double kNearlySettled = 1e-7;  // kinks, and rounding
     Vector x = from;
+    double size = HUGE_VAL;
     for (int step = 0; step < kSteps; ++step) {
         const SurfaceSample s = features::sample(model, surface, x);
         const Vector g{s.gradient[0], s.gradient[1], s.gradient[2]};
         Vector move = (-s.value / dot(g, g)) * g;
-        const double size = length(move);
+        if (s.value == 0) move = {};
+        size = length(move);
         if (!std::isfinite(size)) break;
         if (size > kLongest) move = (kLongest / size) * move;
         x = x + move;
-        if (size < 1e-14) break;
+        if (size < kSettled) break;
     }
-    return x;
+    const bool is_found = size < kNearlySettled;
+    return {x, is_found, is_found};
+}
+
+/// The nearest place on a line through a sample, to both sides, where a formula changes its sign: it may jump
+/// there, or be no number beyond, so that gradients lead elsewhere. Not farther than `reach`.
+Foot find_change(const tape::BoundModel& model, std::uint32_t surface, const Vector& from,
+                 const Vector& direction, double reach) {
+    constexpr int kDoublings = 24;
+    const auto is_inside = [&](double t) {
+        return features::value(model, surface, from + t * direction) <= 0;
+    };
+    const bool here = is_inside(0);
+    double low = 0;
+    for (int k = kDoublings; k >= 0; --k) {
+        double high = std::ldexp(reach, -k);
+        for (const double side : {1.0, -1.0}) {
+            if (is_inside(side * high) == here) continue;
+            for (int i = 0; i < kBisections; ++i) {
+                const double middle = 0.5 * (low + high);
+                (is_inside(side * middle) == here ? low : high) = middle;
+            }
+            return {from + (side * high) * direction, true, false};
+        }
+        low = high;
+    }
+    return {};
+}
+
+/// The foot of a sample on its facet's surface. `normal`: the facet's, of unit length; `size`: its longest
+/// edge.
+Foot find_foot(const tape::BoundModel& model, std::uint32_t surface, const Vector& sample,
+               const Vector& normal, double size) {
+    // Facets lie closer to smooth surfaces than this, in their size.
+    constexpr double kUsual = 0.05;
+    const Foot smooth = project(model, surface, sample);
+    if (model.surfaces[surface].kind != kSurfaceExpression) return {smooth.at, true, true};
+    if (smooth.is_found && length(smooth.at - sample) <= kUsual * size) return smooth;
+    // As when a vertex of the grid lies where a formula is no number: it is asked a little beside.
+    const Vector aside = 1e-6 * size * Vector{0.62, 0.53, 0.58};
+    const Vector from = std::isfinite(features::value(model, surface, sample)) ? sample : sample + aside;
+    const Foot beside = smooth.is_found ? smooth : project(model, surface, from);
+    double reach = beside.is_found ? std::min(size, 0.9 * length(beside.at - from)) : size;
+    Foot nearest = beside;
+    // Near an edge of a jump the nearest part of it may face any way; most jump along an axis.
+    const Vector directions[] = {
+        normal, features::unit_normal(model, surface, from), {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    for (const Vector& direction : directions) {
+        if (!(dot(direction, direction) > 0)) continue;
+        const Foot change = find_change(model, surface, from, direction, reach);
+        if (!change.is_found) continue;
+        nearest = change;
+        reach = length(change.at - from);
+    }
+    return nearest;
 }
 
 constexpr std::size_t kMostSamples = 13;
@@ -111,17 +180,27 @@ void report_facets(const Mesh& mesh, const std::vector<std::uint32_t>& facet_sur
         for (std::size_t f = begin; f < end; ++f) {
             const NodeId* n = mesh.facets.nodes.data() + 4 * f;
             Vector p[4], samples[kMostSamples];
-            for (int k = 0; k < 4; ++k) p[k] = features::to_local(model, features::point_of(mesh, n[k]));
-            const std::size_t number = facet_samples(p, n[2] == n[3], samples);
-            for (std::size_t i = 0; i < number; ++i) {
-                const Vector foot = project(model, facet_surface[f], samples[i]);
-                distance.add(length(foot - samples[i]), 1, samples[i]);
+            double size = 0;
+            for (int k = 0; k < 4; ++k) {
+                p[k] = features::to_local(model, features::point_of(mesh, n[k]));
+                if (k > 0) size = std::max(size, length(p[k] - p[k - 1]));
             }
-            // The last sample is the facet's mean. A quadrilateral's normal is that of its diagonals.
+            // A quadrilateral's normal is that of its diagonals.
             const Vector normal =
                 n[2] == n[3] ? cross(p[1] - p[0], p[2] - p[0]) : cross(p[2] - p[0], p[3] - p[1]);
-            const Vector foot = project(model, facet_surface[f], samples[number - 1]);
-            const Vector true_normal = features::unit_normal(model, facet_surface[f], foot);
+            const Vector direction = features::unit(normal);
+            const std::size_t number = facet_samples(p, n[2] == n[3], samples);
+            Foot foot;
+            for (std::size_t i = 0; i < number; ++i) {
+                foot = find_foot(model, facet_surface[f], samples[i], direction, size);
+                if (foot.is_found)
+                    distance.add(length(foot.at - samples[i]), 1, samples[i]);
+                else
+                    ++distance.unmeasured;
+            }
+            // The last sample is the facet's mean.
+            if (!foot.is_smooth) continue;
+            const Vector true_normal = features::unit_normal(model, facet_surface[f], foot.at);
             if (dot(normal, normal) == 0 || dot(true_normal, true_normal) == 0) continue;
             angle.add(kDegrees *
                           std::atan2(length(cross(normal, true_normal)), std::fabs(dot(normal, true_normal))),

@@ -7,7 +7,9 @@
 namespace mortise::report {
 
 /// From sample points of every facet (corners, middles of edges, points inside) to the facet's own surface,
-/// by Newton's method along the gradient; and the angle between facet and surface normal.
+/// by Newton's method along the gradient; and the angle between facet and surface normal. Formulas may jump
+/// or be no number there: if Newton's method fails, or ends farther off than usual, the nearest change of
+/// sign is looked for along lines, up to the facet's size; samples without either are counted only.
 void report_facets(const Mesh& mesh, const std::vector<std::uint32_t>& facet_surface,
                    const tape::BoundModel& model, int threads, QualityReport& report);
 

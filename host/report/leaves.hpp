@@ -7,6 +7,7 @@
 
 #include "host/common/leaf_grid.hpp"
 #include "host/common/parallel.hpp"
+#include "host/common/watch.hpp"
 #include "host/features/surfaces.hpp"
 #include "host/tape/reference.hpp"
 
@@ -109,6 +110,7 @@ inline tape::Cell child_of(const tape::Cell& cell, unsigned child) {
 template <class Visit>
 void descend(const tape::BoundModel& model, const std::vector<std::uint32_t>& tape, const tape::Cell& cell,
              std::uint64_t number, int level, const Depth& depth, const Visit& visit) {
+    keep_watch();
     std::vector<std::uint32_t> pruned;
     if (tape::classify_cell(model, tape, cell, &pruned) != kUnknown) return;
     if (depth.ends_at(number, level)) {

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "host/common/parallel.hpp"
+#include "host/common/watch.hpp"
 #include "host/sizing/hints.hpp"
 #include "host/sizing/thin.hpp"
 #include "host/sizing/topology.hpp"
@@ -130,6 +131,7 @@ std::vector<std::uint8_t> Sizer::split_undecided(const std::vector<TreeNode>& no
     parallel_chunks(nodes.size(), kChunk, threads, [&](std::size_t begin, std::size_t end, int thread) {
         Topology& view = views[static_cast<std::size_t>(thread)];
         for (std::size_t i = begin; i < end; ++i) {
+            keep_watch();
             const std::uint32_t* words = tapes.data() + nodes[i].tape_offset;
             const std::size_t length = nodes[i].tape_length;
             const tape::Cell cell = cell_of(nodes[i].morton, level);

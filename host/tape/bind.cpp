@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <tuple>
 
 #include "host/tape/compile.hpp"
 #include "host/tape/polyhedron.hpp"
@@ -162,6 +163,36 @@ SurfaceBounds make_bounds(const Surface& s) {
     return b;
 }
 
+/// Per region the names of its own surfaces, where these were merged with one of another name. `target`: per
+/// compiled surface the one that stands for it. A region's formula stands before its select.
+std::vector<RegionSurfaceName> names_by_region(const CompiledModel& compiled, const BoundModel& bound,
+                                               const std::vector<std::uint32_t>& target) {
+    std::vector<RegionSurfaceName> names;
+    if (compiled.region_names.size() < 2) return names;
+    std::map<std::uint32_t, std::uint32_t> own;  // surface -> the region's first that it stands for
+    const auto add = [&](std::uint32_t surface) {
+        const auto [first, is_new] = own.try_emplace(target[surface], surface);
+        if (!is_new) first->second = std::min(first->second, surface);
+    };
+    for (const std::uint32_t word : compiled.tape) {
+        const std::uint32_t operation = tape_operation(word);
+        if (operation == kTapeLiteral) add(tape_surface(word));
+        if (operation == kTapeSpatial) {
+            for (const std::uint32_t surface : compiled.polyhedra[tape_surface(word)].surface) add(surface);
+        }
+        if (operation != kTapeSelect && operation != kTapeSelectConst) continue;
+        for (const auto& [surface, first] : own) {
+            const std::uint32_t name = compiled.surfaces[first].name;
+            if (name != bound.surface_name[surface]) names.push_back({surface, tape_region(word), name});
+        }
+        own.clear();
+    }
+    std::sort(names.begin(), names.end(), [](const RegionSurfaceName& a, const RegionSurfaceName& b) {
+        return std::tie(a.surface, a.region) < std::tie(b.surface, b.region);
+    });
+    return names;
+}
+
 }  // namespace
 
 BoundModel bind(const CompiledModel& compiled, const Vec3& origin, double side, double merge_distance) {
@@ -209,6 +240,7 @@ BoundModel bind(const CompiledModel& compiled, const Vec3& origin, double side, 
         signatures.push_back(mine);
         by_offset.emplace(offset, found);
     }
+    bound.names_by_region = names_by_region(compiled, bound, target);
     for (const double size : compiled.region_size) bound.region_size.push_back(size / side);
     for (const SurfaceHint& hint : compiled.hints) {
         SurfaceHint local{hint.kind, {}, {}, hint.max_size / side};

@@ -67,6 +67,14 @@ struct BoundPolyhedron {
     Box3 bounds;                         ///< of the triangles: outside it the polyhedron is not
 };
 
+/// The name of a surface where it bounds a region, if that differs from its first one: equal surfaces of
+/// several regions are one.
+struct RegionSurfaceName {
+    std::uint32_t surface = 0;  ///< index into BoundModel::surfaces
+    std::int32_t region = 0;    ///< from 1
+    std::uint32_t name = 0;     ///< index into CompiledModel::surface_names
+};
+
 /// A compiled model in box-local coordinates of a cube: what the octree and all later stages work on.
 struct BoundModel {
     std::vector<Surface> surfaces;
@@ -76,12 +84,13 @@ struct BoundModel {
     std::vector<std::uint32_t> spatial;       ///< kernels/shared/spatial.h; empty: polyhedra are not divided
     std::vector<BoundPolyhedron> polyhedra;   ///< spatial words hold their index until they are divided
     std::vector<std::uint32_t> surface_name;  ///< per surface, index into CompiledModel::surface_names
-    std::vector<double> surface_size;         ///< per surface, as in CompiledModel, but box-local
-    std::vector<double> region_size;          ///< per region, likewise
-    std::vector<SurfaceHint> hints;           ///< box-local
-    std::vector<PeriodicSurfaces> periodic;   ///< as in CompiledModel
-    std::uint64_t nearly_equal = 0;           ///< surfaces merged with one that they are not equal to
-    Vec3 origin{};                            ///< model coordinates of the cube's minimum corner
+    std::vector<RegionSurfaceName> names_by_region;  ///< by surface, then region
+    std::vector<double> surface_size;                ///< per surface, as in CompiledModel, but box-local
+    std::vector<double> region_size;                 ///< per region, likewise
+    std::vector<SurfaceHint> hints;                  ///< box-local
+    std::vector<PeriodicSurfaces> periodic;          ///< as in CompiledModel
+    std::uint64_t nearly_equal = 0;                  ///< surfaces merged with one that they are not equal to
+    Vec3 origin{};                                   ///< model coordinates of the cube's minimum corner
     double side = 1;
 };
 

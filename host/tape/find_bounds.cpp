@@ -7,6 +7,7 @@
 
 #include "host/tape/compile.hpp"
 #include "host/tape/reference.hpp"
+#include "kernels/shared/surface.h"
 
 namespace mortise::tape {
 namespace {
@@ -99,6 +100,8 @@ std::optional<Box3> tighten(const CompiledModel& compiled, Box3 box) {
     return box;
 }
 
+constexpr double kFar = 1e4;  ///< unbounded directions are searched this many model scales wide
+
 struct Found {
     Box3 box{};
     int unbounded_along = -1;  ///< axis; -1: none
@@ -126,7 +129,6 @@ Box3 cut_bounds(const CompiledModel& compiled, double reach) {
 }
 
 Found search(const CompiledModel& compiled, const std::string& source) {
-    constexpr double kFar = 1e4;  // unbounded directions are searched this many model scales wide
     const Box3& known = compiled.bounds;
     if (!(known.min[0] < known.max[0] && known.min[1] < known.max[1] && known.min[2] < known.max[2]))
         refuse_as_empty(source);
@@ -168,10 +170,54 @@ std::optional<Box3> find_island(const CompiledModel& compiled) {
     return std::nullopt;
 }
 
-[[noreturn]] void refuse_unbounded(int axis, const std::string& source) {
-    throw Error(ExitCode::kInput, source + ": no end of the solid was found along " + "xyz"[axis] +
-                                      "; cut it with --box x0 y0 z0 x1 y1 z1 or intersect it with a bounded "
-                                      "solid");
+/// Whether formulas have no finite value far away along an axis, on rays from the middle outwards, and no
+/// point there is known to be solid: then nothing tells where the solid ends. `at`: the distance.
+bool overflows(const CompiledModel& compiled, std::size_t axis, double* at) {
+    constexpr int kSteps = 4;  // to both sides, across the axis
+    if (!compiled.polyhedra.empty()) return false;
+    const double reach = kFar * compiled.scale;
+    const Box3 box = cut_bounds(compiled, reach);
+    const BoundModel model = bind(compiled, {-reach, -reach, -reach}, 2 * reach);
+    bool has_overflow = false;
+    for (const double end : {box.min[axis], box.max[axis]}) {
+        if (std::fabs(end) < reach) continue;
+        for (int k = 0; k < (2 * kSteps + 1) * (2 * kSteps + 1); ++k) {
+            const double across[2] = {static_cast<double>(k % (2 * kSteps + 1) - kSteps) / kSteps,
+                                      static_cast<double>(k / (2 * kSteps + 1) - kSteps) / kSteps};
+            double x[3];
+            for (std::size_t j = 0; j < 3; ++j) {
+                // Closer together near the middle, where solids are.
+                const double t = j == axis ? 0 : across[j == (axis + 1) % 3 ? 0 : 1];
+                x[j] = 0.5 + 0.5 * (j == axis ? end / reach : t * t * t);
+            }
+            bool is_finite = true;
+            for (const Surface& surface : model.surfaces) {
+                const double value = surface_value(&surface, model.expression_ops.data(), x[0], x[1], x[2]);
+                is_finite = is_finite && std::isfinite(value);
+            }
+            if (is_finite && region_at(model, x[0], x[1], x[2]) != 0) return false;
+            has_overflow = has_overflow || !is_finite;
+        }
+    }
+    *at = reach;
+    return has_overflow;
+}
+
+[[noreturn]] void refuse_unbounded(const CompiledModel& compiled, int axis, const std::string& source) {
+    static const char* const kCut =
+        "cut it with --box x0 y0 z0 x1 y1 z1 or intersect it with a bounded solid";
+    double at = 0;
+    if (overflows(compiled, static_cast<std::size_t>(axis), &at)) {
+        char distance[32];
+        std::snprintf(distance, sizeof distance, "%.3g", at);
+        throw Error(ExitCode::kInput,
+                    source + ": a formula has no finite value " + distance + " from the origin along " +
+                        "xyz"[axis] +
+                        " (as where exp or a power overflows), which hides where the solid ends; " + kCut +
+                        ", or write the formula so that it is finite there");
+    }
+    throw Error(ExitCode::kInput,
+                source + ": no end of the solid was found along " + "xyz"[axis] + "; " + kCut);
 }
 
 std::string island_text(const Box3& box) {
@@ -190,7 +236,7 @@ Box3 find_bounds(const CompiledModel& compiled, const std::string& source,
     const Found found = search(compiled, source);
     if (found.unbounded_along < 0) return found.box;
     const std::optional<Box3> island = find_island(compiled);
-    if (!island) refuse_unbounded(found.unbounded_along, source);
+    if (!island) refuse_unbounded(compiled, found.unbounded_along, source);
     if (warnings != nullptr) warnings->push_back(island_text(*island));
     return *island;
 }

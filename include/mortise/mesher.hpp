@@ -68,16 +68,15 @@ struct MeshOptions {
     bool hanging = false;
     int pieces = 1;        ///< parts of the Morton range that are meshed apart and merged: the same mesh
     bool quality = false;  ///< also make MeshReport::quality
-    bool strict = false;   ///< Error(kMeshing) if the mesh is not known to show every feature of the model
+    bool strict = false;   ///< Error(kMeshing) if a feature of the model may be missing, or regions overlap
     /// Mesher::stream only: bytes of memory that the run tries to keep to; 0: 4 GiB.
     std::uint64_t memory = 0;
     int threads = 0;          ///< host threads for extraction; 0: all cores
     std::string device;       ///< as printed by `mortise devices`; empty: environment, else default
     int work_group_size = 0;  ///< 0: the device class's default
-    /// Called with a stage's name and progress in [0, 1] when the stage begins, by the thread that meshes;
-    /// may be empty. Between two calls may lie 40 % of a run, as during `extract` or `improve` of a large
-    /// mesh. Returning false stops the run there, with Interrupted; what it throws goes to the caller of the
-    /// mesher.
+    /// Called with a stage's name and progress in [0, 1] when the stage begins, and again some ten times a
+    /// second until it ends, by the thread that meshes; may be empty. Returning false stops the run there,
+    /// within half a second as a rule, with Interrupted; what it throws goes to the caller of the mesher.
     std::function<bool(const char* stage, double progress)> progress;
 };
 

@@ -70,7 +70,8 @@ struct WorstElement {
 
 /// Distances in model units.
 struct DistanceFigures {
-    std::uint64_t samples = 0;
+    std::uint64_t samples = 0;     ///< measured
+    std::uint64_t unmeasured = 0;  ///< others, near which a formula shows no surface
     double maximum = 0;
     double mean = 0;
     Vec3 place{};  ///< where the largest is

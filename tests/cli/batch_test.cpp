@@ -47,6 +47,9 @@ TEST_CASE("batch: the same files as one by one, told in the order of the list") 
                                  "--format", "msh", "--json"});
     REQUIRE(one_job.code == 0);
     CHECK(scratch.names("one") == Names{"block.msh", "bracket.msh", "star.msh"});
+    // In any case of letters, as -o part.VTU.
+    REQUIRE(run({"batch", list, "-o", scratch.file("upper"), "--level", "2", "--format", "MSH"}).code == 0);
+    CHECK(scratch.names("upper") == Names{"block.msh", "bracket.msh", "star.msh"});
     const auto objects = lines_of(one_job.out);
     REQUIRE(objects.size() == 3);
     CHECK(Json::parse(objects[1])["elements"]["hexahedra"] > 0);

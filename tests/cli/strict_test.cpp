@@ -61,3 +61,23 @@ TEST_CASE("a feature that is lost is told with its place; with --strict nothing 
     CHECK(is_one_line(kept.err, "warning: 1 feature between the vertices of the grid, kept coarsely; "));
     CHECK(run({asset("block.csg"), "-o", other, "--level", "5", "--strict"}).code == 0);
 }
+
+TEST_CASE("regions that overlap are told with names and a place; with --strict nothing is written") {
+    const ScratchFolder scratch;
+    scratch.names("out");
+    const std::string model = scratch.write("boxes.geo",
+                                            "algebraic3d\n"
+                                            "solid left = orthobrick(0, 0, 0; 2, 1, 1);\n"
+                                            "solid right = orthobrick(1.9, 0, 0; 3, 1, 1);\n"
+                                            "tlo left; tlo right;\n");
+    const std::string vtu = scratch.file("out/boxes.vtu");
+    const Outcome told = run({model, "-o", vtu, "--level", "4"});
+    CHECK(told.code == 0);
+    CHECK(is_one_line(told.err, "warning: the regions 'left' and 'right' overlap, around (1.9"));
+    CHECK(scratch.names("out") == std::vector<std::string>{"boxes.vtu"});
+    const Outcome refused = run({model, "-o", scratch.file("out/strict.vtu"), "--level", "4", "--strict"});
+    CHECK(refused.code == 3);
+    CHECK(is_one_line(refused.err, "mortise: "));
+    CHECK(contains(refused.err, "strict: the regions 'left' and 'right' overlap, around (1.9"));
+    CHECK(scratch.names("out") == std::vector<std::string>{"boxes.vtu"});
+}

@@ -260,6 +260,25 @@ TEST_CASE("bounds hold the solid, tightly where they are searched for, and say w
     Model pipe;
     add_region(pipe, pipe.add_primitive(infinite_cylinder(1)), "pipe");
     CHECK(message(pipe).find("no end of the solid was found along z") != std::string::npos);
+    // Formulas: those that have no end, and those whose values hide it.
+    const auto told = [&](const std::string& formula, const std::string& part) {
+        CAPTURE(formula);
+        Model model;
+        Primitive primitive;
+        primitive.kind = Primitive::Kind::kExpression;
+        primitive.expression = formula;
+        add_region(model, model.add_primitive(primitive), "formula");
+        const std::string text = message(model);
+        CAPTURE(text);
+        CHECK(text.find(part) != std::string::npos);
+        CHECK(text.find("cut it with --box") != std::string::npos);
+    };
+    for (const char* const endless : {"x^2 + y^2 - 1", "exp(x^2 + y^2) - 3", "x^2 + y^2 + sin(z) - 2"})
+        told(endless, "no end of the solid was found along z");
+    for (const char* const overflowing :
+         {"x^2 + y^2 + z^2 - 1 + 0 * exp(x^4)", "exp(1000 * x) - exp(1000) + y^2 + z^2",
+          "exp(x^2 + y^2 + z^2) / exp(x^2) - 3"})
+        told(overflowing, "a formula has no finite value 1e+04 from the origin along x (as where exp");
     Model apart;
     add_region(apart,
                intersect(apart, {add_box(apart, {0, 0, 0}, {1, 1, 1}), add_box(apart, {2, 0, 0}, {3, 1, 1})}),
