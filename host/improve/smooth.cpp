@@ -5,7 +5,8 @@
 namespace mortise::improve {
 namespace {
 
-constexpr double kSamePlace = 1e-6;  ///< cells: targets closer than this are one point of the model
+constexpr double kLongestCreaseEdge = 2;  ///< cells; longer ones may only shrink
+constexpr double kSamePlace = 1e-6;       ///< cells: targets closer than this are one point of the model
 constexpr double kFlatAtCorner = 0.01;
 constexpr double kFirstStep = 0.25;  ///< of the mean length of the node's edges
 constexpr int kHalvings = 4;
@@ -225,6 +226,24 @@ bool Block::smooth(Local node) {
             if (flat_length > 1e-3) direction[directions++] = (1 / flat_length) * flat;
         }
     }
+    // A crease that loses node after node to the improvement of what lies beside it must not be stretched for
+    // that: elements on its long edges would be as flat as its surfaces are curved, and nothing could be
+    // done.
+    std::vector<Point> beside;
+    double longest = kLongestCreaseEdge * size_[node] * kLongestCreaseEdge * size_[node];
+    if (on.size() == 2 && !is_loose_) {
+        for (const std::uint32_t i : star_[node]) {
+            for (const Local n : tetrahedra_[i].node) {
+                if (n == node || strata_[n].size() < 2 || !edge_is_on_stratum(node, n)) continue;
+                beside.push_back(points_[n]);
+                longest = std::max(longest, squared_length(points_[n] - start));
+            }
+        }
+    }
+    const auto stretches = [&](const Point& p) {
+        return std::any_of(beside.begin(), beside.end(),
+                           [&](const Point& q) { return squared_length(p - q) > longest; });
+    };
     const Fit before = on.empty() ? Fit{} : worst_fit(node);
     const double least_alignment = std::min(kLeastAlignment, before.alignment);
     const double most_sag = std::max(most_sag_ * size_[node], before.sag);
@@ -241,7 +260,7 @@ bool Block::smooth(Local node) {
         const bool reaches =
             on.empty() || (is_loose_ ? is_within_reach(node, p)
                                      : surfaces_->project(on.data(), on.size(), size_[node], &p));
-        if (!reaches) return false;
+        if (!reaches || stretches(p)) return false;
         const double needed = std::max(best * kLeastGain, kLowestQuality);
         double value = quality_at(seen, p, needed);
         if (!(value > needed)) return false;
