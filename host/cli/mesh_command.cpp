@@ -111,7 +111,10 @@ std::string summary(const Arguments& arguments, const MeshReport& report, const 
 }
 
 void check_outputs(const Arguments& arguments) {
-    for (const std::string& path : arguments.outputs) check_mesh_output(path);
+    for (const std::string& path : arguments.outputs) {
+        check_mesh_format(path, arguments.options.hanging);
+        check_mesh_output(path);
+    }
     if (!arguments.picture.empty()) check_other_output("--picture", arguments.picture, ".png");
     if (!arguments.report.empty()) check_other_output("--report", arguments.report, ".json");
     if (!arguments.features.empty()) check_other_output("--features", arguments.features, ".vtp");

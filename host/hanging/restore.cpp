@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "host/common/cube_grid.hpp"
+#include "host/common/element_block.hpp"
 #include "host/common/large_array.hpp"
 #include "host/common/parallel.hpp"
 #include "host/common/parallel_sort.hpp"
@@ -273,22 +274,8 @@ class Restorer {
                 gone[members_[i].type][members_[i].index] = 1;
         }
         for (std::size_t t = 0; t < kElementTypes; ++t) {
-            ElementBlock& block = mesh_.elements[t];
-            const auto count = static_cast<std::size_t>(kElementNodes[t]);
-            std::size_t kept = 0;
-            for (std::size_t i = 0; i < block.size(); ++i) {
-                if (gone[t][i] != 0) continue;
-                if (kept != i) {
-                    std::copy_n(block.nodes.begin() + static_cast<std::ptrdiff_t>(i * count), count,
-                                block.nodes.begin() + static_cast<std::ptrdiff_t>(kept * count));
-                    block.region[kept] = block.region[i];
-                    block.kind[kept] = block.kind[i];
-                }
-                ++kept;
-            }
-            block.nodes.resize(kept * count);
-            block.region.resize(kept);
-            block.kind.resize(kept);
+            keep_elements(mesh_.elements[t], static_cast<std::size_t>(kElementNodes[t]),
+                          [&](std::size_t i) { return gone[t][i] == 0; });
         }
         ElementBlock& hexahedra = mesh_.block(ElementType::kHexahedron);
         for (const Cell& cell : cells_) {

@@ -312,6 +312,7 @@ class Block {
 
     // smooth.cpp
     bool project_nodes(Local first = 0);
+    std::vector<Point> crease_neighbours(Local node) const;
     bool smooth(Local node);
     StarViews& views(Local node);
     double quality_at(StarViews& views, const Point& p, double enough, Local except = StarViews::kNobody);

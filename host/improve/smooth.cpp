@@ -147,6 +147,18 @@ double Block::quality_at(StarViews& views, const Point& p, double enough, Local 
     return worst;
 }
 
+/// Places of the nodes next to one on a crease.
+std::vector<Point> Block::crease_neighbours(Local node) const {
+    std::vector<Point> found;
+    for (const std::uint32_t i : star_[node]) {
+        for (const Local n : tetrahedra_[i].node) {
+            if (n != node && strata_[n].size() > 1 && edge_is_on_stratum(node, n))
+                found.push_back(points_[n]);
+        }
+    }
+    return found;
+}
+
 bool Block::smooth(Local node) {
     const std::vector<std::uint32_t>& on = strata_[node];
     if (free_[node] == 0 || tip_[node] != 0 || star_[node].empty()) return false;
@@ -226,24 +238,16 @@ bool Block::smooth(Local node) {
             if (flat_length > 1e-3) direction[directions++] = (1 / flat_length) * flat;
         }
     }
-    // A crease that loses node after node to the improvement of what lies beside it must not be stretched for
-    // that: elements on its long edges would be as flat as its surfaces are curved, and nothing could be
-    // done.
-    std::vector<Point> beside;
-    double longest = kLongestCreaseEdge * size_[node] * kLongestCreaseEdge * size_[node];
-    if (on.size() == 2 && !is_loose_) {
-        for (const std::uint32_t i : star_[node]) {
-            for (const Local n : tetrahedra_[i].node) {
-                if (n == node || strata_[n].size() < 2 || !edge_is_on_stratum(node, n)) continue;
-                beside.push_back(points_[n]);
-                longest = std::max(longest, squared_length(points_[n] - start));
-            }
-        }
-    }
-    const auto stretches = [&](const Point& p) {
-        return std::any_of(beside.begin(), beside.end(),
-                           [&](const Point& q) { return squared_length(p - q) > longest; });
+    const std::vector<Point> beside =
+        on.size() == 2 && !is_loose_ ? crease_neighbours(node) : std::vector<Point>{};
+    const auto longest_to = [&](const Point& p) {
+        double longest = 0;
+        for (const Point& q : beside) longest = std::max(longest, length(q - p));
+        return longest;
     };
+    // A crease that loses node after node to the improvement of what lies beside it must not be stretched for
+    // that: elements on its long edges would be as flat as its surfaces are curved, and nothing could help.
+    const double most_stretched = std::max(kLongestCreaseEdge * size_[node], longest_to(start));
     const Fit before = on.empty() ? Fit{} : worst_fit(node);
     const double least_alignment = std::min(kLeastAlignment, before.alignment);
     const double most_sag = std::max(most_sag_ * size_[node], before.sag);
@@ -260,7 +264,7 @@ bool Block::smooth(Local node) {
         const bool reaches =
             on.empty() || (is_loose_ ? is_within_reach(node, p)
                                      : surfaces_->project(on.data(), on.size(), size_[node], &p));
-        if (!reaches || stretches(p)) return false;
+        if (!reaches || longest_to(p) > most_stretched) return false;
         const double needed = std::max(best * kLeastGain, kLowestQuality);
         double value = quality_at(seen, p, needed);
         if (!(value > needed)) return false;

@@ -80,6 +80,7 @@ std::string io::find_range_error(const Mesh& mesh) {
 
 void write_mesh(const Mesh& mesh, const std::string& path, const std::vector<float>& jacobians,
                 const MeshFileOptions& options) {
+    check_mesh_format(path, mesh.hanging.size() > 0);
     const Format format = format_of(path);
     std::string error = io::find_range_error(mesh);
     if (error.empty() && !jacobians.empty() && jacobians.size() != mesh.element_count())
@@ -87,9 +88,6 @@ void write_mesh(const Mesh& mesh, const std::string& path, const std::vector<flo
     if (!error.empty())
         throw Error(ExitCode::kMeshing,
                     "cannot write '" + path + "': invalid mesh: " + error + "; see check_mesh");
-    if (format == Format::kMsh && mesh.hanging.size() > 0)
-        throw Error(ExitCode::kUsage,
-                    "cannot write '" + path + "': .msh files have no place for hanging nodes; use .vtu");
     if (format == Format::kFoam) return io::write_foam(mesh, path);
     io::TemporaryFile file(path);
     format == Format::kVtu ? io::write_vtu(mesh, jacobians, io::packing_of(options), file)
@@ -102,6 +100,13 @@ bool is_mesh_folder(const std::string& path) {
     const std::size_t end = path.find_last_not_of('/') + 1;
     if (end < name.size() || path.compare(end - name.size(), name.size(), name) != 0) return false;
     return end == name.size() || path[end - name.size() - 1] == '/';
+}
+
+void check_mesh_format(const std::string& path, bool hanging) {
+    if (format_of(path) == Format::kMsh && hanging) {
+        throw Error(ExitCode::kUsage,
+                    "cannot write '" + path + "': .msh files have no place for hanging nodes; use .vtu");
+    }
 }
 
 void check_writable(const std::string& path) {

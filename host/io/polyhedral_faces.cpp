@@ -24,8 +24,6 @@ Key key_of(const NodeId* nodes, std::size_t count) {
     return key;
 }
 
-std::uint64_t edge_key(NodeId a, NodeId b) { return std::uint64_t{std::min(a, b)} << 32 | std::max(a, b); }
-
 /// Keys with what they stand for, to be found by key.
 using KeyTable = std::vector<std::pair<Key, std::uint32_t>>;
 
@@ -108,14 +106,11 @@ void PolyhedralFaces::match(std::vector<Entry>& entries) {
 /// Faces between a larger cell and four others. Returns what is left.
 std::vector<PolyhedralFaces::Entry> PolyhedralFaces::add_hanging(const std::vector<Entry>& unmatched) {
     const HangingNodes& hanging = mesh_.hanging;
-    is_master_.assign(mesh_.node_count(), 0);
+    middles_ = EdgeMiddles(hanging);
+    is_end_.assign(mesh_.node_count(), 0);
     for (std::size_t i = 0; i < hanging.size(); ++i) {
-        if (!hanging.in_edge(i)) continue;
-        const NodeId a = hanging.masters[4 * i], b = hanging.masters[4 * i + 1];
-        is_master_[a] = is_master_[b] = 1;
-        edge_middles_.emplace_back(edge_key(a, b), hanging.node[i]);
+        if (hanging.in_edge(i)) is_end_[hanging.masters[4 * i]] = is_end_[hanging.masters[4 * i + 1]] = 1;
     }
-    std::sort(edge_middles_.begin(), edge_middles_.end());
     const std::vector<HangingFace> pairs = hanging_faces(hanging);
     KeyTable wholes, quarters;
     for (std::uint32_t i = 0; i < pairs.size(); ++i) {
@@ -173,22 +168,17 @@ void PolyhedralFaces::add_outer(const std::vector<Entry>& unmatched) {
     }
 }
 
-NodeId PolyhedralFaces::middle(NodeId a, NodeId b) const {
-    if (is_master_.empty() || is_master_[a] == 0 || is_master_[b] == 0) return kNoNode;
-    const auto found = std::lower_bound(edge_middles_.begin(), edge_middles_.end(),
-                                        std::make_pair(edge_key(a, b), NodeId{0}));
-    return found != edge_middles_.end() && found->first == edge_key(a, b) ? found->second : kNoNode;
-}
-
 std::size_t PolyhedralFaces::corners(const Face& face, std::array<NodeId, kMostCorners>& corners) const {
     NodeId nodes[4];
     const std::size_t own = local_nodes(face.cell, face.local, nodes);
     if (face.reversed) std::reverse(nodes, nodes + own);
     std::size_t count = 0;
     for (std::size_t k = 0; k < own; ++k) {
+        const NodeId next = nodes[(k + 1) % own];
         corners[count++] = nodes[k];
-        const NodeId between = middle(nodes[k], nodes[(k + 1) % own]);
-        if (between != kNoNode) corners[count++] = between;
+        if (is_end_.empty() || is_end_[nodes[k]] == 0 || is_end_[next] == 0) continue;
+        if (const std::optional<NodeId> between = middles_.between(nodes[k], next))
+            corners[count++] = *between;
     }
     return count;
 }

@@ -4,9 +4,9 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <utility>
 #include <vector>
 
+#include "host/common/edge_middles.hpp"
 #include "mortise/mesh.hpp"
 
 namespace mortise::io {
@@ -53,15 +53,14 @@ class PolyhedralFaces {
     void add_outer(const std::vector<Entry>& unmatched);
     std::vector<Entry> add_hanging(const std::vector<Entry>& unmatched);
     std::size_t local_nodes(std::uint32_t cell, std::uint8_t local, NodeId* nodes) const;
-    NodeId middle(NodeId a, NodeId b) const;
 
     const Mesh& mesh_;
     std::array<std::size_t, kElementTypes + 1> first_{};  ///< number of the first cell of each type
     std::vector<Face> faces_;
     std::size_t inner_count_ = 0;
     std::vector<Patch> patches_;
-    std::vector<std::uint8_t> is_master_;                         ///< per node; empty: no node hangs
-    std::vector<std::pair<std::uint64_t, NodeId>> edge_middles_;  ///< by both ends, ascending
+    std::vector<std::uint8_t> is_end_;  ///< per node: of an edge with a hanging node; empty: there is none
+    EdgeMiddles middles_;
 };
 
 }  // namespace mortise::io

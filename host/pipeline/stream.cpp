@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <optional>
 
+#include "host/common/element_block.hpp"
 #include "host/features/features.hpp"
 #include "host/jacobian/jacobian.hpp"
 #include "host/pipeline/names.hpp"
@@ -244,21 +245,11 @@ class Streamer {
                            std::size_t per_element, ElementBlock& block) {
         auto next = std::lower_bound(taken.begin(), taken.end(), first);
         if (next == taken.end() || *next >= first + block.size()) return;
-        std::size_t kept = 0;
-        for (std::size_t i = 0; i < block.size(); ++i) {
-            if (next != taken.end() && *next == first + i) {
-                ++next;
-                continue;
-            }
-            std::copy_n(block.nodes.begin() + static_cast<std::ptrdiff_t>(i * per_element), per_element,
-                        block.nodes.begin() + static_cast<std::ptrdiff_t>(kept * per_element));
-            block.region[kept] = block.region[i];
-            block.kind[kept] = block.kind[i];
-            ++kept;
-        }
-        block.nodes.resize(kept * per_element);
-        block.region.resize(kept);
-        block.kind.resize(kept);
+        keep_elements(block, per_element, [&](std::size_t i) {
+            const bool is_taken = next != taken.end() && *next == first + i;
+            if (is_taken) ++next;
+            return !is_taken;
+        });
     }
 
     static void renumber(const std::vector<NodeId>& number, Mesh& mesh) {

@@ -46,6 +46,10 @@ class MeshFileStream : public MeshSink {
 /// Whether write_mesh makes a folder of that name: its last part is polyMesh.
 bool is_mesh_folder(const std::string& path);
 
+/// Throws Error(kUsage) if the format that the name tells is unknown, or cannot hold hanging nodes and
+/// `hanging` is set.
+void check_mesh_format(const std::string& path, bool hanging);
+
 /// Throws what write_mesh(mesh, path) would throw for the name alone: unknown extension, missing or
 /// unwritable folder. Called before the work starts.
 void check_writable(const std::string& path);

@@ -162,8 +162,7 @@ MORTISE_FUNCTION int make_boundary(u32 inside, u32 on, const double (*p)[3], Cel
     return boundary_method(b, p);
 }
 
-// Whether there is a template for a boundary that does not tell it. rows_only: leaves without corners on the
-// surface take their row, others none.
+// Whether there is a template for a boundary that does not tell it.
 MORTISE_FUNCTION int has_divided_template(u32 inside, u32 on, const CellBoundary* b, double (*p)[3],
                                           int rows_only) {
     if (on == 0) {
@@ -182,14 +181,6 @@ MORTISE_FUNCTION int has_divided_template(u32 inside, u32 on, const CellBoundary
     }
 }
 
-// Whether a leaf has a template for given corner states and positions.
-MORTISE_FUNCTION int has_template(u32 inside, u32 on, double (*p)[3], int rows_only) {
-    CellBoundary b;
-    const int method = make_boundary(inside, on, (const double(*)[3])p, &b);
-    if (method != kMethodCone) return method >= 0;
-    return has_divided_template(inside, on, &b, p, rows_only);
-}
-
 // A leaf's faces for the choices of corners that move: a face is a function of its own four.
 typedef struct FaceMemory {
     u32 known[6];  // bit k: the face is known for choice k of its corners, in the order of its frame
@@ -198,10 +189,11 @@ typedef struct FaceMemory {
     u8 node[6][16][5];
 } FaceMemory;
 
-// has_template of one of several choices of corners that move: `moved` are those among `on` that do, p their
-// positions. `memory` is that of the leaf; known[] is 0 at first.
-MORTISE_FUNCTION int has_template_again(u32 inside, u32 on, u32 moved, double (*p)[3], int rows_only,
-                                        FaceMemory* memory) {
+// Whether a leaf has a template for given corner states and positions p: one of several choices of corners
+// that move, of which `moved` are those among `on` that do. rows_only: leaves without corners on the surface
+// take their row, others none. `memory` is that of the leaf; known[] is 0 at first.
+MORTISE_FUNCTION int has_template(u32 inside, u32 on, u32 moved, double (*p)[3], int rows_only,
+                                  FaceMemory* memory) {
     CellBoundary b;
     int method;
     if (inside == 0) return on != 0xff;

@@ -172,7 +172,7 @@ MORTISE_KERNEL void test_subsets(__global const SnioPoints* points, __global Sni
                 p[c][1] = is_moved ? moved[c][1] : (double)((c >> 1) & 1);
                 p[c][2] = is_moved ? moved[c][2] : (double)(c >> 2);
             }
-            valid = has_template_again(candidate.inside & ~on, on, subset, p, !snap, &memory) ||
+            valid = has_template(candidate.inside & ~on, on, subset, p, !snap, &memory) ||
                     (subset == 0 && (candidate.flags & kCandidatePromoted) != 0);
             if (subset == 0 && !valid) {
                 candidates[item].flags = candidate.flags & ~kCandidateSimple;
