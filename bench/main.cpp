@@ -24,8 +24,8 @@ namespace {
 
 using nlohmann::json;
 
-const std::vector<std::string> kSections = {"copy",    "octree", "mesh",      "stages", "threads",
-                                            "command", "stream", "jacobians", "peers"};
+const std::vector<std::string> kSections = {"copy",    "octree",  "graded", "mesh",      "stages",
+                                            "threads", "command", "stream", "jacobians", "peers"};
 
 /// Share of the machine's cores used by others above which figures are marked as unreliable.
 constexpr double kBusy = 0.1;
@@ -105,6 +105,7 @@ bool run_sections(const Arguments& arguments) {
             return result;
         },
         [&] { return octree_section(settings); },
+        [&] { return graded_section(settings); },
         [&] { return mesh_section(settings, copy_rate); },
         [&] { return stages_section(settings, copy_rate); },
         [&] { return threads_section(settings, copy_gain); },
@@ -144,7 +145,7 @@ void add_options(CLI::App& app, Arguments& arguments) {
         ->check(CLI::ExistingFile);
     app.add_option("--json", arguments.json_path, "write all figures, with every sample, to this file");
     app.add_option("--only", arguments.only,
-                   "sections to run: copy octree mesh stages threads command stream jacobians peers")
+                   "sections to run: copy octree graded mesh stages threads command stream jacobians peers")
         ->check(CLI::IsMember(kSections));
     app.add_flag("--quick", arguments.quick,
                  "level 3, one run, small copies, no CLBlast, no other meshers: shows that it works, "

@@ -28,6 +28,7 @@ struct Settings {
 
 nlohmann::json copy_section(const Settings& settings);
 nlohmann::json octree_section(const Settings& settings);
+nlohmann::json graded_section(const Settings& settings);
 
 /// `copy_bytes_per_second`: of all threads, or 0 if it was not measured.
 nlohmann::json mesh_section(const Settings& settings, double copy_bytes_per_second);

@@ -14,6 +14,10 @@ void run_worker(const Task& task) {
         result = measure_copy(task);
     } else if (task.kind == "octree") {
         result = measure_octree(task);
+    } else if (task.kind == "balance") {
+        result = measure_balance(task);
+    } else if (task.kind == "graded") {
+        result = measure_graded(task);
     } else if (task.kind == "mesh") {
         result = measure_mesh(task);
     } else if (task.kind == "edges") {
@@ -25,9 +29,9 @@ void run_worker(const Task& task) {
     } else if (task.kind == "stream") {
         result = measure_stream(task);
     } else {
-        throw Error(
-            ExitCode::kUsage,
-            "worker '" + task.kind + "': expected copy, octree, mesh, edges, stages, jacobians or stream");
+        throw Error(ExitCode::kUsage, "worker '" + task.kind +
+                                          "': expected copy, octree, balance, graded, mesh, edges, stages, "
+                                          "jacobians or stream");
     }
     std::printf("%s\n", result.dump().c_str());
 }

@@ -12,8 +12,8 @@ namespace mortise::bench {
 
 /// What a worker is to measure.
 struct Task {
-    std::string kind;              ///< "copy", "octree", "mesh", "edges", "stages", "jacobians" or "stream"
-    std::string model = "sphere";  ///< for make_model; not for "copy"
+    std::string kind;              ///< as run_worker names them
+    std::string model = "sphere";  ///< for make_model; not for "copy", "balance"
     int level = 6;                 ///< not for "copy"
     int threads = 1;               ///< host threads, and device threads if the device is PoCL's CPU
     int repeats = 1;
@@ -32,6 +32,16 @@ nlohmann::json measure_copy(const Task& task);
 ///  "reference_cells",
 ///  "runs": [{"kernel_seconds", "stage_seconds", "reference_seconds"}]}
 nlohmann::json measure_octree(const Task& task);
+
+/// Balances the octree of a sphere's surface, 2:1.
+/// {"leaves", "runs": [{"seconds"}]}
+nlohmann::json measure_balance(const Task& task);
+
+/// Meshes the model with as coarse an interior as there can be, conforming and with hanging nodes, once.
+/// {"uniform_elements" (of a mesh of one size, by the leaves), "boundary_elements" (of these, in NIO cells),
+///  "transition_cells", "transition_elements" (in these, conforming), "conforming_elements",
+///  "conforming_seconds", "hanging_elements", "hanging_seconds"}
+nlohmann::json measure_graded(const Task& task);
 
 /// Meshes the model in memory by one Mesher, after a small mesh that loads the kernels.
 /// {"device", "level", "elements", "nodes", "mesh_bytes", "geometry_bytes" (coordinates and

@@ -424,10 +424,21 @@ void Block::run(const BlockOptions& options) {
     // What follows may mend that, but not where there is so much to do: it would be done in vain.
     if (!options_.watch_facets && count_poor() > kManyPoor + original_.size() / 4 && has_crossed()) return;
     mend(static_cast<std::uint64_t>(std::count(alive_.begin(), alive_.end(), 1)));
-    if (all_placed || is_hopeless()) return;
-    // Nodes that could not be put on their stratum may have room there now.
-    project_nodes();
-    mend_further();
+    if (!all_placed && !is_hopeless()) {
+        // Nodes that could not be put on their stratum may have room there now.
+        project_nodes();
+        mend_further();
+    }
+    if (options.raised_from > 0 && options.reposition) relax();
+}
+
+/// Once over all nodes. Elements that are stuck below the target, each the worst for some of its nodes, get
+/// nearer to it together; in the next block or step many of them are not stuck any more.
+void Block::relax() {
+    for (Local n = 0; n < points_.size(); ++n) {
+        keep_watch();
+        smooth(n, Wish::kAllBetter);
+    }
 }
 
 /// Where the model itself has no room for good elements, the search must end: `tetrahedra` bounds it.

@@ -313,7 +313,14 @@ class Block {
     // smooth.cpp
     bool project_nodes(Local first = 0);
     std::vector<Point> crease_neighbours(Local node) const;
-    bool smooth(Local node);
+    /// What the place of a node is to do for the elements around it.
+    enum class Wish {
+        kWorstBetter,  ///< the worst of them improves
+        kAllBetter,  ///< together they come closer to the target; the worst stays at raised_from, or as it is
+    };
+    bool smooth(Local node, Wish wish = Wish::kWorstBetter);
+    double shortfall(const StarViews& seen) const;
+    void relax();
     StarViews& views(Local node);
     double quality_at(StarViews& views, const Point& p, double enough, Local except = StarViews::kNobody);
     double star_quality(Local node, double enough) const;

@@ -17,7 +17,10 @@ constexpr double kBlockCells = 16;
 constexpr int kShifts = 4;
 /// Bits of a block's place along an axis in its key.
 constexpr int kPlaceBits = 20;
+/// With more poor elements than one of so many a further run would not help enough; a larger angle, which
+/// most elements at surfaces have to work for, is worth more.
 constexpr std::size_t kTetrahedraPerPoor = 16;
+constexpr std::size_t kTetrahedraPerRaised = 4;
 constexpr std::uint32_t kMixed = 0xfffffffeu;
 /// Cells with more tetrahedra hold far more surfaces than they can show; those of a gyroid or a bracket have
 /// 80 at most.
@@ -163,7 +166,8 @@ void Improver::number_added(std::uint32_t group, const std::vector<Block::NewNod
 bool Improver::is_hopeless() const {
     const auto poor = std::count_if(zone_.tetrahedra.begin(), zone_.tetrahedra.end(),
                                     [this](const Tetrahedron& t) { return t.quality < aim_.target; });
-    return static_cast<std::size_t>(poor) > zone_.tetrahedra.size() / kTetrahedraPerPoor;
+    const std::size_t each = aim_.raised_from > 0 ? kTetrahedraPerRaised : kTetrahedraPerPoor;
+    return static_cast<std::size_t>(poor) > zone_.tetrahedra.size() / each;
 }
 
 void Improver::loosen(Counters& counters) {

@@ -13,6 +13,8 @@ constexpr int kHalvings = 4;
 constexpr double kLongest = 1e9;
 constexpr double kCluster = 0.05;  ///< shortest per mean edge
 constexpr double kLeastAlignment = 0.75;
+constexpr double kSame = 1 - 1e-12;     ///< a quality that is not lower, but for rounding
+constexpr double kLeastRelief = 0.999;  ///< what is left of a shortfall
 
 }  // namespace
 
@@ -159,17 +161,34 @@ std::vector<Point> Block::crease_neighbours(Local node) const {
     return found;
 }
 
-bool Block::smooth(Local node) {
+/// How far the elements of a star, as last evaluated, are below the target together.
+double Block::shortfall(const StarViews& seen) const {
+    double sum = 0;
+    for (std::size_t i = 0; i < seen.size(); ++i) {
+        const double lack = std::max(0.0, options_.target - seen.quality(i));
+        sum += lack * lack;
+    }
+    return sum;
+}
+
+bool Block::smooth(Local node, Wish wish) {
+    const bool relaxes = wish == Wish::kAllBetter;
     const std::vector<std::uint32_t>& on = strata_[node];
     if (free_[node] == 0 || tip_[node] != 0 || star_[node].empty()) return false;
     if (!on.empty() && !options_.move_boundary) return false;
-    if (rested_[node] > changed_[node]) return false;
+    if (relaxes ? !pyramid_star_[node].empty() : rested_[node] > changed_[node]) return false;
     const bool is_corner = on.size() > 2 || (on.size() == 2 && count_feature_edges(node) != 2);
-    if (is_corner && !is_loose_) return false;
-    rested_[node] = clock_ + 1;
+    if (is_corner && (relaxes || !is_loose_)) return false;
+    if (!relaxes) rested_[node] = clock_ + 1;
     double best = star_quality(node, kInvertedQuality);
     if (best >= options_.target) return false;
     StarViews& seen = views(node);
+    const double lowest = std::min(best, options_.raised_from);
+    double least_shortfall = 0;
+    if (relaxes) {
+        quality_at(seen, points_[node], kInvertedQuality);
+        least_shortfall = shortfall(seen);
+    }
 
     Point mean = {0, 0, 0};
     double size = 0;
@@ -265,14 +284,17 @@ bool Block::smooth(Local node) {
             on.empty() || (is_loose_ ? is_within_reach(node, p)
                                      : surfaces_->project(on.data(), on.size(), size_[node], &p));
         if (!reaches || longest_to(p) > most_stretched) return false;
-        const double needed = std::max(best * kLeastGain, kLowestQuality);
+        const double needed = relaxes ? lowest * kSame : std::max(best * kLeastGain, kLowestQuality);
         double value = quality_at(seen, p, needed);
         if (!(value > needed)) return false;
+        const double left = relaxes ? shortfall(seen) : 0;
+        if (relaxes && !(left < least_shortfall * kLeastRelief)) return false;
         if (may_swell && start_room_.empty()) gather_room(node, start_room_);
         points_[node] = p;
         if (!pyramid_star_[node].empty()) value = star_quality(node, needed);
         if (value > needed && fits()) {
             best = value;
+            least_shortfall = left;
             return true;
         }
         points_[node] = from;
@@ -281,7 +303,8 @@ bool Block::smooth(Local node) {
 
     bool moved = on.size() < 2 && attempt(start, 0.5 * (start + mean));
     const auto search = [&](double step, int halvings) {
-        for (int h = 0; h < halvings && best < options_.target; ++h, step *= 0.5) {
+        for (int h = 0; h < halvings && (relaxes ? least_shortfall > 0 : best < options_.target);
+             ++h, step *= 0.5) {
             for (std::size_t d = 0; d < directions; ++d) {
                 const Point from = points_[node];
                 if (!attempt(from, from + step * direction[d])) continue;

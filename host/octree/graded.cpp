@@ -171,7 +171,7 @@ class Builder {
     }
 
     void make_bitmaps() {
-        tree_.leaf_levels.reserve(entries_.size());
+        tree_.leaf_marks.reserve(entries_.size());
         for (const Entry& entry : entries_) {
             const std::uint64_t word = entry.code >> 5;
             if (tree_.word_codes.empty() || tree_.word_codes.back() != word) {
@@ -181,7 +181,7 @@ class Builder {
             }
             auto& bits = entry.is_in ? tree_.in_bits : tree_.nio_bits;
             bits.back() |= 1u << (entry.code & 31);
-            tree_.leaf_levels.push_back(entry.level);
+            tree_.leaf_marks.push_back(entry.level);
         }
         if (tree_.word_codes.empty()) {  // nothing is meshed
             tree_.word_codes = {0};
@@ -258,6 +258,7 @@ class Builder {
         for (std::size_t i = 0; i < entries_.size(); ++i) {
             Entry& entry = entries_[i];
             const bool joins = entry.is_in && (marks[i] & kBeside) != 0;
+            if (marks[i] != 0) tree_.leaf_marks[i] |= kFinerAround;
             if (entry.is_in && !joins) continue;
             if (marks[i] != 0) tree_.transitions.push_back(static_cast<std::uint32_t>(tree_.nio.size()));
             if (joins) {
@@ -285,7 +286,7 @@ class Builder {
         view_.nio_rank = device_.upload(tree_.nio_rank);
         view_.word_codes = device_.upload(tree_.word_codes);
         view_.directory = device_.upload(tree_.directory);
-        view_.leaf_levels = device_.upload(tree_.leaf_levels);
+        view_.leaf_marks = device_.upload(tree_.leaf_marks);
         view_.shape = tree_.shape();
     }
 

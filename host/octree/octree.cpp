@@ -57,7 +57,7 @@ Octree build(Device& device, const tape::BoundModel& model, int level, DeviceTre
     const std::size_t words = std::max<std::size_t>(1, (std::size_t{1} << (3 * level)) / 32);
     view.word_codes = device.allocate(0);
     view.directory = device.allocate(0);
-    view.leaf_levels = device.allocate(0);
+    view.leaf_marks = device.allocate(0);
     view.shape = {level, 0, static_cast<u32>(words), 0};
     view.in_bits = device.allocate(words * sizeof(std::uint32_t));
     view.nio_bits = device.allocate(words * sizeof(std::uint32_t));

@@ -28,8 +28,8 @@ struct Octree {
     std::vector<std::uint64_t> word_codes;  ///< graded trees: length words()
     std::vector<std::uint32_t> directory;   ///< graded trees: words before each cell of a coarse level
     std::uint32_t directory_shift = 0;
-    std::vector<std::uint8_t> leaf_levels;  ///< graded trees: per meshed leaf
-    std::vector<InNode> in_nodes;           ///< IN nodes of all levels as found, by level, then Morton code
+    std::vector<std::uint8_t> leaf_marks;  ///< graded trees: per meshed leaf (shared/tree.h)
+    std::vector<InNode> in_nodes;          ///< IN nodes of all levels as found, by level, then Morton code
     /// Graded trees: NIO leaves, by index, that touch a finer one, and IN leaves with a finer one at a face
     /// or edge, which join the NIO leaves without a tape. All go to the certificate.
     std::vector<std::uint32_t> transitions;
@@ -44,7 +44,7 @@ struct Octree {
     TreeShape shape() const { return {level, graded ? 1 : 0, static_cast<u32>(words()), directory_shift}; }
     Tree view() const {
         return make_tree(in_bits.data(), nio_bits.data(), in_rank.data(), nio_rank.data(), word_codes.data(),
-                         directory.data(), leaf_levels.data(), shape());
+                         directory.data(), leaf_marks.data(), shape());
     }
     /// Edge of a leaf of this level, box-local.
     static double edge_of(int leaf_level) { return 1.0 / static_cast<double>(1u << leaf_level); }
@@ -109,7 +109,7 @@ struct DeviceTree {
     device::Buffer nio_rank;
     device::Buffer word_codes;
     device::Buffer directory;
-    device::Buffer leaf_levels;
+    device::Buffer leaf_marks;
     TreeShape shape{};
     device::Buffer in_nodes;      ///< uniform trees only
     device::Buffer surfaces;      ///< Surface
@@ -126,7 +126,7 @@ template <class... Arguments>
 device::Event launch_on(device::Device& device, const DeviceTree& tree, const device::Kernel& kernel,
                         std::size_t items, const Arguments&... arguments) {
     return device.launch(kernel, items, tree.in_bits, tree.nio_bits, tree.in_rank, tree.nio_rank,
-                         tree.word_codes, tree.directory, tree.leaf_levels, tree.shape, arguments...);
+                         tree.word_codes, tree.directory, tree.leaf_marks, tree.shape, arguments...);
 }
 
 /// Largest level of a uniform tree: its bitmaps hold one bit per cell.

@@ -175,7 +175,8 @@ LeafGrid leaf_grid(const octree::Octree& tree) {
             grid.code.push_back(tree.code_of_word(word) + count_bits((bits & (0u - bits)) - 1));
         }
     }
-    grid.leaf_level = tree.leaf_levels;
+    grid.leaf_level = tree.leaf_marks;
+    for (std::uint8_t& mark : grid.leaf_level) mark &= kMarkLevel;
     return grid;
 }
 

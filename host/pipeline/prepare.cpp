@@ -296,7 +296,7 @@ void report_cells(const Prepared& prepared, const Extracted& extracted, const Mo
     out.finest_level = tree.level;
     if (tree.graded) {
         out.leaves.assign(static_cast<std::size_t>(tree.level) + 1, 0);
-        for (const std::uint8_t leaf_level : tree.leaf_levels) ++out.leaves[leaf_level];
+        for (const std::uint8_t mark : tree.leaf_marks) ++out.leaves[mark & kMarkLevel];
         out.transition_cells = prepared.transition_cells;
     }
     out.root = {root.origin,

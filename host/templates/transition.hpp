@@ -18,11 +18,12 @@
 
 namespace mortise::templates {
 
-/// Limits of a transition element, unwarped: just what host/improve takes for good (18 and 155 degrees, a
-/// scaled Jacobian of 0.2), so that it leaves them alone. The cone from the centre has 30, 126 and 0.258.
-inline constexpr double kTransitionScaledJacobian = 0.1999;
-inline constexpr double kTransitionSmallestAngle = 18;
-inline constexpr double kTransitionLargestAngle = 144;
+/// Limits of a transition element, unwarped: those of the cone from the centre, so that no template is worse
+/// than it. A sphere has 17.4 elements in each such leaf, of the cone 17.9; with limits of 26 to 144 degrees
+/// and 0.23 it would have 12.7, with all that improvement takes for good 11.7.
+inline constexpr double kTransitionScaledJacobian = 0.258;
+inline constexpr double kTransitionSmallestAngle = 29.9;
+inline constexpr double kTransitionLargestAngle = 125.4;
 
 /// Nodes are vertices of the cube in halves, in the order of mesh.hpp; the number of nodes tells the type.
 struct TransitionElement {

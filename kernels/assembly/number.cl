@@ -20,7 +20,8 @@
 __constant uchar kHexahedronCorner[8] = {0, 1, 3, 2, 4, 5, 7, 6};
 
 // Mask of the nodes that a leaf owns among those it uses.
-uint owned_mask(const Tree* tree, __global const uint* used, ulong code, int level, uint mask) {
+uint owned_mask(const Tree* tree, __global const uint* used, ulong code, uint mark, uint mask) {
+    const int level = (int)(mark & kMarkLevel);
     const uint edge = leaf_edge(tree, level);
     const uint x = gather_bits(code);
     const uint y = gather_bits(code >> 1);
@@ -28,7 +29,7 @@ uint owned_mask(const Tree* tree, __global const uint* used, ulong code, int lev
     uint owned = mask & (1u << kInteriorNodeBit);
     uint bit;
     for (uint c = 0; c < 8; ++c) {
-        if (((mask >> c) & 1) && corner_owner(tree, used, code, x, y, z, edge, c, &bit) == code) {
+        if (((mask >> c) & 1) && corner_owner(tree, used, code, mark, x, y, z, edge, c, &bit) == code) {
             owned |= 1u << c;
         }
     }
@@ -68,11 +69,10 @@ MORTISE_KERNEL void own_nodes(TREE_PARAMETERS, __global const uint* used, __glob
         while (rest != 0) {
             const uint bit = popcount((rest & -rest) - 1u);
             const int is_in = (in >> bit) & 1;
-            const int level = shape.graded ? leaf_levels[rank] : shape.level;
             uint mask = 0x80;
             if (((inner >> bit) & 1) == 0) {
-                mask =
-                    owned_mask(&tree, used, word_code(&tree, word) | bit, level, is_in ? 0xffu : used[nio]);
+                mask = owned_mask(&tree, used, word_code(&tree, word) | bit, leaf_mark(&tree, rank),
+                                  is_in ? 0xffu : used[nio]);
             }
             owned[rank - range.first_in - range.first_nio] = mask;
             counts[rank - range.first_in - range.first_nio] =
@@ -114,7 +114,7 @@ MORTISE_KERNEL void place_nodes(TREE_PARAMETERS, __global const SnioLeaf* leaves
             const uint bit = popcount((rest & -rest) - 1u);
             const int is_in = (in >> bit) & 1;
             const ulong morton = word_code(&tree, word) | bit;
-            const int level = shape.graded ? leaf_levels[rank] : shape.level;
+            const int level = (int)(leaf_mark(&tree, rank) & kMarkLevel);
             const uint edge = leaf_edge(&tree, level);
             const uint x = gather_bits(morton) / edge;
             const uint y = gather_bits(morton >> 1) / edge;
@@ -186,10 +186,10 @@ uint node_id(const Tree* tree, __global const uint* owned, __global const uint* 
 
 // Number of corner c of the leaf at (x, y, z).
 uint corner_id(const Tree* tree, __global const uint* used, __global const uint* owned,
-               __global const uint* base, __global const ulong* foreign, PieceRange range, ulong code, uint x,
-               uint y, uint z, uint edge, uint c) {
+               __global const uint* base, __global const ulong* foreign, PieceRange range, ulong code,
+               uint mark, uint x, uint y, uint z, uint edge, uint c) {
     uint bit = 0;
-    const ulong owner = corner_owner(tree, used, code, x, y, z, edge, c, &bit);
+    const ulong owner = corner_owner(tree, used, code, mark, x, y, z, edge, c, &bit);
     return node_id(tree, owned, base, foreign, range, owner, bit);
 }
 
@@ -247,7 +247,8 @@ MORTISE_KERNEL void write_hexahedra(TREE_PARAMETERS, __global const uint* used, 
             const uint bit = popcount((rest & -rest) - 1u);
             const ulong morton = word_code(&tree, word) | bit;
             const uint nio = nio_rank[word] + popcount(nio_bits[word] & ((1u << bit) - 1u));
-            const uint edge = leaf_edge(&tree, shape.graded ? leaf_levels[nio + rank] : shape.level);
+            const uint mark = leaf_mark(&tree, nio + rank);
+            const uint edge = leaf_edge(&tree, (int)(mark & kMarkLevel));
             const uint x = gather_bits(morton);
             const uint y = gather_bits(morton >> 1);
             const uint z = gather_bits(morton >> 2);
@@ -263,7 +264,7 @@ MORTISE_KERNEL void write_hexahedra(TREE_PARAMETERS, __global const uint* used, 
             }
             for (uint i = 0; i < 8; ++i) {
                 const uint c = kHexahedronCorner[i];
-                out[i] = corner_id(&tree, used, owned, base, foreign, range, morton, x, y, z, edge, c);
+                out[i] = corner_id(&tree, used, owned, base, foreign, range, morton, mark, x, y, z, edge, c);
             }
         }
     }
@@ -293,15 +294,17 @@ MORTISE_KERNEL void write_templates(TREE_PARAMETERS, __global const TreeNode* ni
         const uint mask = used[item + range.first_nio];
         uint in_before;
         uint edge;
+        uint mark;
         int level;
         uint ids[21];
         if (leaf.pattern == kPatternCnio || leaf.method == kMethodNothing) return;
-        level = leaf_level(&tree, morton);
+        mark = leaf_mark(&tree, meshed_rank(&tree, morton));
+        level = (int)(mark & kMarkLevel);
         edge = leaf_edge(&tree, level);
         in_before = count_before(&tree, in_bits, in_rank, morton);
         for (uint c = 0; c < 8; ++c) {
             if ((mask >> c) & 1) {
-                ids[c] = corner_id(&tree, used, owned, base, foreign, range, morton, x, y, z, edge, c);
+                ids[c] = corner_id(&tree, used, owned, base, foreign, range, morton, mark, x, y, z, edge, c);
             }
         }
         for (uint e = 0; e < 12; ++e) {

@@ -6,8 +6,8 @@
 //
 // In a uniform tree all leaves have the finest level, and word w holds the codes from 32 w on. A graded tree
 // (2:1 across faces, edges and corners, algorithms.md §6) stores only words that are not empty: word_codes
-// tells which, ascending, and leaf_levels the level of each meshed leaf in Morton order. The directory says
-// where the words of each cell of a coarse level begin.
+// tells which, ascending, and leaf_marks the level of each meshed leaf in Morton order and whether finer ones
+// are around it. The directory says where the words of each cell of a coarse level begin.
 //
 // Ownership (algorithms.md §2): a grid vertex, or the single root on a leaf's edge, belongs to the
 // Morton-first of the finest leaves that use it. IN leaves use their eight corners; NIO leaves use what their
@@ -20,6 +20,10 @@
 
 #define kInteriorNodeBit 20
 #define kNoOwner 0xffffffffffffffffUL
+
+// A leaf's mark: its level, and kFinerAround unless no meshed leaf that touches it is finer.
+#define kMarkLevel 0x1f
+#define kFinerAround 0x80
 
 #define kLeafNone 0  // OUT, or beyond the root box
 #define kLeafIn 1
@@ -39,7 +43,7 @@ typedef struct Tree {
     MORTISE_GLOBAL u32* nio_rank;
     MORTISE_GLOBAL u64* word_codes;
     MORTISE_GLOBAL u32* directory;
-    MORTISE_GLOBAL u8* leaf_levels;
+    MORTISE_GLOBAL u8* leaf_marks;
     TreeShape shape;
 } Tree;
 
@@ -47,14 +51,14 @@ typedef struct Tree {
 #define TREE_PARAMETERS                                                                              \
     __global const u32 *in_bits, __global const u32 *nio_bits, __global const u32 *in_rank,          \
         __global const u32 *nio_rank, __global const u64 *word_codes, __global const u32 *directory, \
-        __global const u8 *leaf_levels, TreeShape shape
+        __global const u8 *leaf_marks, TreeShape shape
 #define TREE_OF_PARAMETERS \
-    make_tree(in_bits, nio_bits, in_rank, nio_rank, word_codes, directory, leaf_levels, shape)
+    make_tree(in_bits, nio_bits, in_rank, nio_rank, word_codes, directory, leaf_marks, shape)
 
 MORTISE_FUNCTION Tree make_tree(MORTISE_GLOBAL u32* in_bits, MORTISE_GLOBAL u32* nio_bits,
                                 MORTISE_GLOBAL u32* in_rank, MORTISE_GLOBAL u32* nio_rank,
                                 MORTISE_GLOBAL u64* word_codes, MORTISE_GLOBAL u32* directory,
-                                MORTISE_GLOBAL u8* leaf_levels, TreeShape shape) {
+                                MORTISE_GLOBAL u8* leaf_marks, TreeShape shape) {
     Tree tree;
     tree.in_bits = in_bits;
     tree.nio_bits = nio_bits;
@@ -62,7 +66,7 @@ MORTISE_FUNCTION Tree make_tree(MORTISE_GLOBAL u32* in_bits, MORTISE_GLOBAL u32*
     tree.nio_rank = nio_rank;
     tree.word_codes = word_codes;
     tree.directory = directory;
-    tree.leaf_levels = leaf_levels;
+    tree.leaf_marks = leaf_marks;
     tree.shape = shape;
     return tree;
 }
@@ -171,7 +175,8 @@ MORTISE_FUNCTION Leaf leaf_at(const Tree* tree, u64 code) {
         }
         bit = highest_bit(bits);
         leaf.code = (tree->word_codes[word] << 5) | bit;
-        leaf.level = tree->leaf_levels[tree->in_rank[word] + tree->nio_rank[word] + count_bits(bits) - 1];
+        leaf.level =
+            tree->leaf_marks[tree->in_rank[word] + tree->nio_rank[word] + count_bits(bits) - 1] & kMarkLevel;
         if (((leaf.code ^ code) >> (3 * (tree->shape.level - leaf.level))) != 0) return leaf;
     }
     {
@@ -188,9 +193,15 @@ MORTISE_FUNCTION Leaf leaf_at(const Tree* tree, u64 code) {
     return leaf;
 }
 
+// Mark of the meshed leaf of this rank.
+MORTISE_FUNCTION u32 leaf_mark(const Tree* tree, u32 rank) {
+    return tree->shape.graded ? tree->leaf_marks[rank] : (u32)tree->shape.level;
+}
+
 // Level of the leaf with this code.
 MORTISE_FUNCTION i32 leaf_level(const Tree* tree, u64 code) {
-    return tree->shape.graded ? tree->leaf_levels[meshed_rank(tree, code)] : tree->shape.level;
+    return tree->shape.graded ? (i32)(leaf_mark(tree, meshed_rank(tree, code)) & kMarkLevel)
+                              : tree->shape.level;
 }
 
 // Edge of a leaf of this level, in finest cells.
@@ -257,14 +268,23 @@ MORTISE_FUNCTION u64 cell_behind(u64 code, u32 axes) {
     return code;
 }
 
-// Owner of corner c of the leaf at (x, y, z): vertex_owner, but quick where IN cells of a uniform tree meet.
-MORTISE_FUNCTION u64 corner_owner(const Tree* tree, MORTISE_GLOBAL u32* used, u64 code, u32 x, u32 y, u32 z,
-                                  u32 edge, u32 c, u32* bit) {
+// Owner of corner c, which the leaf with this code and mark uses: vertex_owner, but quick where the cell
+// behind in all three directions owns it, since all leaves around are of one level, or coarser.
+MORTISE_FUNCTION u64 corner_owner(const Tree* tree, MORTISE_GLOBAL u32* used, u64 code, u32 mark, u32 x,
+                                  u32 y, u32 z, u32 edge, u32 c, u32* bit) {
     if (!tree->shape.graded) {
         const u64 behind = cell_behind(code, 7 - c);
         if (behind != kNoOwner && test_bit(tree->in_bits, behind)) {
             *bit = 7;
             return behind;
+        }
+    } else if ((mark & kFinerAround) == 0) {
+        *bit = 7;
+        if (c == 7) return code;
+        {
+            const Leaf behind =
+                leaf_at_vertex(tree, x + (c & 1) * edge, y + ((c >> 1) & 1) * edge, z + (c >> 2) * edge, 0);
+            if (behind.level == (i32)(mark & kMarkLevel) && leaf_uses(used, behind, 7)) return behind.code;
         }
     }
     return vertex_owner(tree, used, x + (c & 1) * edge, y + ((c >> 1) & 1) * edge, z + (c >> 2) * edge, bit);

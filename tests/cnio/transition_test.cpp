@@ -132,10 +132,10 @@ TEST_CASE("transition cells: the commonest classes") {
         return pattern;
     };
     CHECK(count(0) == 1);
-    CHECK(count(1) == 4);                          // one edge
-    CHECK(count(faces({0})) == 9);                 // one face
+    CHECK(count(1) == 10);                         // one edge
+    CHECK(count(faces({0})) == 17);                // one face
     CHECK(count(faces({0, 1})) == 4);              // two opposite faces: four hexahedra
-    CHECK(count(faces({0, 2})) == 11);             // two faces that meet
+    CHECK(count(faces({0, 2})) == 20);             // two faces that meet
     CHECK(count(faces({0, 2, 4})) == 24);          // three around a corner
     CHECK(count(faces({0, 1, 2, 3, 4, 5})) == 8);  // all
 }

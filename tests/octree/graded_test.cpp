@@ -165,7 +165,7 @@ TEST_CASE("graded trees: every place is a leaf of the right kind, levels differ 
         REQUIRE(tree.word_codes == again.word_codes);
         REQUIRE(tree.in_bits == again.in_bits);
         REQUIRE(tree.nio_bits == again.nio_bits);
-        REQUIRE(tree.leaf_levels == again.leaf_levels);
+        REQUIRE(tree.leaf_marks == again.leaf_marks);
         REQUIRE(tree.transitions == again.transitions);
         const std::set<std::uint32_t> transitions(tree.transitions.begin(), tree.transitions.end());
         const std::uint64_t cells = std::uint64_t{1} << (3 * tree.level);

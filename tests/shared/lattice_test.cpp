@@ -116,7 +116,7 @@ struct RandomLeaves {
     std::vector<u32> in, nio, in_rank, nio_rank, used;
     std::vector<u64> word_codes;
     std::vector<u32> directory;  ///< of the level-1 cells
-    std::vector<u8> levels;
+    std::vector<u8> marks;
     bool graded;
 
     /// Of one level if `coarse` is 0, else with that share of larger leaves in percent; `sparse`: stored as a
@@ -146,7 +146,7 @@ struct RandomLeaves {
                     nio.push_back(0);
                 }
                 word = word_codes.size() - 1;
-                levels.push_back(static_cast<u8>(entry.level));
+                marks.push_back(static_cast<u8>(mark(entry)));
             }
             (entry.kind == kLeafIn ? in : nio)[word] |= 1u << (entry.code % 32);
             if (entry.kind == kLeafNio) used.push_back(entry.mask);
@@ -161,6 +161,22 @@ struct RandomLeaves {
         nio_rank = ranks(nio);
     }
 
+    /// Level of a leaf, and whether a finer one touches it.
+    u32 mark(const Entry& leaf) const {
+        const u32 edge = 1u << (kLevel - leaf.level);
+        u32 result = static_cast<u32>(leaf.level);
+        for (const Entry& other : entries) {
+            if (other.kind == kLeafNone || other.level <= leaf.level) continue;
+            bool touches = true;
+            for (int j = 0; j < 3; ++j) {
+                const u32 d = gather_bits(other.code >> j) + 1 - gather_bits(leaf.code >> j);
+                touches = touches && d <= edge + 1;  // wraps below the leaf
+            }
+            if (touches) result |= kFinerAround;
+        }
+        return result;
+    }
+
     static std::vector<u32> ranks(const std::vector<u32>& bits) {
         std::vector<u32> result = {0};
         for (const u32 word : bits) result.push_back(result.back() + count_bits(word));
@@ -169,7 +185,7 @@ struct RandomLeaves {
 
     Tree tree() const {
         return make_tree(in.data(), nio.data(), in_rank.data(), nio_rank.data(), word_codes.data(),
-                         directory.data(), levels.data(),
+                         directory.data(), marks.data(),
                          {kLevel, graded ? 1 : 0, static_cast<u32>(in.size()), 3 * (kLevel - 1)});
     }
 
@@ -264,13 +280,15 @@ TEST_CASE("a vertex or edge root belongs to the first in Morton order of the fin
             if (entry.kind == kLeafNone) continue;
             const u32 x = gather_bits(entry.code), y = gather_bits(entry.code >> 1);
             const u32 z = gather_bits(entry.code >> 2), edge = leaf_edge(&tree, entry.level);
+            const u32 mark = leaf_mark(&tree, meshed_rank(&tree, entry.code));
             for (u32 c = 0; c < 8; ++c) {
+                if (((entry.mask >> c) & 1) == 0) continue;
                 u32 expected_bit = 0;
                 u32 bit = 0;
                 const u64 expected =
                     vertex_owner(&tree, leaves.used.data(), x + (c & 1) * edge, y + ((c >> 1) & 1) * edge,
                                  z + (c >> 2) * edge, &expected_bit);
-                REQUIRE(corner_owner(&tree, leaves.used.data(), entry.code, x, y, z, edge, c, &bit) ==
+                REQUIRE(corner_owner(&tree, leaves.used.data(), entry.code, mark, x, y, z, edge, c, &bit) ==
                         expected);
                 if (expected != kNoOwner) REQUIRE(bit == expected_bit);
             }
