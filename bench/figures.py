@@ -1,11 +1,13 @@
-"""Shared by quality.py and targets.py: runs the mesher, figures of a mesh file, tables.
+"""Shared by quality.py, targets.py and smooth.py: runs the mesher, figures of a mesh file, tables, random poses.
 
 All figures of meshes come from `mortise check FILE --quality --json`, which reads Gmsh's text formats, so that
 meshes of all programs are measured by the same code. Needs Python 3.9 and nothing else.
 """
 
 import json
+import math
 import os
+import random
 import struct
 import subprocess
 import sys
@@ -154,3 +156,20 @@ def print_table(rows: List[List[str]], words: int = 2) -> None:
                  for column, (cell, width) in enumerate(zip(row, widths))]
         print("  ".join(cells).rstrip())
     sys.stdout.flush()
+
+
+Vector = Tuple[float, float, float]
+Frame = Tuple[Vector, Vector, Vector]
+
+
+def random_frame(source: random.Random) -> Frame:
+    """Three orthonormal vectors, uniform over all rotations: a unit quaternion from the unit ball of R^4."""
+    while True:
+        q = [2 * source.random() - 1 for _ in range(4)]
+        square = sum(x * x for x in q)
+        if 0.01 < square <= 1:
+            break
+    w, x, y, z = (c / math.sqrt(square) for c in q)
+    return ((1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)),
+            (2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)),
+            (2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)))

@@ -224,7 +224,7 @@ class CornerFinder {
         return examined_.back().surfaces;
     }
 
-    /// The same, along lines that pass close by, from one crossing to the next.
+    /// The same, at crossings of lines that pass close by.
     std::vector<std::uint32_t> sample_set(const Vector& x) const {
         std::vector<std::size_t> through;
         std::vector<std::int8_t> signs, trial;
@@ -260,20 +260,20 @@ class CornerFinder {
                 crossings.clear();
                 for (const std::size_t i : through) cross_line(i, from, along, reach, crossings);
                 std::sort(crossings.begin(), crossings.end());
-                const auto region_at = [&](double t) {
-                    trial = signs;
-                    for (const std::size_t i : through) {
-                        trial[i] = features::value(model_, leaf_.surfaces[i], from + t * along) <= 0 ? -1 : 1;
-                    }
-                    return leaf_.region(trial);
-                };
                 for (std::size_t k = 0; k < crossings.size(); ++k) {
                     const double t = crossings[k].t;
-                    const double below = k > 0 ? 0.5 * (crossings[k - 1].t + t) : t - reach;
-                    const double above =
-                        k + 1 < crossings.size() ? 0.5 * (crossings[k + 1].t + t) : t + reach;
-                    if (t - below < 1e-6 * reach || above - t < 1e-6 * reach) continue;
-                    if (region_at(below) != region_at(above)) matters[crossings[k].surface] = true;
+                    const bool alone = (k == 0 || t - crossings[k - 1].t > 2e-6 * reach) &&
+                                       (k + 1 == crossings.size() || crossings[k + 1].t - t > 2e-6 * reach);
+                    if (!alone) continue;
+                    // The others' signs as they are here: crossings of theirs that were not found do not
+                    // count for this surface.
+                    trial = signs;
+                    for (const std::size_t i : through)
+                        trial[i] = features::value(model_, leaf_.surfaces[i], from + t * along) <= 0 ? -1 : 1;
+                    trial[crossings[k].surface] = -1;
+                    const std::int32_t inside = leaf_.region(trial);
+                    trial[crossings[k].surface] = 1;
+                    if (leaf_.region(trial) != inside) matters[crossings[k].surface] = true;
                 }
             }
         }

@@ -102,6 +102,16 @@ TEST_CASE("curved corners in closed form") {
     check_same(corners_of_model(one_solid([](Model& m) { return add_frustum(m, 1, 0, 0, 2); })), {{0, 0, 2}});
 }
 
+TEST_CASE("planes that end cones inside a ball make no corners where they meet its creases") {
+    // Two crossings close together, one of them not found, seemed to be the plane's.
+    const Model star = read_model(std::string(MORTISE_SOURCE_DIR) + "/assets/models/star.csg");
+    for (int level = 3; level <= 6; ++level) {
+        CAPTURE(level);
+        check_same(corners_of_model(star, level),
+                   {{2.5, 0, 0}, {-2.5, 0, 0}, {0, 2.5, 0}, {0, -2.5, 0}, {0, 0, 2.5}, {0, 0, -2.5}});
+    }
+}
+
 TEST_CASE("surfaces that touch along a line make no corners") {
     // A box rounded on two sides by cylinders tangent to its planes; four planes end the rounding.
     const std::vector<Vec3> found = corners_of_model(one_solid([](Model& m) {
