@@ -112,8 +112,9 @@ json measure_run(const Model& model, const MeshOptions& options, device::Device&
     };
     add("descent", kernel_seconds(early, {"descend", "gather_children"}), bytes.descent);
     add("entities",
-        kernel_seconds(early, {"classify", "leave_to_certificate", "find_misfits", "drop_misfits",
-                               "mark_vertices", "mark_exposed", "test_subsets", "decide"}),
+        kernel_seconds(early,
+                       {"classify", "find_points", "share_points", "leave_to_certificate", "find_misfits",
+                        "drop_misfits", "mark_vertices", "mark_exposed", "test_subsets", "decide"}),
         bytes.entities);
     add("compaction",
         kernel_seconds(early, {"scan_sums", "scan_fill", "mark_in", "mark_nio", "count_word", "promote_words",

@@ -34,28 +34,37 @@ bool are_cubes_far(const Mesh& mesh, const CellFrame& frame, const std::vector<s
     return next == bricks.end() || *next > brick_of(end - 1);
 }
 
-double element_quality(const Mesh& mesh, const CellFrame& frame, const Element& e, double rounding) {
+/// Corners by type: a node, and the ends of its three edges, right-handed.
+constexpr std::uint8_t kCorners[kElementTypes][8][4] = {
+    {{0, 1, 3, 4},
+     {1, 2, 0, 5},
+     {2, 3, 1, 6},
+     {3, 0, 2, 7},
+     {4, 7, 5, 0},
+     {5, 4, 6, 1},
+     {6, 5, 7, 2},
+     {7, 6, 4, 3}},
+    {{0, 1, 2, 3}, {1, 2, 0, 4}, {2, 0, 1, 5}, {3, 5, 4, 0}, {4, 3, 5, 1}, {5, 4, 3, 2}},
+    {{0, 1, 3, 4}, {1, 2, 0, 4}, {2, 3, 1, 4}, {3, 0, 2, 4}},
+    {{0, 1, 2, 3}, {1, 2, 0, 3}, {2, 0, 1, 3}, {3, 1, 0, 2}}};
+constexpr std::size_t kCornerCount[kElementTypes] = {8, 6, 4, 4};
+
+/// Of elements between cells of two sizes angles alone count: their templates have scaled Jacobians of 0.258,
+/// and replacing them all for that would turn the cells around into tetrahedra, too.
+double element_quality(const Mesh& mesh, const CellFrame& frame, const Element& e, ElementKind kind,
+                       double rounding) {
     std::array<Point, 8> p;
     for (std::size_t k = 0; k < e.count; ++k) p[k] = in_cells(mesh, frame, e.node[k]);
-    const auto corner = [&](std::size_t o, std::size_t a, std::size_t b, std::size_t c) {
-        return corner_quality(p[a] - p[o], p[b] - p[o], p[c] - p[o]);
-    };
+    const bool is_transition = kind == ElementKind::kTransition;
+    if (e.type == ElementType::kTetrahedron && !is_transition)
+        return tetrahedron_quality(p[0], p[1], p[2], p[3], rounding);
+    const auto type = static_cast<std::size_t>(e.type);
     double worst = 2;
-    switch (e.type) {
-        case ElementType::kTetrahedron: return tetrahedron_quality(p[0], p[1], p[2], p[3], rounding);
-        case ElementType::kPyramid: return pyramid_quality({p[0], p[1], p[2], p[3], p[4]});
-        case ElementType::kWedge:
-            for (std::size_t i = 0; i < 3; ++i) {
-                worst = std::min(worst, corner(i, (i + 1) % 3, (i + 2) % 3, i + 3));
-                worst = std::min(worst, corner(i + 3, 3 + (i + 2) % 3, 3 + (i + 1) % 3, i));
-            }
-            return worst;
-        case ElementType::kHexahedron:
-            for (std::size_t i = 0; i < 4; ++i) {
-                worst = std::min(worst, corner(i, (i + 1) % 4, (i + 3) % 4, i + 4));
-                worst = std::min(worst, corner(i + 4, 4 + (i + 3) % 4, 4 + (i + 1) % 4, i));
-            }
-            return worst;
+    for (std::size_t i = 0; i < kCornerCount[type]; ++i) {
+        const auto& c = kCorners[type][i];
+        const Point& o = p[c[0]];
+        worst = std::min(worst, corner_quality(p[c[1]] - o, p[c[2]] - o, p[c[3]] - o,
+                                               is_transition ? kAnglesOnly : kJacobianWeight));
     }
     return worst;
 }
@@ -185,7 +194,8 @@ std::vector<CellId> poor_cells(const Mesh& mesh, const CellFrame& frame, const C
             for (std::size_t i = before + begin; i < before + end; ++i) {
                 if (is_cube(block, t, i)) continue;
                 const Element e = element(mesh, t, i);
-                if (element_quality(mesh, frame, e, rounding) < least ||
+                if (element_quality(mesh, frame, e, static_cast<ElementKind>(block.kind[i]), rounding) <
+                        least ||
                     (t < 3 && is_flat(mesh, frame, places, e)))
                     list.push_back(cells.index(centroid(mesh, frame, e)));
             }
@@ -206,7 +216,8 @@ std::uint64_t count_below(const Mesh& mesh, const CellFrame& frame, double least
             std::uint64_t below = 0;
             for (std::size_t i = begin; i < end; ++i) {
                 below += !is_cube(block, t, i) &&
-                                 element_quality(mesh, frame, element(mesh, t, i), rounding) < least
+                                 element_quality(mesh, frame, element(mesh, t, i),
+                                                 static_cast<ElementKind>(block.kind[i]), rounding) < least
                              ? 1
                              : 0;
             }

@@ -35,7 +35,7 @@ double smallest_height(const std::array<Point, 4>& p) {
     return largest > 0 ? volume / std::sqrt(largest) : 0;
 }
 
-double corner_quality(const Point& u, const Point& v, const Point& w) {
+double corner_quality(const Point& u, const Point& v, const Point& w, double jacobian_weight) {
     const Point uv = cross(u, v);
     const double volume = dot(uv, w);
     if (!(volume > 0)) return kInvertedQuality;
@@ -47,7 +47,7 @@ double corner_quality(const Point& u, const Point& v, const Point& w) {
     const double l_u = squared_length(u);
     const double l_v = squared_length(v);
     const double l_w = squared_length(w);
-    double worst = kJacobianWeight * kJacobianWeight / (l_u * l_v * l_w);
+    double worst = jacobian_weight * jacobian_weight / (l_u * l_v * l_w);
     worst = std::min(worst, sine(uv, wu, l_u, n_uv * n_wu));
     worst = std::min(worst, sine(uv, vw, l_v, n_uv * n_vw));
     worst = std::min(worst, sine(vw, wu, l_w, n_vw * n_wu));

@@ -25,6 +25,7 @@ inline double length(const Point& a) { return std::sqrt(dot(a, a)); }
 inline constexpr double kGoodQuality = 0.309;     ///< sin 18°
 inline constexpr double kObtuseWeight = 0.7312;   ///< sin 18° / sin 155°
 inline constexpr double kJacobianWeight = 1.545;  ///< sin 18° / 0.2
+inline constexpr double kAnglesOnly = 1e3;        ///< as a weight of Jacobians: angles alone decide
 inline constexpr double kInvertedQuality = -1;    ///< of elements that are not positive
 
 /// No change may make an element flatter than this, whatever it replaces: rounding decides nothing.
@@ -45,8 +46,9 @@ inline double tetrahedron_volume(const Point& a, const Point& b, const Point& c,
 double smallest_height(const std::array<Point, 4>& p);
 
 /// Quality at a corner where three edges u, v, w meet, right-handed: its three dihedral angles and its
-/// scaled Jacobian.
-double corner_quality(const Point& u, const Point& v, const Point& w);
+/// scaled Jacobian, times the weight.
+double corner_quality(const Point& u, const Point& v, const Point& w,
+                      double jacobian_weight = kJacobianWeight);
 
 /// Quality of a pyramid, by the corners of its base.
 double pyramid_quality(const std::array<Point, 5>& p);

@@ -10,8 +10,8 @@ namespace {
 /// By the time that PoCL takes to compile them, longest first. A test compares them with what a run builds.
 const std::vector<device::ProgramName> kUsualPrograms = {
     {"snio/snap.cl", ""},     {"assembly/number.cl", ""}, {"snio/fill.cl", ""},
-    {"snio/classify.cl", ""}, {"octree/descend.cl", ""},  {"probe.cl", ""},
-    {"octree/leaves.cl", ""}, {"scan.cl", "-DSUM=uint"}};
+    {"snio/classify.cl", ""}, {"octree/descend.cl", ""},  {"snio/points.cl", ""},
+    {"probe.cl", ""},         {"octree/leaves.cl", ""},   {"scan.cl", "-DSUM=uint"}};
 
 }  // namespace
 

@@ -18,9 +18,9 @@ class Classifier {
     Classification run(bool templates) {
         if (!templates && !on_device_.local_formulas) return all_complex();
         candidates_ = device_.allocate(count() * sizeof(SnioCandidate));
-        points_ = device_.allocate(count() * sizeof(SnioPoints));
         launch("snio/classify.cl", "classify", count(), on_device_.nio, on_device_.tapes, on_device_.surfaces,
-               on_device_.ops, candidates_, points_, snap_);
+               on_device_.ops, candidates_, snap_);
+        find_points();
         if (!complex_.empty()) {
             const Buffer leaves = device_.upload(complex_);
             device_.launch(device_.kernel("snio/classify.cl", "leave_to_certificate"), complex_.size(),
@@ -42,6 +42,16 @@ class Classifier {
     template <class... Arguments>
     void launch(const char* file, const char* entry, std::size_t items, const Arguments&... arguments) {
         octree::launch_on(device_, on_device_, device_.kernel(file, entry), items, arguments...);
+    }
+
+    void find_points() {
+        points_ = device_.allocate(count() * sizeof(SnioPoints));
+        const Buffer near = device_.allocate(count() * sizeof(std::uint8_t));
+        launch("snio/points.cl", "find_points", count(), on_device_.nio, on_device_.surfaces, on_device_.ops,
+               candidates_, points_, near, snap_);
+        if (on_device_.ops.bytes() == 0) return;  // no formulas
+        launch("snio/points.cl", "share_points", count(), on_device_.nio, on_device_.surfaces, candidates_,
+               points_, near, snap_);
     }
 
     /// Leaves that do not fit their neighbours go to the certificate.

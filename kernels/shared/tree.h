@@ -290,21 +290,27 @@ MORTISE_FUNCTION u64 corner_owner(const Tree* tree, MORTISE_GLOBAL u32* used, u6
     return vertex_owner(tree, used, x + (c & 1) * edge, y + ((c >> 1) & 1) * edge, z + (c >> 2) * edge, bit);
 }
 
+// Code of place d of those around the edge of leaves of this level along `axis` from vertex (x, y, z), in
+// finest cells; kNoOwner beyond the root box. d counts the two other axes in increasing order: the edge is
+// number 3 - d of its axis in a leaf there.
+MORTISE_FUNCTION u64 code_at_edge(const Tree* tree, i32 level, u32 axis, u32 x, u32 y, u32 z, u32 d) {
+    const u32 edge = leaf_edge(tree, level);
+    const u32 first = edge * ((d & 1) - 1);
+    const u32 second = edge * ((d >> 1) - 1);
+    return code_at(tree, axis == 0 ? x : x + first,
+                   axis == 1   ? y
+                   : axis == 0 ? y + first
+                               : y + second,
+                   axis == 2 ? z : z + second);
+}
+
 // Owner of the single root on the edge of leaves of `edge_level` along `axis` from vertex (x, y, z), in
 // finest cells.
 MORTISE_FUNCTION u64 edge_owner(const Tree* tree, MORTISE_GLOBAL u32* used, i32 edge_level, u32 axis, u32 x,
                                 u32 y, u32 z, u32* bit) {
-    const u32 edge = leaf_edge(tree, edge_level);
     u64 owner = kNoOwner;
     for (u32 d = 0; d < 4; ++d) {
-        // d counts the two other axes in increasing order; the edge is number 3 - d of its axis in the leaf.
-        const u32 first = edge * ((d & 1) - 1);
-        const u32 second = edge * ((d >> 1) - 1);
-        const u64 code = code_at(tree, axis == 0 ? x : x + first,
-                                 axis == 1   ? y
-                                 : axis == 0 ? y + first
-                                             : y + second,
-                                 axis == 2 ? z : z + second);
+        const u64 code = code_at_edge(tree, edge_level, axis, x, y, z, d);
         const u32 edge_bit = 8 + 4 * axis + (3 - d);
         if (code < owner) {
             const Leaf leaf = leaf_at(tree, code);

@@ -1,12 +1,12 @@
-// Finds the NIO leaves that one surface cuts simply (Saxena & Perucchio 1992, §4: SNIO cells), and which of
-// their corners may be moved onto it. All others go to the certificate.
+// Finds the NIO leaves that one surface cuts simply (Saxena & Perucchio 1992, §4: SNIO cells). All others go
+// to the certificate.
 //
 // A leaf is a candidate only if one side of its surface is a region and the other is outside, and if each
 // face is whole or cut by one chord, for the certificate as for templates (F0 and F1 of algorithms.md §2): no
 // face or cell centre contradicts corners that agree.
 #include "shared/bounds.h"
-#include "shared/snap.h"
 #include "shared/snio.h"
+#include "shared/surface.h"
 #include "shared/tape.h"
 #include "shared/template_table.h"
 #include "shared/tree.h"
@@ -57,13 +57,11 @@ int face_is_simple(uint inside, uint zero, int f) {
 }
 
 // Reads   the tree, nio (leaves), tapes, surfaces, ops.
-// Writes  candidates[i], and points[i] of simple leaves; `near` only if `snap` is set, and corners of sign 0
-//         make a leaf complex if it is not.
+// Writes  candidates[i], without `near`. If `snap` is not set corners of sign 0 make a leaf complex.
 // One work-item handles one leaf.
 MORTISE_KERNEL void classify(TREE_PARAMETERS, __global const TreeNode* nio, __global const uint* tapes,
                              __global const Surface* surfaces, __global const ExpressionOp* ops,
-                             __global SnioCandidate* candidates, __global SnioPoints* points, int snap,
-                             uint items) {
+                             __global SnioCandidate* candidates, int snap, uint items) {
     const uint item = get_global_id(0);
     if (item >= items) return;
     {
@@ -82,7 +80,6 @@ MORTISE_KERNEL void classify(TREE_PARAMETERS, __global const TreeNode* nio, __gl
         int value_outside = 0;
         uint inside = 0;
         uint zero = 0;
-        uint near = 0;
         candidate.surface = tape_surface(tape[0]);
         for (uint i = 0; i < node.tape_length && simple; ++i) {
             simple = tape_operation(tape[i]) != kTapeLiteral || tape_surface(tape[i]) == candidate.surface;
@@ -131,37 +128,10 @@ MORTISE_KERNEL void classify(TREE_PARAMETERS, __global const TreeNode* nio, __gl
             const int sign = surface_sign(surface, ops, x + 0.5 * cell, y + 0.5 * cell, z + 0.5 * cell, cell);
             simple = sign == 0 || ((sign < 0 ? value_inside : value_outside) != 0) == (inside != 0);
         }
-        if (simple && snap) {
-            for (int c = 0; c < 8; ++c) {
-                double corner[3];
-                int displacement[3];
-                if ((zero >> c) & 1) continue;
-                corner[0] = x + (c & 1) * cell;
-                corner[1] = y + ((c >> 1) & 1) * cell;
-                corner[2] = z + (c >> 2) * cell;
-                if (!snap_displacement(surface, ops, corner, cell, displacement)) continue;
-                near |= 1u << c;
-                for (int j = 0; j < 3; ++j) points[item].moved[c][j] = displacement[j];
-            }
-        }
-        if (simple) {
-            const uint cuts = cut_edges(inside, zero);
-            for (int e = 0; e < 12; ++e) {
-                const int low = kEdgeCorners[e][0];
-                double a[3];
-                double b[3];
-                if (((cuts >> e) & 1) == 0) continue;
-                a[0] = x + (low & 1) * cell;
-                a[1] = y + ((low >> 1) & 1) * cell;
-                a[2] = z + (low >> 2) * cell;
-                for (int j = 0; j < 3; ++j) b[j] = a[j] + (e / 4 == j ? cell : 0);
-                points[item].root[e] = edge_root(surface, ops, a, b);
-            }
-        }
         candidate.region = (ushort)(value_inside != 0 ? value_inside : value_outside);
         candidate.inside = (uchar)inside;
         candidate.zero = (uchar)zero;
-        candidate.near = (uchar)near;
+        candidate.near = 0;
         candidate.flags = simple ? kCandidateSimple : 0;
         candidate.padding[0] = 0;
         candidate.padding[1] = 0;

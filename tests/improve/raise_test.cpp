@@ -91,6 +91,20 @@ TEST_CASE("asked for more than all elements can have, most come near it") {
     CHECK(m.report.below_min_angle > 0);
 }
 
+TEST_CASE("larger angles leave cells between two sizes as they are") {
+    // Their scaled Jacobians of 0.258 once counted: all of them, and the cubes around, became tetrahedra.
+    MeshOptions o = options(5, 25);
+    o.interior_coarsening = 3;
+    const Meshed coarse = mesh_and_check(ball(7), o);
+    o.min_angle = 18;
+    const Meshed before = mesh_and_check(ball(7), o);
+    CHECK(coarse.defects == "");
+    CHECK(coarse.check.min_dihedral > 24.5);
+    const auto hexahedra = [](const Meshed& m) { return m.mesh.elements[0].size(); };
+    CHECK(hexahedra(coarse) > hexahedra(before) / 2);
+    CHECK(coarse.mesh.element_count() < before.mesh.element_count() * 3 / 2);
+}
+
 TEST_CASE("what cannot be reached is counted") {
     // The model has an angle of ten degrees along 20 units, some fifteen cells.
     const Model wedge = parse_model(
