@@ -5,6 +5,7 @@
 
 #include "host/common/large_array.hpp"
 #include "host/common/parallel.hpp"
+#include "kernels/shared/corners.h"
 
 namespace mortise::improve {
 namespace {
@@ -35,18 +36,12 @@ bool are_cubes_far(const Mesh& mesh, const CellFrame& frame, const std::vector<s
 }
 
 /// Corners by type: a node, and the ends of its three edges, right-handed.
-constexpr std::uint8_t kCorners[kElementTypes][8][4] = {
-    {{0, 1, 3, 4},
-     {1, 2, 0, 5},
-     {2, 3, 1, 6},
-     {3, 0, 2, 7},
-     {4, 7, 5, 0},
-     {5, 4, 6, 1},
-     {6, 5, 7, 2},
-     {7, 6, 4, 3}},
-    {{0, 1, 2, 3}, {1, 2, 0, 4}, {2, 0, 1, 5}, {3, 5, 4, 0}, {4, 3, 5, 1}, {5, 4, 3, 2}},
-    {{0, 1, 3, 4}, {1, 2, 0, 4}, {2, 3, 1, 4}, {3, 0, 2, 4}},
-    {{0, 1, 2, 3}, {1, 2, 0, 3}, {2, 0, 1, 3}, {3, 1, 0, 2}}};
+#define MORTISE_CORNER(node, first, second, third) {node, first, second, third},
+constexpr std::uint8_t kCorners[4][8][4] = {{MORTISE_HEXAHEDRON_CORNERS(MORTISE_CORNER)},
+                                            {MORTISE_WEDGE_CORNERS(MORTISE_CORNER)},
+                                            {MORTISE_PYRAMID_CORNERS(MORTISE_CORNER)},
+                                            {MORTISE_TETRAHEDRON_CORNERS(MORTISE_CORNER)}};
+#undef MORTISE_CORNER
 constexpr std::size_t kCornerCount[kElementTypes] = {8, 6, 4, 4};
 
 /// Of elements between cells of two sizes angles alone count: their templates have scaled Jacobians of 0.258,

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "kernels/shared/corners.h"
 #include "mortise/mesh.hpp"
 
 namespace mortise::templates {
@@ -23,18 +24,12 @@ Vector cross(const Vector& a, const Vector& b) {
 }
 
 /// A corner and the ends of its three edges, right-handed; by type.
-constexpr int kCorners[4][8][4] = {
-    {{0, 1, 3, 4},
-     {1, 2, 0, 5},
-     {2, 3, 1, 6},
-     {3, 0, 2, 7},
-     {4, 7, 5, 0},
-     {5, 4, 6, 1},
-     {6, 5, 7, 2},
-     {7, 6, 4, 3}},
-    {{0, 1, 2, 3}, {1, 2, 0, 4}, {2, 0, 1, 5}, {3, 5, 4, 0}, {4, 3, 5, 1}, {5, 4, 3, 2}},
-    {{0, 1, 3, 4}, {1, 2, 0, 4}, {2, 3, 1, 4}, {3, 0, 2, 4}},
-    {{0, 1, 2, 3}, {1, 2, 0, 3}, {2, 0, 1, 3}, {3, 1, 0, 2}}};
+#define MORTISE_CORNER(node, first, second, third) {node, first, second, third},
+constexpr int kCorners[4][8][4] = {{MORTISE_HEXAHEDRON_CORNERS(MORTISE_CORNER)},
+                                   {MORTISE_WEDGE_CORNERS(MORTISE_CORNER)},
+                                   {MORTISE_PYRAMID_CORNERS(MORTISE_CORNER)},
+                                   {MORTISE_TETRAHEDRON_CORNERS(MORTISE_CORNER)}};
+#undef MORTISE_CORNER
 constexpr int kCornerCount[4] = {8, 6, 4, 4};
 
 std::size_t type_of(int count) { return count == 8 ? 0 : count == 6 ? 1 : count == 5 ? 2 : 3; }
