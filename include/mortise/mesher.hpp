@@ -56,8 +56,8 @@ struct MeshOptions {
     bool improve = true;      ///< false: elements stay as templates and certificate make them
     int smooth = 4;  ///< rounds of node repositioning, 100 at most; 0: nodes move only onto the model
     /// Degrees: elements are improved until no dihedral angle is smaller, 18 to 40. What goes with it, for
-    /// 18, 25 and 32 degrees: angles of 155, 145 and 134 at most, scaled Jacobians of 0.2, 0.27 and 0.34; those
-    /// of elements between cells of two sizes stay at 0.258 and more.
+    /// 18, 25 and 32 degrees: angles of 155, 145 and 134 at most, scaled Jacobians of 0.2, 0.27 and 0.34;
+    /// those of elements between cells of two sizes stay at 0.258 and more.
     double min_angle = kLeastMinAngle;
     /// Nodes of creases and corners closer than this to other features, in cells, may be merged with them
     /// where elements would be slivers, and nodes may lie beside the model by three times as much where
