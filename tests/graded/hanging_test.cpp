@@ -31,10 +31,12 @@ class Places {
           step_(std::ldexp(report.cell_size, report.level - report.finest_level) / 1000) {
         for (NodeId i = 0; i < mesh.node_count(); ++i) nodes_[place({i})] = i;
     }
-    /// The node in the middle of others, or none.
+    /// The node in the middle of others, or none. An edge shorter than a step, as there are some before
+    /// improvement, has its middle where one of its own ends is.
     std::optional<NodeId> middle(const std::vector<NodeId>& of) const {
         const auto found = nodes_.find(place(of));
-        if (found == nodes_.end()) return std::nullopt;
+        if (found == nodes_.end() || std::find(of.begin(), of.end(), found->second) != of.end())
+            return std::nullopt;
         return found->second;
     }
 
