@@ -319,6 +319,11 @@ class Block {
         kAllBetter,  ///< together they come closer to the target; the worst stays at raised_from, or as it is
     };
     bool smooth(Local node, Wish wish = Wish::kWorstBetter);
+    struct Directions {
+        std::array<Point, 9> at{};
+        std::size_t count = 0;
+    };
+    bool find_directions(Local node, const Point& away, Directions& found) const;
     double shortfall(const StarViews& seen) const;
     void relax();
     StarViews& views(Local node);

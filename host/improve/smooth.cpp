@@ -16,6 +16,18 @@ constexpr double kLeastAlignment = 0.75;
 constexpr double kSame = 1 - 1e-12;     ///< a quality that is not lower, but for rounding
 constexpr double kLeastRelief = 0.999;  ///< what is left of a shortfall
 
+/// What the elements around a node have with its best place so far, and what they need at a better one.
+struct Goal {
+    bool is_sum;       ///< Wish::kAllBetter
+    double worst;      ///< quality of the worst element
+    double lowest;     ///< of a sum: no element may be worse
+    double shortfall;  ///< of a sum
+
+    double needed() const { return is_sum ? lowest * kSame : std::max(worst * kLeastGain, kLowestQuality); }
+    bool is_nearer(double left) const { return !is_sum || left < shortfall * kLeastRelief; }
+    bool is_met(double target) const { return is_sum ? !(shortfall > 0) : worst >= target; }
+};
+
 }  // namespace
 
 double Block::star_quality(Local node, double enough) const {
@@ -161,6 +173,47 @@ std::vector<Point> Block::crease_neighbours(Local node) const {
     return found;
 }
 
+/// Ways in which a node may move along its stratum. `away`: from the face opposite it in its worst element.
+/// False if its surfaces do not tell.
+bool Block::find_directions(Local node, const Point& away, Directions& found) const {
+    const std::vector<std::uint32_t>& on = strata_[node];
+    const auto add = [&](const Point& d) { found.at[found.count++] = d; };
+    const auto add_pair = [&](const Point& d) {
+        add(d);
+        add(-1.0 * d);
+    };
+    if (on.empty() || is_loose_) {
+        add(away);
+        add_pair({1, 0, 0});
+        add_pair({0, 1, 0});
+        add_pair({0, 0, 1});
+        return true;
+    }
+    Point normal[2];
+    for (std::size_t k = 0; k < on.size(); ++k) {
+        const Surfaces::Sample s = surfaces_->sample(on[k], points_[node]);
+        if (!s.valid) return false;
+        normal[k] = (1 / length(s.gradient)) * s.gradient;
+    }
+    if (on.size() == 2) {
+        const Point along = cross(normal[0], normal[1]);
+        const double sine = length(along);
+        if (sine < 0.05) return false;
+        add_pair((1 / sine) * along);
+        return true;
+    }
+    const Point& n = normal[0];
+    const Point axis = std::fabs(n[0]) < 0.6 ? Point{1, 0, 0} : Point{0, 1, 0};
+    Point u = cross(n, axis);
+    u = (1 / length(u)) * u;
+    add_pair(u);
+    add_pair(cross(n, u));
+    const Point flat = away - dot(away, n) * n;
+    const double flat_length = length(flat);
+    if (flat_length > 1e-3) add((1 / flat_length) * flat);
+    return true;
+}
+
 /// How far the elements of a star, as last evaluated, are below the target together.
 double Block::shortfall(const StarViews& seen) const {
     double sum = 0;
@@ -180,14 +233,13 @@ bool Block::smooth(Local node, Wish wish) {
     const bool is_corner = on.size() > 2 || (on.size() == 2 && count_feature_edges(node) != 2);
     if (is_corner && (relaxes || !is_loose_)) return false;
     if (!relaxes) rested_[node] = clock_ + 1;
-    double best = star_quality(node, kInvertedQuality);
-    if (best >= options_.target) return false;
+    const double worst_now = star_quality(node, kInvertedQuality);
+    if (worst_now >= options_.target) return false;
     StarViews& seen = views(node);
-    const double lowest = std::min(best, options_.raised_from);
-    double least_shortfall = 0;
+    Goal goal{relaxes, worst_now, std::min(worst_now, options_.raised_from), 0};
     if (relaxes) {
         quality_at(seen, points_[node], kInvertedQuality);
-        least_shortfall = shortfall(seen);
+        goal.shortfall = shortfall(seen);
     }
 
     Point mean = {0, 0, 0};
@@ -220,43 +272,8 @@ bool Block::smooth(Local node, Wish wish) {
     const double norm = length(away);
     if (norm > 0) away = (1 / norm) * away;
 
-    // Directions along the stratum.
-    std::array<Point, 9> direction;
-    std::size_t directions = 0;
-    const auto add_pair = [&](const Point& d) {
-        direction[directions++] = d;
-        direction[directions++] = -1.0 * d;
-    };
-    if (on.empty() || is_loose_) {
-        direction[directions++] = away;
-        add_pair({1, 0, 0});
-        add_pair({0, 1, 0});
-        add_pair({0, 0, 1});
-    } else {
-        Point normal[2];
-        for (std::size_t k = 0; k < on.size(); ++k) {
-            const Surfaces::Sample s = surfaces_->sample(on[k], start);
-            if (!s.valid) return false;
-            normal[k] = (1 / length(s.gradient)) * s.gradient;
-        }
-        if (on.size() == 2) {
-            const Point along = cross(normal[0], normal[1]);
-            const double sine = length(along);
-            if (sine < 0.05) return false;
-            add_pair((1 / sine) * along);
-        } else {
-            const Point& n = normal[0];
-            const Point axis = std::fabs(n[0]) < 0.6 ? Point{1, 0, 0} : Point{0, 1, 0};
-            Point u = cross(n, axis);
-            u = (1 / length(u)) * u;
-            const Point v = cross(n, u);
-            add_pair(u);
-            add_pair(v);
-            const Point flat = away - dot(away, n) * n;
-            const double flat_length = length(flat);
-            if (flat_length > 1e-3) direction[directions++] = (1 / flat_length) * flat;
-        }
-    }
+    Directions direction;
+    if (!find_directions(node, away, direction)) return false;
     const std::vector<Point> beside =
         on.size() == 2 && !is_loose_ ? crease_neighbours(node) : std::vector<Point>{};
     const auto longest_to = [&](const Point& p) {
@@ -284,17 +301,17 @@ bool Block::smooth(Local node, Wish wish) {
             on.empty() || (is_loose_ ? is_within_reach(node, p)
                                      : surfaces_->project(on.data(), on.size(), size_[node], &p));
         if (!reaches || longest_to(p) > most_stretched) return false;
-        const double needed = relaxes ? lowest * kSame : std::max(best * kLeastGain, kLowestQuality);
+        const double needed = goal.needed();
         double value = quality_at(seen, p, needed);
         if (!(value > needed)) return false;
         const double left = relaxes ? shortfall(seen) : 0;
-        if (relaxes && !(left < least_shortfall * kLeastRelief)) return false;
+        if (!goal.is_nearer(left)) return false;
         if (may_swell && start_room_.empty()) gather_room(node, start_room_);
         points_[node] = p;
         if (!pyramid_star_[node].empty()) value = star_quality(node, needed);
         if (value > needed && fits()) {
-            best = value;
-            least_shortfall = left;
+            goal.worst = value;
+            goal.shortfall = left;
             return true;
         }
         points_[node] = from;
@@ -303,15 +320,14 @@ bool Block::smooth(Local node, Wish wish) {
 
     bool moved = on.size() < 2 && attempt(start, 0.5 * (start + mean));
     const auto search = [&](double step, int halvings) {
-        for (int h = 0; h < halvings && (relaxes ? least_shortfall > 0 : best < options_.target);
-             ++h, step *= 0.5) {
-            for (std::size_t d = 0; d < directions; ++d) {
+        for (int h = 0; h < halvings && !goal.is_met(options_.target); ++h, step *= 0.5) {
+            for (std::size_t d = 0; d < direction.count; ++d) {
                 const Point from = points_[node];
-                if (!attempt(from, from + step * direction[d])) continue;
+                if (!attempt(from, from + step * direction.at[d])) continue;
                 moved = true;
                 // Once more the same way, while it helps.
                 const Point next = points_[node];
-                attempt(next, next + step * direction[d]);
+                attempt(next, next + step * direction.at[d]);
             }
         }
     };

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "kernels/shared/corners.h"
+
 namespace mortise::templates {
 namespace {
 
@@ -22,19 +24,12 @@ constexpr double kNoise = 1e-14;
 
 /// A corner and the ends of its three edges, right-handed.
 using Corner = std::array<int, 4>;
-constexpr std::array<Corner, 8> kHexahedronCorners = {{{0, 1, 3, 4},
-                                                       {1, 2, 0, 5},
-                                                       {2, 3, 1, 6},
-                                                       {3, 0, 2, 7},
-                                                       {4, 7, 5, 0},
-                                                       {5, 4, 6, 1},
-                                                       {6, 5, 7, 2},
-                                                       {7, 6, 4, 3}}};
-constexpr std::array<Corner, 6> kWedgeCorners = {
-    {{0, 1, 2, 3}, {1, 2, 0, 4}, {2, 0, 1, 5}, {3, 5, 4, 0}, {4, 3, 5, 1}, {5, 4, 3, 2}}};
-constexpr std::array<Corner, 4> kPyramidCorners = {{{0, 1, 3, 4}, {1, 2, 0, 4}, {2, 3, 1, 4}, {3, 0, 2, 4}}};
-constexpr std::array<Corner, 4> kTetrahedronCorners = {
-    {{0, 1, 2, 3}, {1, 2, 0, 3}, {2, 0, 1, 3}, {3, 0, 2, 1}}};
+#define MORTISE_CORNER(node, first, second, third) Corner{node, first, second, third},
+constexpr Corner kHexahedronCorners[] = {MORTISE_HEXAHEDRON_CORNERS(MORTISE_CORNER)};
+constexpr Corner kWedgeCorners[] = {MORTISE_WEDGE_CORNERS(MORTISE_CORNER)};
+constexpr Corner kPyramidCorners[] = {MORTISE_PYRAMID_CORNERS(MORTISE_CORNER)};
+constexpr Corner kTetrahedronCorners[] = {MORTISE_TETRAHEDRON_CORNERS(MORTISE_CORNER)};
+#undef MORTISE_CORNER
 
 struct Corners {
     const Corner* first;
@@ -43,10 +38,10 @@ struct Corners {
 
 Corners corners_of(ElementType type) {
     switch (type) {
-        case ElementType::kHexahedron: return {kHexahedronCorners.data(), 8};
-        case ElementType::kWedge: return {kWedgeCorners.data(), 6};
-        case ElementType::kPyramid: return {kPyramidCorners.data(), 4};
-        default: return {kTetrahedronCorners.data(), 4};
+        case ElementType::kHexahedron: return {kHexahedronCorners, 8};
+        case ElementType::kWedge: return {kWedgeCorners, 6};
+        case ElementType::kPyramid: return {kPyramidCorners, 4};
+        default: return {kTetrahedronCorners, 4};
     }
 }
 
