@@ -3,6 +3,7 @@
 #include <cmath>
 #include <tuple>
 
+#include "host/common/index_set.hpp"
 #include "host/features/features.hpp"
 #include "host/features/surfaces.hpp"
 
@@ -56,13 +57,17 @@ class EdgeFinder {
     std::vector<EdgeOfFacet> mixed_edges() const {
         constexpr std::uint32_t kNone = 0xffffffffu;
         const FacetBlock& facets = mesh_.facets;
-        std::vector<std::uint32_t> first(mesh_.node_count(), kNone);
-        std::vector<std::uint8_t> mixed(mesh_.node_count(), 0);
+        IndexSet on_facets(mesh_.node_count());
+        for (const NodeId node : facets.nodes) on_facets.insert(node);
+        on_facets.number();
+        std::vector<std::uint32_t> first(on_facets.size(), kNone);
+        IndexSet mixed(mesh_.node_count());
         for (std::size_t f = 0; f < facets.size(); ++f) {
             for (std::size_t k = 0; k < 4; ++k) {
-                std::uint32_t& seen = first[facets.nodes[4 * f + k]];
+                const NodeId node = facets.nodes[4 * f + k];
+                std::uint32_t& seen = first[on_facets.place(node)];
                 if (seen == kNone) seen = static_cast<std::uint32_t>(f);
-                if (!(label(seen) == label(f))) mixed[facets.nodes[4 * f + k]] = 1;
+                if (!(label(seen) == label(f))) mixed.insert(node);
             }
         }
         std::vector<EdgeOfFacet> edges;
@@ -71,7 +76,7 @@ class EdgeFinder {
             const int count = n[2] == n[3] ? 3 : 4;
             for (int k = 0; k < count; ++k) {
                 const NodeId a = n[k], b = n[(k + 1) % count];
-                if (mixed[a] == 0 || mixed[b] == 0) continue;
+                if (!mixed.holds(a) || !mixed.holds(b)) continue;
                 edges.push_back({std::min(a, b), std::max(a, b), static_cast<std::uint32_t>(f), a < b});
             }
         }

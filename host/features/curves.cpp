@@ -9,25 +9,25 @@ namespace {
 
 class Chainer {
   public:
-    Chainer(const Mesh& mesh, const std::vector<CreaseEdge>& edges, const std::vector<std::uint8_t>& is_end)
+    Chainer(const Mesh& mesh, const std::vector<CreaseEdge>& edges, const std::vector<NodeId>& ends)
         : mesh_(mesh), edges_(edges), used_(edges.size(), false) {
         for (std::size_t e = 0; e < edges.size(); ++e) {
             ends_.push_back({edges[e].a, e});
             ends_.push_back({edges[e].b, e});
         }
         std::sort(ends_.begin(), ends_.end());
-        is_break_ = is_end;
         for (std::size_t i = 0, j = 0; i < ends_.size(); i = j) {
             while (j < ends_.size() && ends_[j].node == ends_[i].node) ++j;
-            if (j - i != 2 || edges[ends_[i].edge].surfaces != edges[ends_[i + 1].edge].surfaces) {
-                is_break_[ends_[i].node] = 1;
+            if (j - i != 2 || edges[ends_[i].edge].surfaces != edges[ends_[i + 1].edge].surfaces ||
+                std::binary_search(ends.begin(), ends.end(), ends_[i].node)) {
+                breaks_.push_back(ends_[i].node);
             }
         }
     }
 
     std::vector<FeatureCurve> run() {
         for (const End& end : ends_) {
-            if (is_break_[end.node] != 0 && !used_[end.edge]) follow(end.node, end.edge);
+            if (!used_[end.edge] && is_break(end.node)) follow(end.node, end.edge);
         }
         for (const End& end : ends_) {
             if (!used_[end.edge]) follow(end.node, end.edge);
@@ -45,6 +45,8 @@ class Chainer {
         }
     };
 
+    bool is_break(NodeId node) const { return std::binary_search(breaks_.begin(), breaks_.end(), node); }
+
     void follow(NodeId node, std::size_t edge) {
         FeatureCurve curve;
         curve.surfaces = edges_[edge].surfaces;
@@ -57,12 +59,12 @@ class Chainer {
             curve.model_angle = std::min(curve.model_angle, e.model_angle);
             curve.length += length(quality::point_of(mesh_, e.b) - quality::point_of(mesh_, e.a));
             node = e.a == node ? e.b : e.a;
-            if (node == start && is_break_[node] == 0) {
+            if (node == start && !is_break(node)) {
                 curve.closed = true;
                 break;
             }
             curve.nodes.push_back(node);
-            if (is_break_[node] != 0) break;
+            if (is_break(node)) break;
             // Two ends here: the one that is not behind us.
             const auto at = std::lower_bound(ends_.begin(), ends_.end(), End{node, 0});
             edge = at->edge == edge ? (at + 1)->edge : at->edge;
@@ -87,16 +89,16 @@ class Chainer {
     const Mesh& mesh_;
     const std::vector<CreaseEdge>& edges_;
     std::vector<bool> used_;
-    std::vector<End> ends_;  ///< sorted
-    std::vector<std::uint8_t> is_break_;
+    std::vector<End> ends_;       ///< sorted
+    std::vector<NodeId> breaks_;  ///< nodes where curves end, ascending
     std::vector<FeatureCurve> curves_;
 };
 
 }  // namespace
 
 std::vector<FeatureCurve> chain(const Mesh& mesh, const std::vector<CreaseEdge>& edges,
-                                const std::vector<std::uint8_t>& is_end) {
-    return Chainer(mesh, edges, is_end).run();
+                                const std::vector<NodeId>& ends) {
+    return Chainer(mesh, edges, ends).run();
 }
 
 }  // namespace mortise::features

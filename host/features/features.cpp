@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/common/index_set.hpp"
 #include "host/features/surfaces.hpp"
 
 namespace mortise::features {
@@ -50,9 +51,25 @@ struct Incidence {
     bool operator==(const Incidence& other) const { return node == other.node && bound == other.bound; }
 };
 
+/// What is said of the nodes on facets: nothing, that they lie on a crease, or kAlwaysCorner.
+class Marks {
+  public:
+    explicit Marks(const Mesh& mesh) : nodes_(mesh.node_count()) {
+        for (const NodeId node : mesh.facets.nodes) nodes_.insert(node);
+        nodes_.number();
+        marks_.assign(nodes_.size(), 0);
+    }
+    std::uint8_t& operator[](NodeId node) { return marks_[nodes_.place(node)]; }
+    std::uint8_t operator[](NodeId node) const { return marks_[nodes_.place(node)]; }
+
+  private:
+    IndexSet nodes_;
+    std::vector<std::uint8_t> marks_;
+};
+
 /// Surfaces around the nodes that are marked, sorted by node, then surface.
 std::vector<Incidence> surfaces_around(const Mesh& mesh, const std::vector<std::uint32_t>& facet_surface,
-                                       const std::vector<std::uint8_t>& marked) {
+                                       const Marks& marked) {
     std::vector<Incidence> list;
     for (std::size_t f = 0; f < mesh.facets.size(); ++f) {
         for (std::size_t k = 0; k < 4; ++k) {
@@ -81,7 +98,7 @@ bool spans_a_corner(const tape::BoundModel& model, const Vector& local, const In
 
 /// Marks nodes at singular points of a surface that has facets there.
 void mark_singular(const Mesh& mesh, const std::vector<std::uint32_t>& facet_surface,
-                   const tape::BoundModel& model, double same_point, std::vector<std::uint8_t>& marked) {
+                   const tape::BoundModel& model, double same_point, Marks& marked) {
     struct Singular {
         bool is = false;
         Vector point;
@@ -115,13 +132,13 @@ Features find_features(const Mesh& mesh, const std::vector<std::uint32_t>& facet
 
     const Creases found = find_creases(mesh, facet_surface, model, level);
     const std::vector<NodeCreases> creases = by_node(found.edges);
-    std::vector<std::uint8_t> marked(mesh.node_count(), 0);
+    Marks marked(mesh);
     for (const NodeCreases& c : creases) marked[c.node] = 1;
     for (const NodeId node : found.poles) marked[node] = kAlwaysCorner;
     mark_singular(mesh, facet_surface, model, same_point(level), marked);
     const std::vector<Incidence> around = surfaces_around(mesh, facet_surface, marked);
 
-    std::vector<std::uint8_t> is_end(mesh.node_count(), 0);
+    std::vector<NodeId> ends;
     auto crease = creases.begin();
     for (std::size_t i = 0, j = 0; i < around.size(); i = j) {
         const NodeId node = around[i].node;
@@ -134,7 +151,7 @@ Features find_features(const Mesh& mesh, const std::vector<std::uint32_t>& facet
             continue;
         }
         dimension[node] = kCorner;
-        is_end[node] = 1;
+        ends.push_back(node);
         FeatureCorner corner{node, {}, on_crease ? crease->model_angle : 360};
         for (std::size_t k = i; k < j; ++k) corner.surfaces.push_back(around[k].named);
         std::sort(corner.surfaces.begin(), corner.surfaces.end());
@@ -142,7 +159,7 @@ Features find_features(const Mesh& mesh, const std::vector<std::uint32_t>& facet
                               corner.surfaces.end());
         features.corners.push_back(std::move(corner));
     }
-    features.curves = chain(mesh, found.edges, is_end);
+    features.curves = chain(mesh, found.edges, ends);
     return features;
 }
 

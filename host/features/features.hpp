@@ -47,8 +47,9 @@ struct Creases {
 Creases find_creases(const Mesh& mesh, const std::vector<std::uint32_t>& facet_surface,
                      const tape::BoundModel& model, int level);
 
-/// Chains crease edges into curves that end where `is_end` holds or the surfaces change. Deterministic.
+/// Chains crease edges into curves that end at `ends` (ascending) or where the surfaces change.
+/// Deterministic.
 std::vector<FeatureCurve> chain(const Mesh& mesh, const std::vector<CreaseEdge>& edges,
-                                const std::vector<std::uint8_t>& is_end);
+                                const std::vector<NodeId>& ends);
 
 }  // namespace mortise::features

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "host/common/index_set.hpp"
 #include "host/common/parallel.hpp"
 
 namespace mortise::features {
@@ -14,15 +15,16 @@ struct Corner {
     NodeId from, to;
 };
 
-/// The outer facets' corners, node by node: those of node n are corner[begin[n]] … corner[begin[n + 1]].
+/// The outer facets' corners, node by node: those of node[i] are corner[begin[i]] … corner[begin[i + 1]].
 struct Corners {
+    std::vector<NodeId> node;  ///< those on outer facets, ascending
     std::vector<std::uint32_t> begin;
     std::vector<Corner> corner;
 };
 
 Corners list_corners(const FacetBlock& facets, std::size_t nodes) {
     Corners list;
-    list.begin.assign(nodes + 1, 0);
+    IndexSet outer(nodes);
     const auto for_corners = [&facets](const auto& visit) {
         for (std::size_t f = 0; f < facets.size(); ++f) {
             if (facets.outside[f] != 0) continue;
@@ -32,11 +34,15 @@ Corners list_corners(const FacetBlock& facets, std::size_t nodes) {
                 visit(n[k], Corner{n[(k + count - 1) % count], n[(k + 1) % count]});
         }
     };
-    for_corners([&](NodeId node, const Corner&) { ++list.begin[node + 1]; });
-    for (std::size_t n = 0; n < nodes; ++n) list.begin[n + 1] += list.begin[n];
-    list.corner.resize(list.begin[nodes]);
+    for_corners([&](NodeId node, const Corner&) { outer.insert(node); });
+    outer.number();
+    list.node = outer.members();
+    list.begin.assign(outer.size() + 1, 0);
+    for_corners([&](NodeId node, const Corner&) { ++list.begin[outer.place(node) + 1]; });
+    for (std::size_t i = 0; i < outer.size(); ++i) list.begin[i + 1] += list.begin[i];
+    list.corner.resize(list.begin.back());
     std::vector<std::uint32_t> next(list.begin.begin(), list.begin.end() - 1);
-    for_corners([&](NodeId node, const Corner& corner) { list.corner[next[node]++] = corner; });
+    for_corners([&](NodeId node, const Corner& corner) { list.corner[next[outer.place(node)]++] = corner; });
     return list;
 }
 
@@ -79,17 +85,17 @@ Crowded find_crowded(NodeId node, const Corner* corner, std::size_t count) {
 
 Hinges find_hinges(const FacetBlock& facets, std::size_t nodes, int threads) {
     const Corners corners = list_corners(facets, nodes);
-    std::vector<Hinges> found(chunk_count(nodes, kChunk));
-    parallel_chunks(nodes, kChunk, threads, [&](std::size_t begin, std::size_t end, int) {
+    std::vector<Hinges> found(chunk_count(corners.node.size(), kChunk));
+    parallel_chunks(corners.node.size(), kChunk, threads, [&](std::size_t begin, std::size_t end, int) {
         Hinges& hinges = found[begin / kChunk];
-        for (std::size_t n = begin; n < end; ++n) {
-            const Corner* corner = corners.corner.data() + corners.begin[n];
-            const std::size_t count = corners.begin[n + 1] - corners.begin[n];
-            if (count == 0 || is_one_fan(corner, count)) continue;
-            const Crowded crowded = find_crowded(static_cast<NodeId>(n), corner, count);
+        for (std::size_t i = begin; i < end; ++i) {
+            const Corner* corner = corners.corner.data() + corners.begin[i];
+            const std::size_t count = corners.begin[i + 1] - corners.begin[i];
+            if (is_one_fan(corner, count)) continue;
+            const Crowded crowded = find_crowded(corners.node[i], corner, count);
             hinges.edges += crowded.higher;
             hinges.nodes += crowded.any ? 0 : 1;
-            if (!hinges.first) hinges.first = static_cast<NodeId>(n);
+            if (!hinges.first) hinges.first = corners.node[i];
         }
     });
     Hinges result;

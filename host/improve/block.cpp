@@ -429,7 +429,13 @@ void Block::run(const BlockOptions& options) {
         project_nodes();
         mend_further();
     }
-    if (options.raised_from > 0 && options.reposition) relax();
+    if (!options.reposition) return;
+    if (options.raised_from > 0) {
+        relax();
+    } else if (options.look_ahead && count_poor() > 0 && !is_hopeless()) {
+        relax();
+        mend_further();
+    }
 }
 
 /// Once over all nodes. Elements that are stuck below the target, each the worst for some of its nodes, get

@@ -316,7 +316,7 @@ class Block {
     /// What the place of a node is to do for the elements around it.
     enum class Wish {
         kWorstBetter,  ///< the worst of them improves
-        kAllBetter,  ///< together they come closer to the target; the worst stays at raised_from, or as it is
+        kAllBetter,  ///< together they come closer to the target; none falls below raised_from, or the worst
     };
     bool smooth(Local node, Wish wish = Wish::kWorstBetter);
     struct Directions {

@@ -15,7 +15,8 @@ namespace {
 /// What stays poor is often held by the border of the zone: the next zone, around it, has its border
 /// elsewhere. The small ones also try changes of several steps; most of what is stuck in a pass of the first
 /// is not in the next, and need not.
-constexpr int kRuns = 3;
+constexpr int kRuns = 4;
+constexpr int kRaisingRuns = 3;  ///< each time
 /// Quality is raised in steps of this, and of a little more before the goal: where nearly all elements are
 /// far from it, the search does not know where to begin.
 constexpr double kRaise = 1.2;
@@ -75,7 +76,7 @@ class Session {
         frame_.on_lattice = false;
         Options options = options_;
         options.merge_distance = 0;
-        for (int run = 0; run < kRuns; ++run) {
+        for (int run = 0; run < kRaisingRuns; ++run) {
             // Most elements are mended without their neighbours inside, and hexahedra are what people want.
             std::optional<Zone> zone = open(to, run == 0);
             if (!zone) return;

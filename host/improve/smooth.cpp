@@ -236,7 +236,8 @@ bool Block::smooth(Local node, Wish wish) {
     const double worst_now = star_quality(node, kInvertedQuality);
     if (worst_now >= options_.target) return false;
     StarViews& seen = views(node);
-    Goal goal{relaxes, worst_now, std::min(worst_now, options_.raised_from), 0};
+    const double lowest = options_.raised_from > 0 ? std::min(worst_now, options_.raised_from) : worst_now;
+    Goal goal{relaxes, worst_now, lowest, 0};
     if (relaxes) {
         quality_at(seen, points_[node], kInvertedQuality);
         goal.shortfall = shortfall(seen);

@@ -211,11 +211,9 @@ MORTISE_FUNCTION int face_mesh_of(const u8* n, int count, u32 inside, const doub
     }
 }
 
-// Facet i of face f as seen from inside the cell, counter-clockwise: returns 0 (no such facet), 3 or 4.
-MORTISE_FUNCTION int face_facet(const CellBoundary* b, int f, int i, u8* facet) {
-    const int count = b->count[f];
-    const int mesh = b->mesh[f];
-    const u8* n = b->node[f];
+// Facet i of the polygon of face f, meshed as `mesh` tells, as seen from inside the cell, counter-clockwise:
+// returns 0 (no such facet), 3 or 4.
+MORTISE_FUNCTION int polygon_facet(const u8* n, int count, int mesh, int f, int i, u8* facet) {
     int size = 3;
     for (int k = 0; k < 4; ++k) facet[k] = 0;
     if (mesh == kFaceEmpty) return 0;
@@ -244,6 +242,10 @@ MORTISE_FUNCTION int face_facet(const CellBoundary* b, int f, int i, u8* facet) 
     return size;
 }
 
+MORTISE_FUNCTION int face_facet(const CellBoundary* b, int f, int i, u8* facet) {
+    return polygon_facet(b->node[f], b->count[f], b->mesh[f], f, i, facet);
+}
+
 MORTISE_FUNCTION int facet_holds(const u8* facet, int size, int code) {
     for (int k = 0; k < size; ++k) {
         if (facet[k] == code) return 1;
@@ -251,56 +253,62 @@ MORTISE_FUNCTION int facet_holds(const u8* facet, int size, int code) {
     return 0;
 }
 
-// The nodes of all faces, and the loop of Γ, from the outlines of the faces.
-MORTISE_FUNCTION void link_outline(u32 inside, CellBoundary* b) {
-    u32 corners_of[6];
+// What a face's polygon tells of Γ's loop: its edges without an inside corner, chords and edges between two
+// N. An edge of the cell is in the loop unless the other face at it has both its ends, too.
+typedef struct LoopEdges {
+    u32 corners;  // of the polygon
+    u8 count;
+    u8 from[4];  // as the loop runs
+    u8 to[4];
+    u8 other[4];  // face; kNoFace: not an edge of the cell
+} LoopEdges;
+
+#define kNoFace 6
+
+MORTISE_FUNCTION void find_loop_edges(u32 inside, int f, const u8* node, int count, LoopEdges* edges) {
+    const int outward = frame_points_outward(f);
+    edges->corners = 0;
+    edges->count = 0;
+    for (int i = 0; i < count; ++i) {
+        const int a = node[i];
+        const int c = node[i + 1 < count ? i + 1 : 0];
+        const int difference = a ^ c;
+        int other = kNoFace;
+        if (a < 8) edges->corners |= 1u << a;
+        if ((a < 8 && ((inside >> a) & 1)) || (c < 8 && ((inside >> c) & 1))) continue;
+        if (a < 8 && c < 8 && (difference & (difference - 1)) == 0) {
+            const u32 faces = node_faces(a) & node_faces(c) & ~(1u << f);
+            other = 0;
+            while (((faces >> other) & 1) == 0) ++other;
+        }
+        edges->from[edges->count] = (u8)(outward ? c : a);
+        edges->to[edges->count] = (u8)(outward ? a : c);
+        edges->other[edges->count++] = (u8)other;
+    }
+}
+
+// The loop of Γ from the edges of the six faces; returns its size as CellBoundary::loop_size.
+MORTISE_FUNCTION int link_loop(const LoopEdges* const* face, u8* loop) {
     u8 next[kCellInteriorNode];
     u32 has_next = 0;
     int edges = 0;
-    b->nodes = 0;
-    b->loop_size = 0;
     for (int f = 0; f < 6; ++f) {
-        corners_of[f] = 0;
-        for (int i = 0; i < b->count[f]; ++i) {
-            b->nodes |= 1u << b->node[f][i];
-            if (b->node[f][i] < 8) corners_of[f] |= 1u << b->node[f][i];
+        for (int i = 0; i < face[f]->count; ++i) {
+            const int from = face[f]->from[i];
+            const int to = face[f]->to[i];
+            const int other = face[f]->other[i];
+            if (other != kNoFace) {
+                const u32 both = (1u << from) | (1u << to);
+                if ((face[other]->corners & both) == both) continue;
+            }
+            if ((has_next >> from) & 1) return -1;
+            has_next |= 1u << from;
+            next[from] = (u8)to;
+            ++edges;
         }
     }
-    // Outline edges that no other face has: chords, and edges between two N.
-    for (int f = 0; f < 6; ++f) {
-        const int outward = frame_points_outward(f);
-        for (int i = 0; i < b->count[f]; ++i) {
-            const int a = b->node[f][i];
-            const int c = b->node[f][i + 1 < b->count[f] ? i + 1 : 0];
-            if (a < 8 && c < 8) {
-                const int difference = a ^ c;
-                const u32 both = (1u << a) | (1u << c);
-                if ((both & inside) != 0) continue;
-                if ((difference & (difference - 1)) == 0) {
-                    // An edge of the cell: its other face is the one that holds both and is not f.
-                    const u32 faces = node_faces(a) & node_faces(c) & ~(1u << f);
-                    int other = 0;
-                    while (((faces >> other) & 1) == 0) ++other;
-                    if ((corners_of[other] & both) == both) continue;
-                }
-            } else if ((a < 8 && ((inside >> a) & 1)) || (c < 8 && ((inside >> c) & 1))) {
-                continue;
-            }
-            {
-                const int from = outward ? c : a;
-                const int to = outward ? a : c;
-                if ((has_next >> from) & 1) {
-                    b->loop_size = -1;
-                    return;
-                }
-                has_next |= 1u << from;
-                next[from] = (u8)to;
-                ++edges;
-            }
-        }
-    }
-    if (edges > kLargestLoop) b->loop_size = -1;
-    if (edges == 0 || edges > kLargestLoop) return;
+    if (edges > kLargestLoop) return -1;
+    if (edges == 0) return 0;
     {
         int at = 0;
         int size = 0;
@@ -308,19 +316,19 @@ MORTISE_FUNCTION void link_outline(u32 inside, CellBoundary* b) {
         while (((has_next >> at) & 1) == 0) ++at;
         start = at;
         do {
-            b->loop[size++] = (u8)at;
-            if (((has_next >> at) & 1) == 0) {
-                b->loop_size = -1;
-                return;
-            }
+            loop[size++] = (u8)at;
+            if (((has_next >> at) & 1) == 0) return -1;
             at = next[at];
         } while (at != start && size < edges);
-        b->loop_size = at == start && size == edges ? size : -1;
+        return at == start && size == edges ? size : -1;
     }
 }
 
 // Outlines of all faces and the loop of Γ; face meshes are left to the caller, who knows positions.
 MORTISE_FUNCTION void make_outline(u32 inside, u32 on, CellBoundary* b) {
+    LoopEdges edges[6];
+    const LoopEdges* all[6];
+    b->nodes = 0;
     for (int f = 0; f < 6; ++f) {
         const int count = face_outline(inside, on, f, b->node[f]);
         if (count < 0) {
@@ -329,8 +337,11 @@ MORTISE_FUNCTION void make_outline(u32 inside, u32 on, CellBoundary* b) {
             return;
         }
         b->count[f] = (u8)count;
+        for (int i = 0; i < count; ++i) b->nodes |= 1u << b->node[f][i];
+        find_loop_edges(inside, f, b->node[f], count, edges + f);
+        all[f] = edges + f;
     }
-    link_outline(inside, b);
+    b->loop_size = link_loop(all, b->loop);
 }
 
 // Axis of the wedge that a cell's inside part is: two opposite triangular faces alike, two faces whole

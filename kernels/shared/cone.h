@@ -22,6 +22,10 @@
 #define kGoodQuality 4.0
 // A cone from an interior node is tried only below this.
 #define kWorthNoNode 2.25
+// The interior node moves only below this, by steps from the first to the last, in cell edges.
+#define kMeetsTargets 1.0
+#define kFirstMove 0.125
+#define kLastMove 0.01
 #define kMostSurfaceFacets (kLargestLoop - 2)
 #define kNoApex 255
 
@@ -115,39 +119,41 @@ MORTISE_FUNCTION double cone_element_quality(const double (*p)[3], const u8* fac
     return worst;
 }
 
+// Nodes of a face's polygon from which no cone has its facets: those that are not on all of them, and any
+// where they are not triangles.
+MORTISE_FUNCTION u32 forbidden_apexes(const u8* n, int count, int mesh) {
+    u32 on_face = 0;
+    u32 allowed = 0;
+    for (int i = 0; i < count; ++i) on_face |= 1u << n[i];
+    if (count == 5) {
+        allowed = 1u << n[pentagon_apex(n, mesh)];
+    } else if (mesh == kFaceSplit02) {
+        allowed = (1u << n[0]) | (1u << n[2]);
+    } else if (mesh == kFaceSplit13) {
+        allowed = (1u << n[1]) | (1u << n[3]);
+    } else if (count == 3) {
+        allowed = on_face;
+    }
+    return on_face & ~allowed;
+}
+
 // Nodes whose cones have the facets of all faces: a node lies off a face, or on all its facets and these are
 // triangles.
 MORTISE_FUNCTION u32 possible_apexes(const CellBoundary* b) {
     u32 apexes = b->nodes | (1u << kCellInteriorNode);
-    for (int f = 0; f < 6; ++f) {
-        const int count = b->count[f];
-        const u8* n = b->node[f];
-        u32 on_face = 0;
-        u32 allowed = 0;
-        for (int i = 0; i < count; ++i) on_face |= 1u << n[i];
-        if (count == 5) {
-            allowed = 1u << n[pentagon_apex(n, b->mesh[f])];
-        } else if (b->mesh[f] == kFaceSplit02) {
-            allowed = (1u << n[0]) | (1u << n[2]);
-        } else if (b->mesh[f] == kFaceSplit13) {
-            allowed = (1u << n[1]) | (1u << n[3]);
-        } else if (count == 3) {
-            allowed = on_face;
-        }
-        apexes &= ~(on_face & ~allowed);
-    }
+    for (int f = 0; f < 6; ++f) apexes &= ~forbidden_apexes(b->node[f], b->count[f], b->mesh[f]);
     return apexes;
 }
 
-// Divides Γ for an apex off it: dynamic programming over chains of the loop. facing: faces of the cell on
-// which no facet of Γ may lie. Writes facets and elements; returns the quality, at most kGoodQuality.
-MORTISE_FUNCTION double divide_surface(const CellBoundary* b, const double (*p)[3], const double* apex,
+// Divides Γ, with a loop of n nodes, for an apex off it: dynamic programming over chains of the loop. facing:
+// faces of the cell on which no facet of Γ may lie. Writes facets and elements; returns the quality, at most
+// kGoodQuality.
+MORTISE_FUNCTION double divide_surface(const u8* loop, int n, const double (*p)[3], const double* apex,
                                        u32 facing, double floor, Cone* cone) {
-    const int n = b->loop_size;
     double best[kLargestLoop][kLargestLoop];
     u8 choice[kLargestLoop][kLargestLoop];
     u32 faces[kLargestLoop];
-    for (int i = 0; i < n; ++i) faces[i] = node_faces(b->loop[i]) & facing;
+    for (int i = 0; i < n; ++i) faces[i] = node_faces(loop[i]) & facing;
     for (int i = 0; i + 1 < n; ++i) best[i][i + 1] = kGoodQuality;
     for (int length = 2; length < n; ++length) {
         for (int i = 0; i + length < n; ++i) {
@@ -165,10 +171,10 @@ MORTISE_FUNCTION double divide_surface(const CellBoundary* b, const double (*p)[
                         if (!(q > here) || !(q > floor)) continue;
                         if ((faces[i] & faces[k] & faces[l] & faces[j]) != 0) continue;
                         // Seen from the apex.
-                        facet[0] = b->loop[j];
-                        facet[1] = b->loop[l];
-                        facet[2] = quads ? b->loop[k] : b->loop[i];
-                        facet[3] = b->loop[i];
+                        facet[0] = loop[j];
+                        facet[1] = loop[l];
+                        facet[2] = quads ? loop[k] : loop[i];
+                        facet[3] = loop[i];
                         {
                             const double element =
                                 cone_element_quality(p, facet, 3 + quads, apex, here > floor ? here : floor);
@@ -243,17 +249,18 @@ MORTISE_FUNCTION double make_cone(const CellBoundary* b, const double (*p)[3], i
             cone->facets[cone->facet_count++] = (u16)(place | (k << 4) | (l << 8) | (l << 12));
         }
     } else if (b->loop_size > 0) {
-        const double q = divide_surface(b, p, p[apex], facing, floor, cone);
+        const double q = divide_surface(b->loop, b->loop_size, p, p[apex], facing, floor, cone);
         if (q < worst) worst = q;
     }
     return worst;
 }
 
-MORTISE_FUNCTION void place_interior_node(const CellBoundary* b, double (*p)[3]) {
+// The mean of some nodes.
+MORTISE_FUNCTION void place_interior_node(u32 nodes, double (*p)[3]) {
     double count = 0;
     for (int j = 0; j < 3; ++j) p[kCellInteriorNode][j] = 0;
     for (int i = 0; i < kCellInteriorNode; ++i) {
-        if (((b->nodes >> i) & 1) == 0) continue;
+        if (((nodes >> i) & 1) == 0) continue;
         for (int j = 0; j < 3; ++j) p[kCellInteriorNode][j] += p[i][j];
         count += 1;
     }
@@ -277,61 +284,33 @@ MORTISE_FUNCTION int is_positive_corner(const double* o, const double* a, const 
                                   (wx * wx + wy * wy + wz * wz));
 }
 
-// Whether best_cone finds a cone: the first one whose elements are positive decides, fans of Γ before others.
-// facing as in best_cone.
-MORTISE_FUNCTION int has_cone(const CellBoundary* b, double (*p)[3], u32 facing) {
-    const int n = b->loop_size;
-    const u32 apexes = possible_apexes(b);
-    u8 facets[18][4];
-    u8 sizes[18];
-    int facet_count = 0;
-    for (int f = 0; f < 6; ++f) {
-        for (int i = 0; i < 3; ++i) {
-            const int size = face_facet(b, f, i, facets[facet_count]);
-            if (size == 0) break;
-            sizes[facet_count++] = (u8)size;
-        }
-    }
-    for (int apex = 0; apex <= kCellInteriorNode; ++apex) {
-        int valid = 1;
-        int place = -1;
-        if (((apexes >> apex) & 1) == 0) continue;
-        if (apex == kCellInteriorNode) place_interior_node(b, p);
-        for (int i = 0; i < facet_count && valid; ++i) {
-            const u8* facet = facets[i];
-            const int size = sizes[i];
-            if (facet_holds(facet, size, apex)) continue;
-            for (int k = 0; k < (size == 4 ? 4 : 1) && valid; ++k) {
-                valid = is_positive_corner(p[facet[k]], p[facet[k + 1 < size ? k + 1 : 0]],
-                                           p[facet[k > 0 ? k - 1 : size - 1]], p[apex]);
-            }
-        }
-        if (!valid) continue;
-        if (n == 0) return 1;
-        for (int i = 0; i < n; ++i) place = b->loop[i] == apex ? i : place;
-        for (int first = place >= 0 ? place : 0; first < (place >= 0 ? place + 1 : n); ++first) {
-            valid = 1;
-            for (int i = 1; i + 1 < n && valid; ++i) {
-                const int c = b->loop[first];
-                const int d = b->loop[(first + i) % n];
-                const int e = b->loop[(first + i + 1) % n];
-                valid = (node_faces(c) & node_faces(d) & node_faces(e) & facing) == 0 &&
-                        (place >= 0 || is_positive_corner(p[e], p[d], p[c], p[apex]));
-            }
-            if (valid) return 1;
-        }
-        if (place < 0) {
+// The cone from the interior node, which moves along the axes as long as the worst element gets better; the
+// steps halve.
+MORTISE_FUNCTION Cone moved_cone(const CellBoundary* b, double (*p)[3], u32 facing) {
+    double* at = p[kCellInteriorNode];
+    Cone best;
+    best.quality = make_cone(b, (const double(*)[3])p, kCellInteriorNode, facing, 0, &best);
+    for (double step = kFirstMove; step > kLastMove; step /= 2) {
+        for (int k = 0; k < 6; ++k) {
+            const double old = at[k >> 1];
             Cone cone;
-            cone.elements = 0;
-            if (divide_surface(b, (const double(*)[3])p, p[apex], facing, 0, &cone) > 0) return 1;
+            at[k >> 1] = old + ((k & 1) ? step : -step);
+            cone.quality = make_cone(b, (const double(*)[3])p, kCellInteriorNode, facing,
+                                     best.quality > 0 ? best.quality : 0, &cone);
+            if (cone.quality > best.quality) {
+                best = cone;
+            } else {
+                at[k >> 1] = old;
+            }
         }
     }
-    return 0;
+    return best;
 }
 
-// The best cone of the cell, from the nodes first; from an interior node where none of these is good.
-// Positions of the boundary's nodes are given; p[kCellInteriorNode] is scratch. facing: faces of the cell on
-// which no facet of Γ may lie: those that have a mesh, or volume beyond.
+// The best cone of the cell, from the nodes first; from an interior node where none of these is good, which
+// moves if that is short of the targets, too. Positions of the boundary's nodes are given;
+// p[kCellInteriorNode] is scratch. facing: faces of the cell on which no facet of Γ may lie: those that have
+// a mesh, or volume beyond.
 MORTISE_FUNCTION Cone best_cone(const CellBoundary* b, double (*p)[3], u32 facing) {
     Cone best;
     best.quality = -1;
@@ -345,7 +324,7 @@ MORTISE_FUNCTION Cone best_cone(const CellBoundary* b, double (*p)[3], u32 facin
         if (((apexes >> code) & 1) == 0) continue;
         if (code == kCellInteriorNode) {
             if (best.quality >= kWorthNoNode) break;
-            place_interior_node(b, p);
+            place_interior_node(b->nodes, p);
         }
         cone.quality =
             make_cone(b, (const double(*)[3])p, code, facing, best.quality > 0 ? best.quality : 0, &cone);
@@ -354,6 +333,10 @@ MORTISE_FUNCTION Cone best_cone(const CellBoundary* b, double (*p)[3], u32 facin
             best = cone;
         }
         if (best.quality >= kGoodQuality) break;
+    }
+    if (best.quality > 0 && best.quality < kMeetsTargets) {
+        const Cone moved = moved_cone(b, p, facing);
+        if (moved.quality > best.quality) best = moved;
     }
     for (int j = 0; j < 3; ++j) best.point[j] = p[kCellInteriorNode][j];
     return best;

@@ -140,84 +140,26 @@ MORTISE_FUNCTION int hexahedron_is_positive(const double (*p)[3]) {
     return 1;
 }
 
-// The method that a boundary tells: kMethodHexahedron, -1 for none; else kMethodCone.
-MORTISE_FUNCTION int boundary_method(const CellBoundary* b, const double (*p)[3]) {
-    int hexahedron = b->loop_size == 0;
-    if (b->loop_size < 0) return -1;
-    for (int f = 0; f < 6; ++f) hexahedron = hexahedron && b->count[f] == 4 && b->mesh[f] == kFaceWhole;
-    if (!hexahedron) return kMethodCone;
-    return hexahedron_is_positive(p) ? kMethodHexahedron : -1;
-}
-
 // Outlines and face meshes of a leaf. Returns the method if they tell it: kMethodNothing, kMethodHexahedron,
 // -1 for none; else kMethodCone.
 MORTISE_FUNCTION int make_boundary(u32 inside, u32 on, const double (*p)[3], CellBoundary* b) {
+    int whole = 0;
     b->nodes = 0;
     b->loop_size = 0;
     // All corners on the surface, and volume between them: no template tells where it is.
     if (inside == 0) return on != 0xff ? kMethodNothing : -1;
     make_outline(inside, on, b);
     if (b->loop_size < 0) return -1;
-    for (int f = 0; f < 6; ++f) b->mesh[f] = (u8)face_mesh_of(b->node[f], b->count[f], inside, p);
-    return boundary_method(b, p);
-}
-
-// Whether there is a template for a boundary that does not tell it.
-MORTISE_FUNCTION int has_divided_template(u32 inside, u32 on, const CellBoundary* b, double (*p)[3],
-                                          int rows_only) {
-    if (on == 0) {
-        const TemplateRow row = kTemplateRows[inside];
-        return row.shape != 0 && row_is_positive(&row, p);
-    }
-    if (rows_only) return 0;
-    // Not known yet which faces have volume behind them.
-    if (has_cone(b, p, 0x3f)) return 1;
-    {
-        const int axis = wedge_axis(inside, on, b);
-        int n[6];
-        if (axis < 0) return 0;
-        wedge_nodes(b, axis, n);
-        return row_element_quality((const double(*)[3])p, 1, n) > 0;
-    }
-}
-
-// A leaf's faces for the choices of corners that move: a face is a function of its own four.
-typedef struct FaceMemory {
-    u32 known[6];  // bit k: the face is known for choice k of its corners, in the order of its frame
-    u8 count[6][16];
-    u8 mesh[6][16];
-    u8 node[6][16][5];
-} FaceMemory;
-
-// Whether a leaf has a template for given corner states and positions p: one of several choices of corners
-// that move, of which `moved` are those among `on` that do. rows_only: leaves without corners on the surface
-// take their row, others none. `memory` is that of the leaf; known[] is 0 at first.
-MORTISE_FUNCTION int has_template(u32 inside, u32 on, u32 moved, double (*p)[3], int rows_only,
-                                  FaceMemory* memory) {
-    CellBoundary b;
-    int method;
-    if (inside == 0) return on != 0xff;
     for (int f = 0; f < 6; ++f) {
-        u32 k = 0;
-        for (u32 i = 0; i < 4; ++i) k |= ((moved >> kFaceCorners[f][i]) & 1u) << i;
-        if (((memory->known[f] >> k) & 1) == 0) {
-            const int count = face_outline(inside, on, f, memory->node[f][k]);
-            if (count < 0) return 0;
-            memory->known[f] |= 1u << k;
-            memory->count[f][k] = (u8)count;
-            memory->mesh[f][k] = (u8)face_mesh_of(memory->node[f][k], count, inside, (const double(*)[3])p);
-        }
-        b.count[f] = memory->count[f][k];
-        b.mesh[f] = memory->mesh[f][k];
-        for (int i = 0; i < 5; ++i) b.node[f][i] = memory->node[f][k][i];
+        b->mesh[f] = (u8)face_mesh_of(b->node[f], b->count[f], inside, p);
+        whole += b->count[f] == 4 && b->mesh[f] == kFaceWhole;
     }
-    link_outline(inside, &b);
-    method = boundary_method(&b, (const double(*)[3])p);
-    if (method != kMethodCone) return method >= 0;
-    return has_divided_template(inside, on, &b, p, rows_only);
+    if (b->loop_size > 0 || whole < 6) return kMethodCone;
+    return hexahedron_is_positive(p) ? kMethodHexahedron : -1;
 }
 
-// The best template of a leaf for which has_template holds; facing: faces beyond which there is volume.
+// The best template of a leaf for which has_template (corner_choices.h) holds; facing: faces beyond which
+// there is volume.
 MORTISE_FUNCTION void choose_template(u32 inside, u32 on, double (*p)[3], u32 facing, int rows_only,
                                       LeafTemplate* result) {
     CellBoundary* b = &result->boundary;

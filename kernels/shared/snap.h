@@ -5,7 +5,7 @@
 #include "surface.h"
 
 // A vertex closer than this, in edges of the finest cell, may be moved (quality.md, snapping rule).
-#define kVertexSnapDistance 0.34
+#define kVertexSnapDistance 0.335
 #define kProjectionSteps 12
 
 // A vertex stays where the part on its side of the surface is thinner than this beyond it, in edges of the

@@ -37,7 +37,8 @@ typedef struct SnioCandidate {
     u8 zero;    // bit c: corner c is on the surface where it is
     u8 near;    // bit c: corner c may be moved onto the surface
     u8 flags;   // kCandidate…
-    u8 padding[2];
+    u8 needed;  // bit c: simple only if corner c, which is not in `zero`, is moved
+    u8 padding;
 } SnioCandidate;
 
 // Where a simple leaf meets its surface. What is neither near nor cut is undefined.
@@ -49,6 +50,11 @@ typedef struct SnioPoints {
 #define kCandidateSimple 1    // one surface, and a template for the corners as they are
 #define kCandidateSafe 2      // a template whichever of the `near` corners are moved
 #define kCandidatePromoted 4  // was an IN leaf
+
+// Whether a leaf has a template, now that it is known which of its corners move.
+MORTISE_FUNCTION int stays_simple(SnioCandidate candidate, u32 moved) {
+    return (candidate.flags & kCandidateSimple) != 0 && (candidate.needed & ~moved) == 0;
+}
 
 // Edges between an inside and an outside corner.
 MORTISE_FUNCTION u32 cut_edges(u32 inside, u32 on) {

@@ -3,13 +3,19 @@
 //
 // A leaf is a candidate only if one side of its surface is a region and the other is outside, and if each
 // face is whole or cut by one chord, for the certificate as for templates (F0 and F1 of algorithms.md §2): no
-// face or cell centre contradicts corners that agree.
+// face or cell centre contradicts corners that agree. A face close to a surface nearly parallel to it may be
+// neither, a bulge, or a saddle with two opposite corners inside; it is simple once all four corners are on
+// the surface, so they are needed there.
 #include "shared/bounds.h"
 #include "shared/snio.h"
 #include "shared/surface.h"
 #include "shared/tape.h"
 #include "shared/template_table.h"
 #include "shared/tree.h"
+
+// A face with the surface on both sides counts as on the surface, once its corners are, if the surface is
+// closer to its middle than this, in edges of the cell: 0.083 where the radius is 3 cells.
+#define kLargestBulge 0.1
 
 // Value of a tape whose literals are all of one surface, with that surface's sign given.
 int evaluate_tape(__global const uint* tape, uint length, uint inside) {
@@ -56,6 +62,15 @@ int face_is_simple(uint inside, uint zero, int f) {
     return zeros == 2 && changes == 2;
 }
 
+// Whether the surface is within kLargestBulge of a point, to first order.
+int is_close(__global const Surface* surface, __global const ExpressionOp* ops, const double* at,
+             double cell) {
+    const SurfaceSample sample = surface_sample(surface, ops, at[0], at[1], at[2]);
+    double square = 0;
+    for (int j = 0; j < 3; ++j) square += sample.gradient[j] * sample.gradient[j];
+    return sample.value * sample.value < kLargestBulge * kLargestBulge * cell * cell * square;
+}
+
 // Reads   the tree, nio (leaves), tapes, surfaces, ops.
 // Writes  candidates[i], without `near`. If `snap` is not set corners of sign 0 make a leaf complex.
 // One work-item handles one leaf.
@@ -80,6 +95,7 @@ MORTISE_KERNEL void classify(TREE_PARAMETERS, __global const TreeNode* nio, __gl
         int value_outside = 0;
         uint inside = 0;
         uint zero = 0;
+        uint needed = 0;
         candidate.surface = tape_surface(tape[0]);
         for (uint i = 0; i < node.tape_length && simple; ++i) {
             simple = tape_operation(tape[i]) != kTapeLiteral || tape_surface(tape[i]) == candidate.surface;
@@ -103,26 +119,33 @@ MORTISE_KERNEL void classify(TREE_PARAMETERS, __global const TreeNode* nio, __gl
             }
             simple = simple && zero != 0xff;
         }
-        if (simple && zero == 0) simple = inside == 0 || inside == 0xff || kTemplateRows[inside].shape != 0;
         for (int f = 0; f < 6 && simple; ++f) {
+            const int axis = f >> 1;
+            const double side = (f & 1) ? 1.0 : 0.0;
+            const double middle[3] = {x + (axis == 0 ? side : 0.5) * cell,
+                                      y + (axis == 1 ? side : 0.5) * cell,
+                                      z + (axis == 2 ? side : 0.5) * cell};
             uint in_face = 0;
             uint corners = 0;
+            int fits;
             for (int i = 0; i < 4; ++i) {
                 in_face |= inside & (1u << kFaceCorners[f][i]);
                 corners |= 1u << kFaceCorners[f][i];
             }
             corners &= ~zero;
             if (in_face == 0 || in_face == corners) {
-                const int axis = f >> 1;
-                const double side = (f & 1) ? 1.0 : 0.0;
-                const int sign = surface_sign(surface, ops, x + (axis == 0 ? side : 0.5) * cell,
-                                              y + (axis == 1 ? side : 0.5) * cell,
-                                              z + (axis == 2 ? side : 0.5) * cell, cell);
-                simple = sign == 0 || corners == 0 ||
-                         ((sign < 0 ? value_inside : value_outside) != 0) == (in_face != 0);
+                const int sign = surface_sign(surface, ops, middle[0], middle[1], middle[2], cell);
+                fits = sign == 0 || corners == 0 ||
+                       ((sign < 0 ? value_inside : value_outside) != 0) == (in_face != 0);
             } else {
-                simple = face_is_simple(inside, zero, f);
+                fits = face_is_simple(inside, zero, f);
             }
+            if (fits) continue;
+            simple = snap && is_close(surface, ops, middle, cell);
+            needed |= corners;
+        }
+        if (simple && (zero | needed) == 0) {
+            simple = inside == 0 || inside == 0xff || kTemplateRows[inside].shape != 0;
         }
         if (simple && (inside == 0 || (inside | zero) == 0xff)) {
             const int sign = surface_sign(surface, ops, x + 0.5 * cell, y + 0.5 * cell, z + 0.5 * cell, cell);
@@ -133,8 +156,8 @@ MORTISE_KERNEL void classify(TREE_PARAMETERS, __global const TreeNode* nio, __gl
         candidate.zero = (uchar)zero;
         candidate.near = 0;
         candidate.flags = simple ? kCandidateSimple : 0;
-        candidate.padding[0] = 0;
-        candidate.padding[1] = 0;
+        candidate.needed = (uchar)needed;
+        candidate.padding = 0;
         candidates[item] = candidate;
     }
 }

@@ -13,7 +13,7 @@ int has_volume(const Tree* tree, __global const SnioCandidate* candidates, __glo
     if (beyond.kind != kLeafNio) return beyond.kind == kLeafIn;
     {
         const SnioCandidate candidate = candidates[beyond.index];
-        if ((candidate.flags & kCandidateSimple) == 0 || (candidate.flags & kCandidatePromoted) != 0) {
+        if (!stays_simple(candidate, moved[beyond.index]) || (candidate.flags & kCandidatePromoted) != 0) {
             return 1;
         }
         return (candidate.inside & ~(candidate.zero | moved[beyond.index])) != 0;
@@ -65,7 +65,7 @@ MORTISE_KERNEL void fill(TREE_PARAMETERS, __global const TreeNode* nio,
                 leaf.boundary |= (uchar)(1u << f);
             }
         }
-        if ((candidate.flags & (kCandidateSimple | kCandidatePromoted)) == 0) {
+        if (!stays_simple(candidate, displaced) && (candidate.flags & kCandidatePromoted) == 0) {
             leaf.pattern = kPatternCnio;
             leaf.region = 0;
             leaf.on = 0;

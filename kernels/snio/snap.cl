@@ -3,12 +3,13 @@
 // A vertex may move only if all leaves around it know one surface at most (IN and OUT leaves: none), the same
 // one, and if each of them keeps a valid template whichever of its own vertices move. So one pass decides, in
 // any order: nothing depends on what another vertex does. Leaves of the certificate never have a moved
-// corner.
+// corner. A leaf that needs corners on the surface is meshed by a template only if all leaves around these
+// are as sure; else it is one of the certificate's.
 //
 // IN leaves with a corner on the surface are promoted: they join the NIO leaves, with an empty tape, and get
 // a template like them.
 #include "shared/bounds.h"
-#include "shared/leaf_template.h"
+#include "shared/corner_choices.h"
 
 #define NO_LEAF 0xffffffffu
 
@@ -109,8 +110,8 @@ MORTISE_KERNEL void promote_leaves(TREE_PARAMETERS, __global const uint* new_nio
                 candidate.zero = 0;
                 candidate.near = 0;
                 candidate.flags = kCandidateSimple | kCandidatePromoted;
-                candidate.padding[0] = 0;
-                candidate.padding[1] = 0;
+                candidate.needed = 0;
+                candidate.padding = 0;
                 for (uint c = 0; c < 8; ++c) {
                     for (uint d = 0; d < 8; ++d) {
                         const Leaf leaf = leaf_at_vertex(&tree, gather_bits(own) + (c & 1) * edge,
@@ -143,8 +144,9 @@ MORTISE_KERNEL void promote_leaves(TREE_PARAMETERS, __global const uint* new_nio
     }
 }
 
-// Whether a leaf has a template as it is (kCandidateSimple stays), and whichever of its near corners move
-// (kCandidateSafe). Reads points; reads and writes candidates. One work-item handles one leaf.
+// Whether a leaf has a template as it is (kCandidateSimple stays), and whichever of its near corners move,
+// all that it needs among them (kCandidateSafe). Reads points; reads and writes candidates. One work-item
+// handles one leaf.
 MORTISE_KERNEL void test_subsets(__global const SnioPoints* points, __global SnioCandidate* candidates,
                                  int snap, uint items) {
     const uint item = get_global_id(0);
@@ -152,18 +154,21 @@ MORTISE_KERNEL void test_subsets(__global const SnioPoints* points, __global Sni
     {
         const SnioCandidate candidate = candidates[item];
         const uint near = candidate.near;
+        const uint needed = candidate.needed;
+        const uint others = near & ~needed;
         double p[kCellNodes][3];
         double moved[8][3];
-        FaceMemory memory;
-        uint subset = 0;
+        CornerChoices choices;
+        uint subset = needed;
         int valid = 1;
-        if ((candidate.flags & kCandidateSimple) == 0) return;
+        if ((candidate.flags & kCandidateSimple) == 0 || (needed & ~near) != 0) return;
         leaf_positions(points + item, near, cut_edges(candidate.inside, candidate.zero), p);
         for (uint c = 0; c < 8; ++c) {
             for (int j = 0; j < 3; ++j) moved[c][j] = p[c][j];
         }
-        for (uint f = 0; f < 6; ++f) memory.known[f] = 0;
-        // All subsets of `near`, the empty one first.
+        for (uint f = 0; f < 6; ++f) choices.known[f] = 0;
+        choices.apex = kNoApex;
+        // All subsets of `near` that hold `needed`, the smallest one first.
         do {
             const uint on = candidate.zero | subset;
             for (uint c = 0; c < 8; ++c) {
@@ -172,16 +177,54 @@ MORTISE_KERNEL void test_subsets(__global const SnioPoints* points, __global Sni
                 p[c][1] = is_moved ? moved[c][1] : (double)((c >> 1) & 1);
                 p[c][2] = is_moved ? moved[c][2] : (double)(c >> 2);
             }
-            valid = has_template(candidate.inside & ~on, on, subset, p, !snap, &memory) ||
+            valid = has_template(candidate.inside & ~on, on, subset, p, !snap, &choices) ||
                     (subset == 0 && (candidate.flags & kCandidatePromoted) != 0);
             if (subset == 0 && !valid) {
                 candidates[item].flags = candidate.flags & ~kCandidateSimple;
                 return;
             }
-            subset = (subset - near) & near;
-        } while (valid && subset != 0);
+            subset = needed | (((subset & others) - others) & others);
+        } while (valid && subset != needed);
         if (valid) candidates[item].flags = candidate.flags | kCandidateSafe;
     }
+}
+
+// Whether every corner that a safe leaf needs moves: all leaves around it are safe, and need nothing else.
+// These then find the same.
+int has_needed(const Tree* tree, __global const TreeNode* nio, __global const SnioCandidate* candidates,
+               uint index) {
+    const uint needed = candidates[index].needed;
+    const ulong own = nio[index].morton;
+    const uint edge = leaf_edge(tree, leaf_level(tree, own));
+    for (uint c = 0; c < 8; ++c) {
+        if (((needed >> c) & 1) == 0) continue;
+        for (uint d = 0; d < 8; ++d) {
+            const Leaf leaf = leaf_at_vertex(tree, gather_bits(own) + (c & 1) * edge,
+                                             gather_bits(own >> 1) + ((c >> 1) & 1) * edge,
+                                             gather_bits(own >> 2) + (c >> 2) * edge, d);
+            SnioCandidate other;
+            uint same = 0;
+            if (leaf.kind != kLeafNio) continue;
+            other = candidates[leaf.index];
+            if ((other.flags & kCandidateSafe) == 0) return 0;
+            if (other.needed == 0) continue;
+            // Corner k of that leaf, which has the vertex as its corner 7 - d, as a corner of this one.
+            for (uint k = 0; k < 8; ++k) {
+                int in_this = 1;
+                uint here = 0;
+                if (((other.needed >> k) & 1) == 0) continue;
+                for (uint j = 0; j < 3; ++j) {
+                    const int at = (int)((c >> j) & 1) + (int)((k >> j) & 1) - (int)(((7 - d) >> j) & 1);
+                    in_this = in_this && (at == 0 || at == 1);
+                    here |= (uint)(at & 1) << j;
+                }
+                if (!in_this) return 0;
+                same |= 1u << here;
+            }
+            if (same != needed) return 0;
+        }
+    }
+    return 1;
 }
 
 // Final states: the corners that move.
@@ -203,7 +246,9 @@ MORTISE_KERNEL void decide(TREE_PARAMETERS, __global const TreeNode* nio,
                 const Leaf leaf = leaf_at_vertex(&tree, gather_bits(own) + (c & 1) * edge,
                                                  gather_bits(own >> 1) + ((c >> 1) & 1) * edge,
                                                  gather_bits(own >> 2) + (c >> 2) * edge, d);
-                if (leaf.kind == kLeafNio && (candidates[leaf.index].flags & kCandidateSafe) == 0) {
+                if (leaf.kind != kLeafNio) continue;
+                if ((candidates[leaf.index].flags & kCandidateSafe) == 0 ||
+                    (candidates[leaf.index].needed != 0 && !has_needed(&tree, nio, candidates, leaf.index))) {
                     kept &= ~(1u << c);
                 }
             }

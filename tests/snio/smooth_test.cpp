@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <cstdio>
+#include <random>
 #include <string>
 
 #include "mortise/check.hpp"
@@ -34,6 +35,7 @@ struct Case {
     Model model;
     int level;
     std::int64_t euler;
+    double min_dihedral = 15;
 };
 
 void check_smooth(const Case& item) {
@@ -51,14 +53,12 @@ void check_smooth(const Case& item) {
     for (const double each : check.min_scaled_jacobian) jacobian = std::min(jacobian, each);
     MESSAGE(item.name, " at level ", item.level, ": ", mesh.element_count(), " elements, dihedral ",
             check.min_dihedral, " to ", check.max_dihedral, ", scaled Jacobian ", jacobian);
-    // Where the surface bulges through a face between four corners of one side, the certificate does its
-    // work.
-    CHECK(report.cnio_cells <= report.nio_cells / 100);
+    CHECK(report.cnio_cells == 0);
     CHECK(check.euler_characteristic == item.euler);
     CHECK(check.nonmanifold_edges == 0);
-    CHECK(check.min_dihedral >= 15);
+    CHECK(check.min_dihedral >= item.min_dihedral);
     CHECK(check.max_dihedral <= 160);
-    CHECK(jacobian >= 0.145);
+    CHECK(jacobian >= 0.15);
 }
 
 }  // namespace
@@ -74,6 +74,37 @@ TEST_CASE("smooth solids: dihedral angles within 15 to 160 degrees") {
                   formula("sin(3*x)*cos(3*y)+sin(3*y)*cos(3*z)+sin(3*z)*cos(3*x)"
                           "+2*(x^2+y^2+z^2)^2-1.2"),
                   6, 2});
+}
+
+TEST_CASE("surfaces that graze faces of the grid are simple") {
+    // Poles of balls bulge through faces; where the normals of a torus are those of the grid it is a saddle,
+    // and corners of a face may be inside by turns. Both are rare elsewhere. Of the tori, in this pose and
+    // with radii near 4 cells, some have tetrahedra of one inside corner with 13.8 degrees, before
+    // improvement.
+    std::mt19937_64 random(20);
+    const auto between = [&random](double low, double high) {
+        return low + (high - low) * static_cast<double>(random() >> 11) * 0x1p-53;
+    };
+    const auto number = [](double value) { return "(" + std::to_string(value) + ")"; };
+    for (int i = 0; i < 25; ++i) {
+        std::string moved[3];
+        for (int j = 0; j < 3; ++j)
+            moved[j] = "(" + std::string(1, "xyz"[j]) + "-" + number(between(-0.2, 0.2)) + ")";
+        // Radii of 4 cells and more.
+        const std::string ball_radius = number(between(0.4, 1));
+        check_smooth({"ball " + std::to_string(i),
+                      formula(moved[0] + "^2+" + moved[1] + "^2+" + moved[2] + "^2-" + ball_radius + "^2"), 5,
+                      2});
+        // The axis lies along (0, 1, 1), so that at its waist the grid's y and z are diagonals of the saddle.
+        const std::string along = "((" + moved[1] + "+" + moved[2] + ")*" + number(std::sqrt(0.5)) + ")";
+        const std::string across = "((" + moved[1] + "-" + moved[2] + ")*" + number(std::sqrt(0.5)) + ")";
+        const std::string ring = number(between(0.75, 0.8));
+        const std::string tube = number(between(0.38, 0.4));
+        check_smooth({"torus " + std::to_string(i),
+                      formula("(sqrt(" + moved[0] + "^2+" + across + "^2)-" + ring + ")^2+" + along + "^2-" +
+                              tube + "^2"),
+                      5, 0, 13.5});
+    }
 }
 
 TEST_CASE("a plane parallel to the grid keeps hexahedra") {

@@ -1,4 +1,4 @@
-// Templates of cells with corners on the surface (kernels/shared/leaf_template.h), by measures and
+// Templates of cells with corners on the surface (kernels/shared/corner_choices.h), by measures and
 // combinatorics of host/templates, which they do not use.
 #include <doctest/doctest.h>
 
@@ -9,7 +9,7 @@
 #include <set>
 
 #include "host/templates/measure.hpp"
-#include "kernels/shared/leaf_template.h"
+#include "kernels/shared/corner_choices.h"
 #include "kernels/shared/snap.h"
 #include "tests/templates/table_access.hpp"
 
@@ -301,7 +301,7 @@ TEST_CASE("planes: every subset of the near corners has a valid template") {
     int bad = 0;
     for (int i = 0; i < 6000; ++i) {
         const PlaneCell cell = random_cell(random);
-        FaceMemory memory{};  // of all subsets, beside one of each
+        CornerChoices choices{};  // of all subsets, beside one of each
         u32 on = 0;
         do {
             const u32 inside = cell.inside & ~on;
@@ -312,8 +312,8 @@ TEST_CASE("planes: every subset of the near corners has a valid template") {
                 for (std::size_t n = 0; n < kCellNodes; ++n) {
                     std::copy(positions[n].begin(), positions[n].end(), p[n]);
                 }
-                FaceMemory forgotten{};
-                const int found = ::has_template(inside, on, on, p, 0, &memory);
+                CornerChoices forgotten{};
+                const int found = ::has_template(inside, on, on, p, 0, &choices);
                 if (found != ::has_template(inside, on, on, p, 0, &forgotten)) ++bad;
                 if (found == 0) {
                     ++missing;
