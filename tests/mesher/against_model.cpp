@@ -46,14 +46,14 @@ void compare_with_model(const Model& model, const Meshed& meshed) {
     CHECK(scan.wrong_volume <= kSurfaceShare * area * report.cell_size + noise);
     for (std::size_t r = 0; r < model.regions.size(); ++r) {
         const double volume = r < meshed.check.region_volume.size() ? meshed.check.region_volume[r] : 0;
-        // Samples of a column share their jitter: beside an upright face one scan may be off by more than
-        // its spread, a finer one is not (random model 141).
+        // Samples of a column share their jitter: beside upright faces a scan may be off by more than its
+        // spread (random model 141). A finer one has a smaller spread, told by its columns.
         if (!is_volume(scan, area, r, volume)) {
             const ScanResult finer =
                 scan_membership(model, meshed.mesh, report.root, report.cell_size, 4 * kLines);
-            CAPTURE(volume);
             CAPTURE(finer.model_volume[r]);
-            CHECK(is_volume(finer, area, r, volume));
+            CHECK(std::fabs(volume - finer.model_volume[r]) <=
+                  finer.wrong_volume + 6 * finer.volume_spread[r]);
         }
         CHECK(enclosed_volume(meshed.mesh, r + 1) ==
               doctest::Approx(volume).epsilon(1e-7).scale(report.cell_size));

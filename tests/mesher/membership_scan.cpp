@@ -11,10 +11,31 @@
 namespace mortise::test {
 namespace {
 
+/// Where a vertical line passes a facet.
+struct Crossing {
+    double height;
+    std::uint16_t below, above;  ///< regions
+    bool operator<(const Crossing& other) const { return height < other.height; }
+};
+
+/// Facets that touch are passed at one height, but for rounding: puts those in an order in which each begins
+/// where the last one ends. What is more than 1e-9 of `scale` apart keeps its order.
+void order_touching(std::vector<Crossing>& crossings, double scale) {
+    std::uint16_t region = 0;
+    for (auto at = crossings.begin(); at != crossings.end(); ++at) {
+        auto next = at;
+        while (next != crossings.end() && next->below != region && next->height - at->height < 1e-9 * scale)
+            ++next;
+        if (next != crossings.end() && next->below == region) std::iter_swap(at, next);
+        region = at->above;
+    }
+}
+
 /// The facets that may meet a column, by the columns' grid. A facet is listed in every cell its bounds touch.
 class FacetGrid {
   public:
-    FacetGrid(const Mesh& mesh, const Box3& box, int lines) : mesh_(mesh), lines_(lines) {
+    FacetGrid(const Mesh& mesh, const Box3& box, int lines)
+        : mesh_(mesh), lines_(lines), scale_(box.max[2] - box.min[2]) {
         cells_.resize(static_cast<std::size_t>(lines) * static_cast<std::size_t>(lines));
         for (std::size_t f = 0; f < mesh.facets.size(); ++f) {
             int low[2], high[2];
@@ -33,9 +54,8 @@ class FacetGrid {
         }
     }
 
-    /// Crossings of the vertical line through (x, y): height, and the region just above.
-    void cross(int column_x, int column_y, double x, double y,
-               std::vector<std::pair<double, std::uint16_t>>& crossings) const {
+    /// Crossings of the vertical line through (x, y), from below.
+    void cross(int column_x, int column_y, double x, double y, std::vector<Crossing>& crossings) const {
         crossings.clear();
         for (const std::size_t f : cells_[index(column_x, column_y)]) {
             cross_triangle(f, 0, 1, 2, x, y, crossings);
@@ -44,6 +64,7 @@ class FacetGrid {
             }
         }
         std::sort(crossings.begin(), crossings.end());
+        order_touching(crossings, scale_);
     }
 
   private:
@@ -58,7 +79,7 @@ class FacetGrid {
         return std::clamp(static_cast<int>(std::floor(t)), 0, lines_ - 1);
     }
     void cross_triangle(std::size_t f, std::size_t i, std::size_t j, std::size_t k, double x, double y,
-                        std::vector<std::pair<double, std::uint16_t>>& crossings) const {
+                        std::vector<Crossing>& crossings) const {
         const double *a = point(f, i), *b = point(f, j), *c = point(f, k);
         const auto side = [&](const double* p, const double* q) {
             return (q[0] - p[0]) * (y - p[1]) - (q[1] - p[1]) * (x - p[0]);
@@ -67,11 +88,13 @@ class FacetGrid {
         const bool up = u > 0 && v > 0 && w > 0, down = u < 0 && v < 0 && w < 0;
         if (!up && !down) return;
         const double z = (u * a[2] + v * b[2] + w * c[2]) / (u + v + w);
-        crossings.push_back({z, up ? mesh_.facets.outside[f] : mesh_.facets.inside[f]});
+        const std::uint16_t inside = mesh_.facets.inside[f], outside = mesh_.facets.outside[f];
+        crossings.push_back(up ? Crossing{z, inside, outside} : Crossing{z, outside, inside});
     }
 
     const Mesh& mesh_;
     int lines_;
+    double scale_;
     std::vector<std::vector<std::size_t>> cells_;
 };
 
@@ -106,21 +129,25 @@ ScanResult scan_membership(const Model& model, const Mesh& mesh, const Box3& box
     Vec3 step{};
     for (std::size_t j = 0; j < 3; ++j) step[j] = (box.max[j] - box.min[j]) / lines;
     result.sample_volume = step[0] * step[1] * step[2];
-    std::vector<std::pair<double, std::uint16_t>> crossings;
+    std::vector<Crossing> crossings;
+    // By region: samples in the column, and in the one before it.
+    std::vector<double> here(model.regions.size()), before(model.regions.size());
+    result.volume_spread.assign(model.regions.size(), 0);
     for (int j = 0; j < lines; ++j) {
         for (int i = 0; i < lines; ++i) {
             const double x = box.min[0] + step[0] * (i + random.uniform(0, 1));
             const double y = box.min[1] + step[1] * (j + random.uniform(0, 1));
             grid.cross(i, j, x, y, crossings);
             std::size_t next = 0, in_mesh = 0;
+            std::fill(here.begin(), here.end(), 0);
             for (int k = 0; k < lines; ++k) {
                 const Vec3 p = {x, y, box.min[2] + step[2] * (k + random.uniform(0, 1))};
-                while (next < crossings.size() && crossings[next].first < p[2]) {
-                    in_mesh = crossings[next++].second;
+                while (next < crossings.size() && crossings[next].height < p[2]) {
+                    in_mesh = crossings[next++].above;
                 }
                 const std::size_t in_model = region_at(model, p);
                 ++result.samples;
-                if (in_model > 0) result.model_volume[in_model - 1] += result.sample_volume;
+                if (in_model > 0) ++here[in_model - 1];
                 if (in_model == in_mesh) continue;
                 ++result.wrong;
                 if (!is_uniform(model, p, 0.5 * cell)) continue;
@@ -132,8 +159,15 @@ ScanResult scan_membership(const Model& model, const Mesh& mesh, const Box3& box
                      << " in the model, " << in_mesh << " in the mesh";
                 result.first_far = text.str();
             }
+            for (std::size_t r = 0; r < here.size(); ++r) {
+                result.model_volume[r] += here[r] * result.sample_volume;
+                // Cochran, Sampling Techniques (1977), §5A.12: of pairs of strata with one sample each.
+                if (i % 2 == 1) result.volume_spread[r] += (here[r] - before[r]) * (here[r] - before[r]);
+            }
+            std::swap(here, before);
         }
     }
+    for (double& spread : result.volume_spread) spread = std::sqrt(spread) * result.sample_volume;
     result.wrong_volume = static_cast<double>(result.wrong) * result.sample_volume;
     return result;
 }

@@ -20,7 +20,9 @@ struct ScanResult {
     double sample_volume = 0;          ///< volume of space that one sample stands for
     double wrong_volume = 0;           ///< wrong × sample_volume
     std::vector<double> model_volume;  ///< by region, index 0 is region 1: Monte-Carlo estimates
-    std::string first_far;             ///< the first far sample, for messages
+    /// By region: standard deviation of model_volume, or more, as neighbouring columns tell it.
+    std::vector<double> volume_spread;
+    std::string first_far;  ///< the first far sample, for messages
 };
 
 /// Scans `box` on lines × lines columns of `lines` samples each, jittered by a fixed seed.
