@@ -31,23 +31,34 @@ class Places {
           step_(std::ldexp(report.cell_size, report.level - report.finest_level) / 1000) {
         for (NodeId i = 0; i < mesh.node_count(); ++i) nodes_[place({i})] = i;
     }
-    /// The node in the middle of others, or none. An edge shorter than a step, as there are some before
-    /// improvement, has its middle where one of its own ends is.
+    /// The node in the middle of others, or none. Some edges are shorter than a step, before improvement: a
+    /// node is in the middle if it is closer to it than a hundredth of the distance to the others.
     std::optional<NodeId> middle(const std::vector<NodeId>& of) const {
         const auto found = nodes_.find(place(of));
-        if (found == nodes_.end() || std::find(of.begin(), of.end(), found->second) != of.end())
-            return std::nullopt;
-        return found->second;
+        if (found == nodes_.end()) return std::nullopt;
+        const Vec3 at = mean(of);
+        const double off = distance(at, mean({found->second}));
+        const bool is_middle =
+            std::all_of(of.begin(), of.end(), [&](NodeId n) { return off < 0.01 * distance(at, mean({n})); });
+        return is_middle ? std::optional<NodeId>(found->second) : std::nullopt;
     }
 
   private:
-    Place place(const std::vector<NodeId>& of) const {
-        Place result{};
-        for (std::size_t j = 0; j < 3; ++j) {
-            double sum = 0;
-            for (const NodeId node : of) sum += mesh_.points[3 * std::size_t{node} + j];
-            result[j] = std::llround((sum / static_cast<double>(of.size()) - origin_[j]) / step_);
+    Vec3 mean(const std::vector<NodeId>& of) const {
+        Vec3 sum{};
+        for (const NodeId node : of) {
+            for (std::size_t j = 0; j < 3; ++j) sum[j] += mesh_.points[3 * std::size_t{node} + j];
         }
+        for (double& x : sum) x /= static_cast<double>(of.size());
+        return sum;
+    }
+    static double distance(const Vec3& a, const Vec3& b) {
+        return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
+    }
+    Place place(const std::vector<NodeId>& of) const {
+        const Vec3 at = mean(of);
+        Place result{};
+        for (std::size_t j = 0; j < 3; ++j) result[j] = std::llround((at[j] - origin_[j]) / step_);
         return result;
     }
     const Mesh& mesh_;
