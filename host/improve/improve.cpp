@@ -183,6 +183,15 @@ Mesh improve(Mesh mesh, const tape::BoundModel& model, const Options& options, C
     return session.finish(counters != nullptr ? *counters : local);
 }
 
+Mesh mend_parts(Mesh mesh, const tape::BoundModel& model, const Options& options, Counters& counters) {
+    Session session(std::move(mesh), model, options, nullptr);
+    session.raise(kGoodQuality, kGoodQuality);
+    Counters added;
+    mesh = session.finish(added);
+    counters.zone_elements += added.zone_elements;
+    return mesh;
+}
+
 Mesh raise(Mesh mesh, const tape::BoundModel& model, const Options& options, Counters& counters,
            Trace* trace) {
     Session session(std::move(mesh), model, options, trace);

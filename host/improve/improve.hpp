@@ -45,6 +45,10 @@ double quality_of_angle(double degrees);
 Mesh improve(Mesh mesh, const tape::BoundModel& model, const Options& options, Counters* counters,
              Trace* trace = nullptr);
 
+/// Improves what improve()'s elements have been split into, whose quality may be less than theirs. Without
+/// merging or smaller elements; nodes that are loose stay where they are, no others become loose.
+Mesh mend_parts(Mesh mesh, const tape::BoundModel& model, const Options& options, Counters& counters);
+
 /// Raises the quality of all elements to a goal above kGoodQuality. The mesh is what improve() has made with
 /// these options, or what it has been split into; `counters` and `trace` are those of improve(), and are
 /// brought up to date.

@@ -174,10 +174,12 @@ Mesh Mesher::generate(const Model& model, const MeshOptions& options, MeshReport
         stages.end(mesh.element_count());
     }
     // After elements have been split: what good ones are split into may be worse.
-    if (improve_options.goal > improve::kGoodQuality) {
+    const bool raises = improve_options.goal > improve::kGoodQuality;
+    if (raises || (options.improve && options.tetrahedra)) {
         stages.begin("raise", 0.952);
         const std::uint64_t before = counters.zone_elements;
-        mesh = improve::raise(std::move(mesh), prepared.bound, improve_options, counters);
+        mesh = raises ? improve::raise(std::move(mesh), prepared.bound, improve_options, counters)
+                      : improve::mend_parts(std::move(mesh), prepared.bound, improve_options, counters);
         stages.end(counters.zone_elements - before);
     }
     if (options.hanging) {

@@ -35,6 +35,17 @@ double largest_angle(double smallest) {
                      radians;
 }
 
+TEST_CASE("what good elements are split into is good, too") {
+    for (const int level : {4, 5, 6}) {
+        CAPTURE(level);
+        const Meshed m = mesh_and_check(asset("bracket"), options(level, 18, true));
+        CHECK(m.defects == "");
+        CHECK(m.check.min_dihedral > 17.99);
+        CHECK(m.check.min_scaled_jacobian[static_cast<std::size_t>(ElementType::kTetrahedron)] > 0.1999);
+        CHECK(m.report.features.corners.size() == 12);
+    }
+}
+
 TEST_CASE("the quality of an angle is its sine") {
     for (const double angle : {18.0, 25.0, 31.7, 35.0}) {
         CHECK(improve::quality_of_angle(angle) ==
