@@ -1,6 +1,5 @@
-// Whether a leaf has a template, for many choices of corners that move: all of snap.cl's work that is more
-// than looking around. What belongs to a face depends on its own four corners only, so it is made once for
-// each choice of these.
+// Whether a leaf has a template, for all choices of its corners that may move. What belongs to a face depends
+// on the face's own four corners only, so it is made once for each choice of these.
 #ifndef MORTISE_SHARED_CORNER_CHOICES_H
 #define MORTISE_SHARED_CORNER_CHOICES_H
 
@@ -20,11 +19,10 @@ typedef struct FaceChoice {
     u8 facet[kMostFaceFacets][4];  // as face_facet has them
 } FaceChoice;
 
-// Of one leaf.
+// The faces of one leaf. At first known[] is 0, and apex kNoApex.
 typedef struct CornerChoices {
-    u32 known[6];  // bit k: the face is known for choice k of its corners, in the order of its frame; 0 at
-                   // first
-    u32 apex;      // of the last cone that was found; kNoApex at first
+    u32 known[6];  // bit k: the face is known for choice k of its corners, in the order of its frame
+    u32 apex;      // of the last cone that was found
     FaceChoice face[6][16];
 } CornerChoices;
 

@@ -237,6 +237,13 @@ MORTISE_FUNCTION u32 leaf_uses(MORTISE_GLOBAL u32* used, const Leaf leaf, u32 bi
     return leaf.kind == kLeafNio ? (used[leaf.index] >> bit) & 1u : 0;
 }
 
+// Leaf d of those around corner c of a cell of `edge` finest cells; `code` is the cell's first finest cell.
+MORTISE_FUNCTION Leaf leaf_at_corner(const Tree* tree, u64 code, u32 edge, u32 c, u32 d) {
+    return leaf_at_vertex(tree, gather_bits(code) + (c & 1) * edge,
+                          gather_bits(code >> 1) + ((c >> 1) & 1) * edge,
+                          gather_bits(code >> 2) + (c >> 2) * edge, d);
+}
+
 // Owner of grid vertex (x, y, z), in finest cells: its code, and the vertex's bit in the owner's mask.
 MORTISE_FUNCTION u64 vertex_owner(const Tree* tree, MORTISE_GLOBAL u32* used, u32 x, u32 y, u32 z, u32* bit) {
     u64 owner = kNoOwner;

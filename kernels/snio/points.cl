@@ -25,11 +25,8 @@ int has_point(__global const SnioCandidate* candidates, uint surface, int level,
 uint first_at_corner(const Tree* tree, __global const SnioCandidate* candidates, uint surface, ulong code,
                      int level, uint c, uint* first) {
     const uint edge = leaf_edge(tree, level);
-    const uint x = gather_bits(code) + (c & 1) * edge;
-    const uint y = gather_bits(code >> 1) + ((c >> 1) & 1) * edge;
-    const uint z = gather_bits(code >> 2) + (c >> 2) * edge;
     for (uint d = 0; d < 7 - c; ++d) {
-        const Leaf leaf = leaf_at_vertex(tree, x, y, z, d);
+        const Leaf leaf = leaf_at_corner(tree, code, edge, c, d);
         if (!has_point(candidates, surface, level, leaf)) continue;
         *first = leaf.index;
         return d;

@@ -37,9 +37,7 @@ MORTISE_KERNEL void mark_vertices(TREE_PARAMETERS, __global const TreeNode* nio,
             int allowed = 1;
             if (((corners >> c) & 1) == 0) continue;
             for (uint d = 0; d < 8; ++d) {
-                const Leaf leaf = leaf_at_vertex(&tree, gather_bits(own) + (c & 1) * edge,
-                                                 gather_bits(own >> 1) + ((c >> 1) & 1) * edge,
-                                                 gather_bits(own >> 2) + (c >> 2) * edge, d);
+                const Leaf leaf = leaf_at_corner(&tree, own, edge, c, d);
                 if (leaf.kind != kLeafNone && leaf.level != level) {
                     allowed = 0;
                 } else if (leaf.kind == kLeafIn) {
@@ -114,9 +112,7 @@ MORTISE_KERNEL void promote_leaves(TREE_PARAMETERS, __global const uint* new_nio
                 candidate.padding = 0;
                 for (uint c = 0; c < 8; ++c) {
                     for (uint d = 0; d < 8; ++d) {
-                        const Leaf leaf = leaf_at_vertex(&tree, gather_bits(own) + (c & 1) * edge,
-                                                         gather_bits(own >> 1) + ((c >> 1) & 1) * edge,
-                                                         gather_bits(own >> 2) + (c >> 2) * edge, d);
+                        const Leaf leaf = leaf_at_corner(&tree, own, edge, c, d);
                         SnioCandidate other;
                         if (leaf.kind != kLeafNio || leaf_edge(&tree, leaf.level) != edge) continue;
                         other = candidates[leaf.index];
@@ -199,9 +195,7 @@ int has_needed(const Tree* tree, __global const TreeNode* nio, __global const Sn
     for (uint c = 0; c < 8; ++c) {
         if (((needed >> c) & 1) == 0) continue;
         for (uint d = 0; d < 8; ++d) {
-            const Leaf leaf = leaf_at_vertex(tree, gather_bits(own) + (c & 1) * edge,
-                                             gather_bits(own >> 1) + ((c >> 1) & 1) * edge,
-                                             gather_bits(own >> 2) + (c >> 2) * edge, d);
+            const Leaf leaf = leaf_at_corner(tree, own, edge, c, d);
             SnioCandidate other;
             uint same = 0;
             if (leaf.kind != kLeafNio) continue;
@@ -243,9 +237,7 @@ MORTISE_KERNEL void decide(TREE_PARAMETERS, __global const TreeNode* nio,
             const uint edge = kept != 0 ? leaf_edge(&tree, leaf_level(&tree, own)) : 0;
             if (((kept >> c) & 1) == 0) continue;
             for (uint d = 0; d < 8; ++d) {
-                const Leaf leaf = leaf_at_vertex(&tree, gather_bits(own) + (c & 1) * edge,
-                                                 gather_bits(own >> 1) + ((c >> 1) & 1) * edge,
-                                                 gather_bits(own >> 2) + (c >> 2) * edge, d);
+                const Leaf leaf = leaf_at_corner(&tree, own, edge, c, d);
                 if (leaf.kind != kLeafNio) continue;
                 if ((candidates[leaf.index].flags & kCandidateSafe) == 0 ||
                     (candidates[leaf.index].needed != 0 && !has_needed(&tree, nio, candidates, leaf.index))) {
