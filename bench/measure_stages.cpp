@@ -15,6 +15,7 @@
 #include "host/improve/improve.hpp"
 #include "host/pipeline/names.hpp"
 #include "host/pipeline/prepare.hpp"
+#include "host/reposition/reposition.hpp"
 #include "mortise/check.hpp"
 #include "mortise/io.hpp"
 
@@ -74,6 +75,11 @@ json measure_run(const Model& model, const MeshOptions& options, device::Device&
     const double assembly_seconds = seconds_since(assembly_begin);
     const std::vector<device::KernelTime> late = device.times();
 
+    reposition::Options reposition_options;
+    reposition_options.level = prepared.tree.level;
+    reposition_options.rounds = options.smooth;
+    reposition_options.threads = options.threads;
+    reposition_options.leaves = &prepared.leaves;
     improve::Options improve_options;
     improve_options.level = prepared.tree.level;
     improve_options.smooth = options.smooth;
@@ -81,6 +87,7 @@ json measure_run(const Model& model, const MeshOptions& options, device::Device&
     improve_options.leaves = &prepared.leaves;
     Mesh copy = before;  // the model of bytes wants both
     const auto improve_begin = Clock::now();
+    reposition::reposition(device, prepared.bound, reposition_options, copy);
     improve::Counters counters;
     Mesh mesh = improve::improve(std::move(copy), prepared.bound, improve_options, &counters);
     const double improve_seconds = seconds_since(improve_begin);

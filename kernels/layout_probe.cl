@@ -5,6 +5,7 @@
 #include "shared/bounds.h"
 #include "shared/expression_bounds.h"
 #include "shared/lattice.h"
+#include "shared/reposition.h"
 #include "shared/snio.h"
 #include "shared/surface.h"
 #include "shared/template_table.h"
@@ -82,6 +83,25 @@ MORTISE_KERNEL void layout(__global uint* out, uint items) {
     OFFSET(TemplateRow, elements)
     OFFSET(TemplateRow, facets)
     OFFSET(TemplateRow, padding)
+    SIZE(StarElement);
+    OFFSET(StarElement, node)
+    OFFSET(StarElement, type)
+    SIZE(MovableNode);
+    OFFSET(MovableNode, node)
+    OFFSET(MovableNode, first)
+    OFFSET(MovableNode, elements)
+    OFFSET(MovableNode, facets)
+    OFFSET(MovableNode, surface)
+    OFFSET(MovableNode, padding)
+    SIZE(NodeMove);
+    OFFSET(NodeMove, point)
+    OFFSET(NodeMove, before)
+    OFFSET(NodeMove, wanted)
+    OFFSET(NodeMove, padding)
+    SIZE(RepositionScale);
+    OFFSET(RepositionScale, cell)
+    OFFSET(RepositionScale, shortest)
+    OFFSET(RepositionScale, units)
     out[0] = at - 1;
 }
 

@@ -22,17 +22,22 @@ std::size_t Mapping::bytes() const { return implementation_ ? implementation_->b
 
 Buffer Device::allocate(std::size_t bytes) {
     Implementation& self = *implementation_;
+    const auto does_not_fit = [&](cl_int code) {
+        // The limits are asked for again: some drivers let them grow while a program runs.
+        const DeviceInfo now = describe(self.found.platform, self.found.id);
+        fail(code, "clCreateBuffer",
+             "a buffer of " + amount(bytes) + " does not fit on " + now.name +
+                 ", whose largest allocation is " + amount(now.max_allocation_bytes) + " of " +
+                 amount(now.global_bytes) + " with " + amount(self.memory->bytes) + " in use");
+    };
+    // GPU drivers allocate at the first launch: what can never fit is refused here, where its size is known.
+    if (!self.found.is_cpu && bytes > info().global_bytes) does_not_fit(CL_MEM_OBJECT_ALLOCATION_FAILURE);
     Buffer buffer;
     try {
         buffer.implementation_ = std::make_shared<Buffer::Implementation>(
             compute::buffer(self.context, bytes), bytes, self.memory);
     } catch (const compute::opencl_error& error) {
-        // The limits are asked for again: some drivers let them grow while a program runs.
-        const DeviceInfo now = describe(self.found.platform, self.found.id);
-        fail(error.error_code(), "clCreateBuffer",
-             "a buffer of " + amount(bytes) + " does not fit on " + now.name +
-                 ", whose largest allocation is " + amount(now.max_allocation_bytes) + " of " +
-                 amount(now.global_bytes) + " with " + amount(self.memory->bytes) + " in use");
+        does_not_fit(error.error_code());
     }
     buffer.bytes_ = bytes;
     return buffer;

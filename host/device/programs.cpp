@@ -36,7 +36,7 @@ compute::program Device::Implementation::build(const std::string& file, const st
         program = compute::program::create_with_source(source, context);
         program.build(build_flags);
     } catch (const compute::program_build_failure& error) {
-        misuse(build_failure(found, file, build_flags, error.build_log()));
+        misuse(build_failure(found, file, build_flags, source, error.build_log()));
     } catch (const compute::opencl_error& error) {
         fail(error.error_code(), "clBuildProgram", "kernels/" + file + " with options " + build_flags);
     }

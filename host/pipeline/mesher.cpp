@@ -154,6 +154,7 @@ Mesh Mesher::generate(const Model& model, const MeshOptions& options, MeshReport
     const std::vector<std::uint8_t> held = pipeline::held_surfaces(prepared.bound, prepared.periodic);
     if (!held.empty()) improve_options.held = &held;
     if (options.improve) {
+        pipeline::reposition_nodes(device, prepared, options, improve_options.held, stages, mesh);
         stages.begin("improve", 0.93);
         mesh = improve::improve(std::move(mesh), prepared.bound, improve_options, &counters);
         stages.end(counters.zone_elements);

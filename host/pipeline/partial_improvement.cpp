@@ -245,15 +245,16 @@ Changes no_changes(const Parts& parts, FacetBlock facets) {
     return changes;
 }
 
-Changes improve_parts(Parts& parts, improve::Scope& scope, FacetBlock facets, const Prepared& prepared,
-                      const MeshOptions& options, const std::string& source, Stages& stages,
-                      MeshReport& out) {
+Changes improve_parts(device::Device& device, Parts& parts, improve::Scope& scope, FacetBlock facets,
+                      const Prepared& prepared, const MeshOptions& options, const std::string& source,
+                      Stages& stages, MeshReport& out) {
     Changes changes = no_changes(parts, std::move(facets));
     for (int reach = kFirstReach; !scope.is_empty(); reach *= 2) {
         scope.spread(reach);
         Selection selection = Selector(parts, scope, options, stages).select(changes.facets);
-        stages.begin("improve", 0.55);
         improve::Options improve_options = improvement_options(prepared, options);
+        reposition_nodes(device, prepared, options, improve_options.held, stages, selection.mesh);
+        stages.begin("improve", 0.55);
         improve_options.is_open = &selection.is_open;
         improve::Counters counters;
         improve::Trace trace;

@@ -35,8 +35,9 @@ Changes no_changes(const Parts& parts, FacetBlock facets);
 
 /// Improves what is in the scope; all parts must have been made once. Throws Error(kDevice) if the scope does
 /// not fit into MeshOptions::memory. `source`: the model's, for messages.
-Changes improve_parts(Parts& parts, improve::Scope& scope, FacetBlock facets, const Prepared& prepared,
-                      const MeshOptions& options, const std::string& source, Stages& stages, MeshReport& out);
+Changes improve_parts(device::Device& device, Parts& parts, improve::Scope& scope, FacetBlock facets,
+                      const Prepared& prepared, const MeshOptions& options, const std::string& source,
+                      Stages& stages, MeshReport& out);
 
 /// Memory that this process has now, bytes; 0 if the system does not tell.
 std::uint64_t memory_now();

@@ -10,6 +10,7 @@
 #include "host/octree/poles.hpp"
 #include "host/pipeline/grading.hpp"
 #include "host/probe/overlaps.hpp"
+#include "host/reposition/reposition.hpp"
 #include "host/triangles/divide.hpp"
 
 namespace mortise::pipeline {
@@ -336,6 +337,19 @@ improve::Options improvement_options(const Prepared& prepared, const MeshOptions
     result.leaves = &prepared.leaves;
     result.poles = &prepared.tree.poles;
     return result;
+}
+
+void reposition_nodes(device::Device& device, const Prepared& prepared, const MeshOptions& options,
+                      const std::vector<std::uint8_t>* held, Stages& stages, Mesh& mesh) {
+    if (options.smooth == 0) return;
+    stages.begin("reposition", 0.92);
+    reposition::Options reposition_options;
+    reposition_options.level = prepared.tree.level;
+    reposition_options.rounds = options.smooth;
+    reposition_options.threads = options.threads;
+    reposition_options.leaves = &prepared.leaves;
+    reposition_options.held = held;
+    stages.end(reposition::reposition(device, prepared.bound, reposition_options, mesh).moved);
 }
 
 void report_improvement(const improve::Counters& counters, const MeshOptions& options,

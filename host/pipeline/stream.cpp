@@ -103,8 +103,8 @@ class Streamer {
     }
 
     void find_changes(const std::string& source, MeshReport& out) {
-        changes_ = scope_ ? improve_parts(parts_, *scope_, std::move(facets_), prepared_, options_, source,
-                                          stages_, out)
+        changes_ = scope_ ? improve_parts(device_, parts_, *scope_, std::move(facets_), prepared_, options_,
+                                          source, stages_, out)
                           : no_changes(parts_, std::move(facets_));
         scope_.reset();
         malloc_trim(0);

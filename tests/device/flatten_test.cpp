@@ -3,6 +3,7 @@
 
 #include <map>
 
+#include "host/device/build_options.hpp"
 #include "host/device/disk_cache.hpp"
 #include "host/device/flatten.hpp"
 #include "host/device/kernel_source.hpp"
@@ -47,6 +48,20 @@ TEST_CASE("flattening takes each header once and keeps file and line") {
           "#line 3 \"kernels/octree/a.cl\"\n"
           "\n"
           "third\n");
+}
+
+TEST_CASE("compilers that do not heed #line: their places become files and lines") {
+    const std::string text =
+        "#pragma P\n" +
+        flatten_kernel("a.cl", reader({{"a.cl", "#include \"b.h\"\na2\n"}, {"b.h", "b1\nb2\n"}}));
+    // 1 prelude, 2 #line of a.cl, 3 #line of b.h, 4 b1, 5 b2, 6 #line, 7 a2
+    CHECK(with_places("<kernel>:5:31: error: x\n<kernel>:7:1: note: y", text) ==
+          "kernels/b.h:2:31: error: x\nkernels/a.cl:2:1: note: y");
+    for (const std::string log :
+         {"", "<kernel>:1:2: prelude", "<kernel>:", "<kernel>:99999999999999999999:1: z",
+          "kernels/b.h:2:31: error", "<kernel>:5"}) {
+        CHECK(with_places(log, text) == log);
+    }
 }
 
 TEST_CASE("flattening takes .def files each time, and leaves comments and angle brackets alone") {

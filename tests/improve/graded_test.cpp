@@ -8,6 +8,7 @@
 #include "host/improve/improve.hpp"
 #include "mortise/check.hpp"
 #include "tests/improve/graded_mesh.hpp"
+#include "tests/improve/raw_mesh.hpp"
 #include "tests/mesher/meshed.hpp"
 #include "tests/mesher/random_models.hpp"
 #include "tests/mesher/random_source.hpp"
@@ -16,50 +17,7 @@
 namespace mortise::test {
 namespace {
 
-/// A mesh before improvement, with bound surfaces in place of named ones.
-struct Raw {
-    Mesh mesh;
-    tape::BoundModel model;
-    int level = 0;
-};
-
-Raw raw_mesh(const Model& model, int level) {
-    MeshOptions options;
-    options.level = level;
-    options.improve = false;
-    Raw raw{generate_mesh(model, options), bind_model(model, level), level};
-    const std::vector<std::string> names = tape::compile(model).surface_names;
-    for (std::size_t f = 0; f < raw.mesh.facets.size(); ++f) {
-        const std::string& name = raw.mesh.surface_names[raw.mesh.facets.surface[f]];
-        double nearest = HUGE_VAL;
-        std::uint32_t best = 0;
-        // Of the surfaces with this name the one that the facet lies on.
-        for (std::uint32_t s = 0; s < raw.model.surfaces.size(); ++s) {
-            if (names[raw.model.surface_name[s]] != name) continue;
-            double off = 0;
-            for (std::size_t k = 0; k < 4; ++k) {
-                double x[3];
-                for (std::size_t j = 0; j < 3; ++j) {
-                    const double p = raw.mesh.points[3 * raw.mesh.facets.nodes[4 * f + k] + j];
-                    x[j] = (p - raw.model.origin[j]) / raw.model.side;
-                }
-                const SurfaceSample at =
-                    surface_sample(&raw.model.surfaces[s], raw.model.expression_ops.data(), x[0], x[1], x[2]);
-                off += std::fabs(at.value) / std::hypot(at.gradient[0], at.gradient[1], at.gradient[2]);
-            }
-            if (off >= nearest) continue;
-            nearest = off;
-            best = s;
-        }
-        raw.mesh.facets.surface[f] = best;
-    }
-    raw.mesh.surface_names.clear();
-    for (std::size_t i = 0; i < raw.model.surfaces.size(); ++i)
-        raw.mesh.surface_names.push_back("surface" + std::to_string(i));
-    return raw;
-}
-
-Mesh improved(const Raw& raw, int level, const LeafGrid* leaves, improve::Counters* counters = nullptr) {
+Mesh improved(const RawMesh& raw, int level, const LeafGrid* leaves, improve::Counters* counters = nullptr) {
     improve::Options options;
     options.level = level;
     options.leaves = leaves;
@@ -68,7 +26,7 @@ Mesh improved(const Raw& raw, int level, const LeafGrid* leaves, improve::Counte
 
 /// The cells that hold elements, as leaves of a tree that is said to be `deeper` levels deeper; of every
 /// hundred `missing` are left out.
-LeafGrid cells_of(const Raw& raw, int deeper, int missing) {
+LeafGrid cells_of(const RawMesh& raw, int deeper, int missing) {
     LeafGrid grid;
     grid.level = raw.level + deeper;
     const double cell = std::ldexp(raw.model.side, -raw.level);
@@ -139,7 +97,7 @@ LeafGrid merged(const LeafGrid& grid) {
 TEST_CASE("whatever the leaves are said to be: valid, not worse, the same for any threads") {
     for (const std::uint64_t seed : {3, 11, 45, 60, 105}) {
         CAPTURE(seed);
-        const Raw raw = raw_mesh(make_random_model(seed).model, 5);
+        const RawMesh raw = raw_mesh(make_random_model(seed).model, 5);
         const CheckReport before = check_mesh(raw.mesh);
         const LeafGrid grid = merged(cells_of(raw, 0, 10));
         improve::Options options;
@@ -162,7 +120,7 @@ TEST_CASE("a uniform tree given leaf by leaf: the same mesh; the same if it is s
     for (const std::uint64_t seed : {3, 11, 45}) models.push_back(make_random_model(seed).model);
     for (std::size_t i = 0; i < models.size(); ++i) {
         CAPTURE(i);
-        const Raw raw = raw_mesh(models[i], 5);
+        const RawMesh raw = raw_mesh(models[i], 5);
         improve::Counters counters;
         const Mesh expected = improved(raw, 5, nullptr, &counters);
         CHECK(counters.block.moved > 0);

@@ -9,6 +9,7 @@
 #include "host/device/device.hpp"
 #include "kernels/shared/bounds.h"
 #include "kernels/shared/expression_bounds.h"
+#include "kernels/shared/reposition.h"
 #include "kernels/shared/snio.h"
 #include "kernels/shared/template_table.h"
 #include "tests/shared/random_surfaces.hpp"
@@ -89,7 +90,26 @@ const std::vector<Entry> kLayout = {SIZE(Surface),
                                     OFFSET(TemplateRow, shape),
                                     OFFSET(TemplateRow, elements),
                                     OFFSET(TemplateRow, facets),
-                                    OFFSET(TemplateRow, padding)};
+                                    OFFSET(TemplateRow, padding),
+                                    SIZE(StarElement),
+                                    OFFSET(StarElement, node),
+                                    OFFSET(StarElement, type),
+                                    SIZE(MovableNode),
+                                    OFFSET(MovableNode, node),
+                                    OFFSET(MovableNode, first),
+                                    OFFSET(MovableNode, elements),
+                                    OFFSET(MovableNode, facets),
+                                    OFFSET(MovableNode, surface),
+                                    OFFSET(MovableNode, padding),
+                                    SIZE(NodeMove),
+                                    OFFSET(NodeMove, point),
+                                    OFFSET(NodeMove, before),
+                                    OFFSET(NodeMove, wanted),
+                                    OFFSET(NodeMove, padding),
+                                    SIZE(RepositionScale),
+                                    OFFSET(RepositionScale, cell),
+                                    OFFSET(RepositionScale, shortest),
+                                    OFFSET(RepositionScale, units)};
 
 bool same_bits(double a, double b) { return std::memcmp(&a, &b, sizeof a) == 0 || (a != a && b != b); }
 

@@ -1,0 +1,250 @@
+#include "host/reposition/stars.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "host/common/index_set.hpp"
+#include "host/common/large_array.hpp"
+#include "host/common/parallel.hpp"
+#include "host/common/parallel_sort.hpp"
+#include "host/reposition/near_cubes.hpp"
+#include "kernels/shared/lattice.h"
+
+namespace mortise::reposition {
+namespace {
+
+constexpr std::size_t kChunk = 4096;
+constexpr std::uint32_t kStays = kNoSurface - 1;  ///< instead of a surface: the node may not move
+/// Quality, squared, below which an element is poor. Improvement computes it in another way: what is poor
+/// here must be so there, since a part of a mesh holds what is around the elements that are poor there.
+constexpr double kCertainlyPoor = 1 - 1e-9;
+
+bool is_kind(const Mesh& mesh, const ElementNumber& e, ElementKind kind) {
+    return mesh.elements[e.type].kind[e.index] == static_cast<std::uint8_t>(kind);
+}
+
+/// What look(list, element) adds to lists for all elements, in their order.
+template <class Item, class Look>
+std::vector<Item> collect(const Mesh& mesh, int threads, const Look& look) {
+    std::vector<Item> all;
+    for (std::uint32_t t = 0; t < kElementTypes; ++t) {
+        const std::size_t count = mesh.elements[t].size();
+        std::vector<std::vector<Item>> found(chunk_count(count, kChunk));
+        parallel_chunks(count, kChunk, threads, [&](std::size_t begin, std::size_t end, int) {
+            for (std::size_t i = begin; i < end; ++i)
+                look(found[begin / kChunk], ElementNumber{t, static_cast<std::uint32_t>(i)});
+        });
+        append_lists(found, threads, all);
+    }
+    return all;
+}
+
+/// An element or a facet at a movable node, both by their places.
+struct Incidence {
+    std::uint32_t node;
+    std::uint32_t type;  ///< of a StarElement
+    std::uint32_t index;
+    bool operator<(const Incidence& other) const {
+        if (node != other.node) return node < other.node;
+        return type != other.type ? type < other.type : index < other.index;
+    }
+};
+
+IndexSet nodes_of(const Mesh& mesh, const std::vector<ElementNumber>& elements) {
+    IndexSet nodes(mesh.node_count());
+    for (const ElementNumber& e : elements) {
+        for (std::size_t k = 0; k < e.count(); ++k) nodes.insert(e.nodes(mesh)[k]);
+    }
+    nodes.number();
+    return nodes;
+}
+
+class Gatherer {
+  public:
+    Gatherer(const Mesh& mesh, const Frame& frame, const Options& options, const PoorElements& poor)
+        : mesh_(mesh),
+          frame_(frame),
+          options_(options),
+          poor_(poor),
+          movable_(nodes_of(mesh, poor.apart)),
+          surface_(movable_.size(), kNoSurface),
+          used_(mesh.node_count()) {}
+
+    Stars gather() {
+        add_facets();
+        add_elements();
+        parallel_sort(incidences_, options_.threads);
+        choose();
+        number();
+        return std::move(stars_);
+    }
+
+  private:
+    std::uint32_t place(NodeId node) const { return static_cast<std::uint32_t>(movable_.place(node)); }
+
+    void add_facets() {
+        const FacetBlock& facets = mesh_.facets;
+        for (std::size_t i = 0; i < facets.size(); ++i) {
+            const NodeId* const node = facets.nodes.data() + 4 * i;
+            const bool is_triangle = node[2] == node[3];
+            for (std::size_t k = 0; k < (is_triangle ? 3u : 4u); ++k) {
+                if (!movable_.holds(node[k])) continue;
+                std::uint32_t& surface = surface_[place(node[k])];
+                const bool is_held = options_.held != nullptr && (*options_.held)[facets.surface[i]] != 0;
+                surface = !is_held && (surface == kNoSurface || surface == facets.surface[i])
+                              ? facets.surface[i]
+                              : kStays;
+                incidences_.push_back({place(node[k]), is_triangle ? kStarTriangle : kStarQuadrilateral,
+                                       static_cast<std::uint32_t>(i)});
+            }
+        }
+    }
+
+    void add_elements() {
+        const NearCubes near(mesh_, frame_, movable_, options_);
+        const std::vector<Incidence> found =
+            collect<Incidence>(mesh_, options_.threads, [&](auto& list, const ElementNumber& e) {
+                if (e.type == 0 && !near.may_hold(e.index)) return;
+                const NodeId* const node = e.nodes(mesh_);
+                for (std::size_t k = 0; k < e.count(); ++k) {
+                    if (movable_.holds(node[k])) list.push_back({place(node[k]), e.type, e.index});
+                }
+            });
+        for (const Incidence& i : found) {
+            if (is_kind(mesh_, {i.type, i.index}, ElementKind::kTransition)) surface_[i.node] = kStays;
+        }
+        incidences_.insert(incidences_.end(), found.begin(), found.end());
+    }
+
+    /// Leaves those out that may not move.
+    void choose() {
+        const std::vector<std::uint32_t> node = movable_.members();
+        for (std::size_t begin = 0, end = 0; begin < incidences_.size(); begin = end) {
+            const std::uint32_t at = incidences_[begin].node;
+            MovableNode movable{};
+            while (end < incidences_.size() && incidences_[end].node == at)
+                ++(incidences_[end++].type >= kStarTriangle ? movable.facets : movable.elements);
+            if (surface_[at] == kStays || movable.elements > kMostStarElements) continue;
+            movable.node = node[at];
+            movable.first = static_cast<std::uint32_t>(stars_.star.size());
+            movable.surface = surface_[at];
+            stars_.movable.push_back(movable);
+            stars_.is_hopeless.push_back(0);
+            for (std::size_t i = begin; i < end; ++i) add_to_star(incidences_[i]);
+        }
+    }
+
+    void add_to_star(const Incidence& i) {
+        StarElement e{};
+        e.type = i.type;
+        const auto& hopeless = poor_.at_complex;
+        if (std::binary_search(hopeless.begin(), hopeless.end(), ElementNumber{i.type, i.index}))
+            stars_.is_hopeless.back() = 1;
+        const NodeId* const node = i.type >= kStarTriangle
+                                       ? mesh_.facets.nodes.data() + 4 * std::size_t{i.index}
+                                       : ElementNumber{i.type, i.index}.nodes(mesh_);
+        for (u32 k = 0; k < kStarNodes[e.type]; ++k) {
+            e.node[k] = node[k];
+            used_.insert(node[k]);
+        }
+        stars_.star.push_back(e);
+    }
+
+    /// From nodes of the mesh to places in the stars' own list.
+    void number() {
+        used_.number();
+        stars_.node = used_.members();
+        stars_.points.resize(3 * stars_.node.size());
+        for (std::size_t i = 0; i < stars_.node.size(); ++i)
+            frame_.to_lattice(mesh_, stars_.node[i], stars_.points.data() + 3 * i);
+        stars_.movable_at.assign(stars_.node.size(), kNoSurface);
+        const auto local = [this](u32 n) { return static_cast<std::uint32_t>(used_.place(n)); };
+        for (StarElement& e : stars_.star) {
+            for (u32 k = 0; k < kStarNodes[e.type]; ++k) e.node[k] = local(e.node[k]);
+        }
+        for (std::size_t i = 0; i < stars_.movable.size(); ++i) {
+            stars_.movable[i].node = local(stars_.movable[i].node);
+            stars_.movable_at[stars_.movable[i].node] = static_cast<std::uint32_t>(i);
+        }
+    }
+
+    const Mesh& mesh_;
+    const Frame& frame_;
+    const Options& options_;
+    const PoorElements& poor_;
+    const IndexSet movable_;
+    std::vector<std::uint32_t> surface_;  ///< per movable node: of its facets, kNoSurface or kStays
+    IndexSet used_;                       ///< nodes of stars
+    std::vector<Incidence> incidences_;
+    Stars stars_;
+};
+
+}  // namespace
+
+std::size_t ElementNumber::count() const { return static_cast<std::size_t>(kElementNodes[type]); }
+
+const NodeId* ElementNumber::nodes(const Mesh& mesh) const {
+    return mesh.elements[type].nodes.data() + std::size_t{index} * count();
+}
+
+void Frame::to_lattice(const Mesh& mesh, NodeId node, double* local) const {
+    constexpr double kRounder = 6755399441055744.0;  // 1.5 × 2^52: rounds as std::rint, without a call
+    const double* const point = mesh.points.data() + 3 * std::size_t{node};
+    for (std::size_t j = 0; j < 3; ++j)
+        local[j] = ((point[j] - origin[j]) * steps + kRounder - kRounder) / scale.units;
+}
+
+void Frame::to_model(const double* local, double* model) const {
+    for (std::size_t j = 0; j < 3; ++j) model[j] = origin[j] + cell * std::ldexp(local[j], level);
+}
+
+Frame make_frame(const tape::BoundModel& model, const Options& options) {
+    Frame frame{};
+    frame.origin = {model.origin[0], model.origin[1], model.origin[2]};
+    frame.cell = std::ldexp(model.side, -options.level);
+    frame.level = options.level;
+    frame.steps = kCellUnits / frame.cell;
+    frame.scale.cell = std::ldexp(1.0, -options.level);
+    const double shortest = kRepositionShortestEdge * frame.scale.cell;
+    frame.scale.shortest = options.is_uniform() ? shortest * shortest : 0;
+    frame.scale.units = std::ldexp(1.0, kCellUnitBits + options.level);
+    return frame;
+}
+
+bool is_poor(const Mesh& mesh, const Frame& frame, const ElementNumber& e) {
+    double p[8][3];
+    for (std::size_t k = 0; k < e.count(); ++k) frame.to_lattice(mesh, e.nodes(mesh)[k], p[k]);
+    return repositioned_quality(e.type, -1, p, frame.scale.shortest, kCertainlyPoor) < kCertainlyPoor;
+}
+
+PoorElements find_poor(const Mesh& mesh, const Frame& frame, int threads) {
+    PoorElements result;
+    std::vector<ElementNumber> poor =
+        collect<ElementNumber>(mesh, threads, [&](auto& list, const ElementNumber& e) {
+            if (is_kind(mesh, e, ElementKind::kSnio) && is_poor(mesh, frame, e)) list.push_back(e);
+        });
+    if (poor.empty()) return result;
+    const IndexSet around = nodes_of(mesh, poor);
+    std::vector<std::uint8_t> is_complex(around.size(), 0);
+    for (const NodeId node : collect<NodeId>(mesh, threads, [&](auto&list, const ElementNumber&e) {
+             if (!is_kind(mesh, e, ElementKind::kCnio)) return;
+             for (std::size_t k = 0; k < e.count(); ++k) {
+                 if (around.holds(e.nodes(mesh)[k])) list.push_back(e.nodes(mesh)[k]);
+             }
+         })) {
+        is_complex[around.place(node)] = 1;
+    }
+    for (const ElementNumber& e : poor) {
+        const NodeId* const node = e.nodes(mesh);
+        const bool is_at_complex =
+            std::any_of(node, node + e.count(), [&](NodeId n) { return is_complex[around.place(n)] != 0; });
+        (is_at_complex ? result.at_complex : result.apart).push_back(e);
+    }
+    return result;
+}
+
+Stars gather_stars(const Mesh& mesh, const Frame& frame, const PoorElements& poor, const Options& options) {
+    return Gatherer(mesh, frame, options, poor).gather();
+}
+
+}  // namespace mortise::reposition
