@@ -71,13 +71,13 @@ json measure_run(const Model& model, const MeshOptions& options, device::Device&
     pieces.push_back(
         assembly::assemble(device, {prepared.bound, prepared.tree, prepared.on_device,
                                     prepared.classification, extraction, in_regions, options.threads}));
-    const Mesh before = assembly::merge(std::move(pieces));
+    const Mesh before = assembly::merge(std::move(pieces), options.threads);
     const double assembly_seconds = seconds_since(assembly_begin);
     const std::vector<device::KernelTime> late = device.times();
 
     reposition::Options reposition_options;
     reposition_options.level = prepared.tree.level;
-    reposition_options.rounds = options.smooth;
+    reposition_options.rounds = 2 * options.smooth;
     reposition_options.threads = options.threads;
     reposition_options.leaves = &prepared.leaves;
     improve::Options improve_options;

@@ -20,8 +20,6 @@ struct OriginSide {
 };
 
 constexpr std::size_t kChunk = 512;
-/// Room for one node more for this many: improvement adds some, and need not move the others then.
-constexpr std::uint64_t kSpareNodes = 16;
 
 class Assembler {
   public:

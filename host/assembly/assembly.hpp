@@ -63,7 +63,8 @@ Piece assemble(device::Device& device, const Input& input);
 std::vector<std::uint32_t> leaves_needed(const octree::Octree& tree, const std::vector<std::uint32_t>& cnio,
                                          const MortonRange& range);
 
-/// Joins the pieces of consecutive ranges that cover the tree into one mesh.
-Mesh merge(std::vector<Piece> pieces);
+/// Joins the pieces of consecutive ranges that cover the tree into one mesh; takes little more memory than
+/// the pieces do.
+Mesh merge(std::vector<Piece> pieces, int threads);
 
 }  // namespace mortise::assembly

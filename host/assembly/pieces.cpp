@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "host/common/large_array.hpp"
 #include "host/common/parallel.hpp"
 
 namespace mortise::assembly {
@@ -42,9 +43,17 @@ class Resolver {
     std::size_t total_ = 0;
 };
 
-template <class T>
-void append(std::vector<T>& to, const std::vector<T>& from) {
-    to.insert(to.end(), from.begin(), from.end());
+/// Appends what `change` makes of each value of `from`, whose memory is given back: with room reserved in
+/// `to`, both together take no more than the longer.
+template <class T, class Change>
+void move_to(std::vector<T>& to, std::vector<T>& from, int threads, const Change& change) {
+    constexpr std::size_t kValues = 65536;
+    const std::size_t before = to.size();
+    resize_large(to, before + from.size(), threads);
+    parallel_chunks(from.size(), kValues, threads, [&](std::size_t begin, std::size_t end, int) {
+        for (std::size_t i = begin; i < end; ++i) to[before + i] = change(from[i]);
+    });
+    from = {};
 }
 
 /// Words of a block of 4³ cells of a uniform tree.
@@ -131,15 +140,23 @@ std::vector<std::uint32_t> leaves_needed(const octree::Octree& tree, const std::
     return result;
 }
 
-Mesh merge(std::vector<Piece> pieces) {
+Mesh merge(std::vector<Piece> pieces, int threads) {
     if (pieces.size() == 1) return std::move(pieces[0].mesh);
     const Resolver resolver(pieces);
     if (resolver.total() > 0xffffffffu) {
         throw Error(ExitCode::kMeshing, "more than 2^32 nodes; use a lower --level");
     }
     Mesh result;
+    result.points.reserve(3 * (resolver.total() + resolver.total() / kSpareNodes));
+    for (std::size_t t = 0; t < kElementTypes; ++t) {
+        std::size_t count = 0;
+        for (const Piece& piece : pieces) count += piece.mesh.elements[t].size();
+        result.elements[t].nodes.reserve(count * static_cast<std::size_t>(kElementNodes[t]));
+        result.elements[t].region.reserve(count);
+        result.elements[t].kind.reserve(count);
+    }
     for (std::size_t p = 0; p < pieces.size(); ++p) {
-        const Piece& piece = pieces[p];
+        Piece& piece = pieces[p];
         std::vector<NodeId> foreign;
         for (const std::uint64_t key : piece.foreign_grid)
             foreign.push_back(resolver.find(&Piece::grid_frontier, key));
@@ -148,21 +165,18 @@ Mesh merge(std::vector<Piece> pieces) {
         }
         const auto own = static_cast<NodeId>(piece.mesh.node_count());
         const NodeId first = resolver.first(p);
-        const auto append_nodes = [&](std::vector<NodeId>& to, const std::vector<NodeId>& from) {
-            for (const NodeId id : from) to.push_back(id < own ? first + id : foreign[id - own]);
-        };
-        append(result.points, piece.mesh.points);
+        const auto same = [](const auto& value) { return value; };
+        const auto numbered = [&](NodeId id) { return id < own ? first + id : foreign[id - own]; };
+        move_to(result.points, piece.mesh.points, threads, same);
         for (std::size_t t = 0; t < kElementTypes; ++t) {
-            append_nodes(result.elements[t].nodes, piece.mesh.elements[t].nodes);
-            append(result.elements[t].region, piece.mesh.elements[t].region);
-            append(result.elements[t].kind, piece.mesh.elements[t].kind);
+            move_to(result.elements[t].nodes, piece.mesh.elements[t].nodes, threads, numbered);
+            move_to(result.elements[t].region, piece.mesh.elements[t].region, threads, same);
+            move_to(result.elements[t].kind, piece.mesh.elements[t].kind, threads, same);
         }
-        append_nodes(result.facets.nodes, piece.mesh.facets.nodes);
-        append(result.facets.surface, piece.mesh.facets.surface);
-        append(result.facets.inside, piece.mesh.facets.inside);
-        append(result.facets.outside, piece.mesh.facets.outside);
-        // The frontier is still asked for; the rest is not.
-        for (auto& block : pieces[p].mesh.elements) block = {};
+        move_to(result.facets.nodes, piece.mesh.facets.nodes, threads, numbered);
+        move_to(result.facets.surface, piece.mesh.facets.surface, threads, same);
+        move_to(result.facets.inside, piece.mesh.facets.inside, threads, same);
+        move_to(result.facets.outside, piece.mesh.facets.outside, threads, same);
     }
     return result;
 }

@@ -5,6 +5,9 @@
 
 namespace mortise::assembly {
 
+/// Room for one node more for this many: improvement adds some, and need not move the others then.
+inline constexpr std::uint64_t kSpareNodes = 16;
+
 /// Whether a place around a leaf, of its own size, or a leaf there, reaches beyond the range's ends, seen
 /// from the leaf.
 bool touches_outside(const octree::Octree& tree, const MortonRange& range, std::uint64_t code);

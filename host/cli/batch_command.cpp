@@ -149,7 +149,7 @@ Json mesh_one(Mesher& mesher, const Arguments& arguments, const MeshOptions& opt
         document["warnings"] = model.warnings;
         MeshReport report;
         const Mesh mesh = mesher.generate(model, options, &report);
-        const MeshFigures figures = figures_of(mesh, report.scaled_jacobians);
+        const MeshFigures figures = figures_of(mesh, report.scaled_jacobians, options.threads);
         document["warnings"] = report.warnings;
         refuse_inverted(figures);
         if (arguments.check) refuse_defects(check_mesh(mesh));

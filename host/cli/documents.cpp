@@ -2,7 +2,10 @@
 #include "host/cli/documents.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
+
+#include "host/common/parallel.hpp"
 
 namespace mortise::cli {
 namespace {
@@ -58,25 +61,46 @@ void MeshFigures::add_outline(const Mesh& mesh) {
     for (const std::uint32_t surface : mesh.facets.surface) ++on_surface[surface];
 }
 
-void MeshFigures::add_elements(const Mesh& mesh, const std::vector<float>& jacobians) {
+void MeshFigures::add_elements(const Mesh& mesh, const std::vector<float>& jacobians, int threads) {
+    struct Part {
+        float worst = 1;
+        std::array<std::uint64_t, 4> kinds{};
+        std::vector<std::uint64_t> in_region;
+    };
+    constexpr std::size_t kChunk = std::size_t{1} << 17;
     nodes += mesh.node_count();
-    std::size_t next = 0;
+    std::size_t first = 0;
     for (std::size_t t = 0; t < kElementTypes; ++t) {
         const ElementBlock& block = mesh.elements[t];
-        elements[t] += block.size();
-        for (std::size_t i = 0; i < block.size(); ++i) {
-            min_scaled_jacobian[t] = std::min(min_scaled_jacobian[t], static_cast<double>(jacobians[next++]));
-            if (block.kind[i] < kinds.size()) ++kinds[block.kind[i]];
-            ++in_region[block.region[i] - 1u];
+        std::vector<Part> parts(chunk_count(block.size(), kChunk));
+        parallel_chunks(block.size(), kChunk, threads, [&](std::size_t begin, std::size_t end, int) {
+            Part part;
+            part.in_region.resize(in_region.size());
+            for (std::size_t i = begin; i < end; ++i) {
+                part.worst = std::min(part.worst, jacobians[first + i]);
+                if (block.kind[i] < part.kinds.size()) ++part.kinds[block.kind[i]];
+                ++part.in_region[block.region[i] - 1u];
+            }
+            parts[begin / kChunk] = std::move(part);
+        });
+        for (const Part& part : parts) {
+            min_scaled_jacobian[t] = std::min(min_scaled_jacobian[t], static_cast<double>(part.worst));
+            for (std::size_t k = 0; k < kinds.size(); ++k) kinds[k] += part.kinds[k];
+            for (std::size_t r = 0; r < in_region.size(); ++r) in_region[r] += part.in_region[r];
         }
+        elements[t] += block.size();
+        first += block.size();
     }
 }
 
 namespace {
 
-Vec3 worst_place(const Mesh& mesh, const std::vector<float>& jacobians) {
-    auto index = static_cast<std::size_t>(
-        std::distance(jacobians.begin(), std::min_element(jacobians.begin(), jacobians.end())));
+/// The first of the worst; `worst`: its scaled Jacobian.
+Vec3 worst_place(const Mesh& mesh, const std::vector<float>& jacobians, double worst) {
+    const auto found = std::find_if(jacobians.begin(), jacobians.end(),
+                                    [worst](float value) { return !(static_cast<double>(value) > worst); });
+    if (found == jacobians.end()) return worst_place(mesh, jacobians, HUGE_VAL);  // rounded up from 1
+    auto index = static_cast<std::size_t>(found - jacobians.begin());
     std::size_t type = 0;
     while (index >= mesh.elements[type].size()) index -= mesh.elements[type++].size();
     const auto count = static_cast<std::size_t>(kElementNodes[type]);
@@ -91,11 +115,14 @@ Vec3 worst_place(const Mesh& mesh, const std::vector<float>& jacobians) {
 
 }  // namespace
 
-MeshFigures figures_of(const Mesh& mesh, const std::vector<float>& jacobians) {
+MeshFigures figures_of(const Mesh& mesh, const std::vector<float>& jacobians, int threads) {
     MeshFigures figures;
     figures.add_outline(mesh);
-    figures.add_elements(mesh, jacobians);
-    if (!jacobians.empty()) figures.worst_place = worst_place(mesh, jacobians);
+    figures.add_elements(mesh, jacobians, threads);
+    if (!jacobians.empty()) {
+        const auto& least = figures.min_scaled_jacobian;
+        figures.worst_place = worst_place(mesh, jacobians, *std::min_element(least.begin(), least.end()));
+    }
     return figures;
 }
 

@@ -36,9 +36,10 @@ struct MeshFigures {
     /// Facets and names of a mesh.
     void add_outline(const Mesh& mesh);
     /// Nodes and elements of a mesh, or of a part of one.
-    void add_elements(const Mesh& mesh, const std::vector<float>& jacobians);
+    void add_elements(const Mesh& mesh, const std::vector<float>& jacobians, int threads);
 };
-MeshFigures figures_of(const Mesh& mesh, const std::vector<float>& jacobians);
+/// `threads` host threads, here and above; 0: all cores.
+MeshFigures figures_of(const Mesh& mesh, const std::vector<float>& jacobians, int threads);
 
 Json mesh_document(const MeshReport& report, const MeshFigures& figures);
 Json check_document(const CheckReport& report);

@@ -139,7 +139,7 @@ Outcome mesh_whole(const Arguments& arguments, const Model& model, const MeshOpt
 
     progress.show("figures", kChecking);
     timed("figures", stages, mesh.element_count(),
-          [&] { out.figures = figures_of(mesh, report.scaled_jacobians); });
+          [&] { out.figures = figures_of(mesh, report.scaled_jacobians, options.threads); });
     refuse_inverted(out.figures);
     if (arguments.check) {
         progress.show("check", kChecking);
@@ -165,8 +165,9 @@ Outcome mesh_whole(const Arguments& arguments, const Model& model, const MeshOpt
 /// Counts what passes on its way into the files.
 class CountingSink : public MeshSink {
   public:
-    CountingSink(const std::vector<std::string>& paths, const MeshFileOptions& options, double floor)
-        : floor_(floor) {
+    CountingSink(const std::vector<std::string>& paths, const MeshFileOptions& options, double floor,
+                 int threads)
+        : floor_(floor), threads_(threads) {
         for (const std::string& path : paths)
             files_.push_back(std::make_unique<MeshFileStream>(path, options));
     }
@@ -176,7 +177,7 @@ class CountingSink : public MeshSink {
         for (const auto& file : files_) file->begin(totals, outline);
     }
     void add(const Mesh& part, const std::vector<float>& scaled_jacobians) override {
-        figures.add_elements(part, scaled_jacobians);
+        figures.add_elements(part, scaled_jacobians, threads_);
         below += count_below(scaled_jacobians, floor_);
         for (const auto& file : files_) file->add(part, scaled_jacobians);
     }
@@ -189,13 +190,14 @@ class CountingSink : public MeshSink {
 
   private:
     double floor_;
+    int threads_;
     std::vector<std::unique_ptr<MeshFileStream>> files_;
 };
 
 Outcome mesh_in_parts(const Arguments& arguments, const Model& model, const MeshOptions& options,
                       Progress& progress) {
     Outcome out;
-    CountingSink sink(arguments.outputs, arguments.file_options, arguments.quality_floor);
+    CountingSink sink(arguments.outputs, arguments.file_options, arguments.quality_floor, options.threads);
     Mesher(options.device, options.work_group_size).stream(model, options, sink, &out.report);
     for (const std::string& warning : out.report.warnings) progress.warn(warning);
     out.figures = sink.figures;

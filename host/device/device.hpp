@@ -65,6 +65,7 @@ struct DeviceOptions {
     bool disk_cache = true;      ///< keep built programs in the cache folder
     std::string kernels_folder;  ///< load kernels from here; empty: $MORTISE_KERNELS, else the embedded ones
     bool probe = true;           ///< compare the device's arithmetic with the host's at first use
+    bool copies = false;         ///< move memory as for devices with memory of their own: tests on a CPU
 };
 
 /// A program: kernels/`file`, built with `defines`.
@@ -221,11 +222,13 @@ class Device {
     /// New memory, content undefined. Zero bytes give a buffer that can be passed to kernels but not touched.
     Buffer allocate(std::size_t bytes);
 
-    /// Host memory as a buffer: on CPU devices kernels work in it directly, without a copy.
+    /// Host memory as a buffer: on CPU devices kernels work in it directly, without a copy. Other devices
+    /// have a copy, whose content is undefined until sync_to_device.
     ///
     /// `host` must outlive the buffer and not move. Call sync_to_device after host writes and before a
-    /// launch, sync_to_host after launches and before host reads. Kernels must not use vector pointers
-    /// (double8*) into it unless `host` is aligned for them; vload/vstore are safe.
+    /// launch that reads them, sync_to_host after launches and before host reads: it overwrites all of
+    /// `host`. Kernels must not use vector pointers (double8*) into it unless `host` is aligned for them;
+    /// vload/vstore are safe.
     Buffer wrap(void* host, std::size_t bytes);
     void sync_to_host(Buffer& buffer);    ///< Waits for the launches before it.
     void sync_to_device(Buffer& buffer);  ///< Whole buffer.

@@ -55,6 +55,7 @@ struct Buffer::Implementation {
     compute::buffer memory;
     std::size_t bytes;
     MemoryCounter counter;
+    void* host = nullptr;  ///< Device::wrap on a device with memory of its own: what it is a copy of
     int mappings = 0;
 };
 
@@ -111,6 +112,8 @@ struct Device::Implementation {
     };
     std::deque<Pending> pending;
 
+    /// Whether kernels and host code reach the same bytes.
+    bool shares_memory() const { return found.is_cpu && !options.copies; }
     /// Adds the times of finished launches, oldest first; `all` waits for the rest.
     void harvest(bool all);
     /// The program of kernels/`file`: from memory, the cache folder, or its text.

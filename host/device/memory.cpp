@@ -47,6 +47,11 @@ Buffer Device::wrap(void* host, std::size_t bytes) {
     if (bytes == 0) return allocate(0);
     Implementation& self = *implementation_;
     Buffer buffer;
+    if (!self.shares_memory()) {
+        buffer = allocate(bytes);
+        buffer.implementation_->host = host;
+        return buffer;
+    }
     guarded("clCreateBuffer", "using " + amount(bytes) + " of host memory on " + info().name, [&] {
         compute::buffer memory(self.context, bytes, CL_MEM_READ_WRITE | CL_MEM_USE_HOST_PTR, host);
         buffer.implementation_ =
@@ -56,10 +61,24 @@ Buffer Device::wrap(void* host, std::size_t bytes) {
     return buffer;
 }
 
-// For memory that a buffer uses directly, mapping moves the bytes where the device keeps a copy, and does
-// nothing where it does not.
-void Device::sync_to_host(Buffer& buffer) { map_bytes(buffer, Access::kRead, buffer.bytes(), 0); }
-void Device::sync_to_device(Buffer& buffer) { map_bytes(buffer, Access::kWrite, buffer.bytes(), 0); }
+// Mapping waits, and moves nothing where the buffer is the host's memory.
+void Device::sync_to_host(Buffer& buffer) {
+    void* const host = buffer.bytes() > 0 ? buffer.implementation_->host : nullptr;
+    if (host != nullptr) {
+        download_bytes(buffer, host, buffer.bytes(), 0);
+    } else {
+        map_bytes(buffer, Access::kRead, buffer.bytes(), 0);
+    }
+}
+
+void Device::sync_to_device(Buffer& buffer) {
+    const void* const host = buffer.bytes() > 0 ? buffer.implementation_->host : nullptr;
+    if (host != nullptr) {
+        upload_bytes(buffer, host, buffer.bytes(), 0);
+    } else {
+        map_bytes(buffer, Access::kWrite, buffer.bytes(), 0);
+    }
+}
 
 Mapping Device::map_bytes(Buffer& buffer, Access access, std::size_t bytes, std::size_t offset) {
     Mapping mapping;
@@ -84,7 +103,7 @@ Mapping Device::map_bytes(Buffer& buffer, Access access, std::size_t bytes, std:
 void Device::upload_bytes(Buffer& buffer, const void* data, std::size_t bytes, std::size_t offset) {
     check_range(bytes, offset, buffer.bytes(), "upload");
     if (bytes == 0) return;
-    if (implementation_->found.is_cpu) {
+    if (implementation_->shares_memory()) {
         std::memcpy(map_bytes(buffer, Access::kWrite, bytes, offset).data(), data, bytes);
     } else {
         guarded("clEnqueueWriteBuffer", "uploading " + amount(bytes), [&] {
@@ -96,7 +115,7 @@ void Device::upload_bytes(Buffer& buffer, const void* data, std::size_t bytes, s
 void Device::download_bytes(const Buffer& buffer, void* data, std::size_t bytes, std::size_t offset) {
     check_range(bytes, offset, buffer.bytes(), "download");
     if (bytes == 0) return;
-    if (implementation_->found.is_cpu) {
+    if (implementation_->shares_memory()) {
         Buffer same;  // reading does not change the buffer, but a mapping is counted in it
         same.implementation_ = buffer.implementation_;
         same.bytes_ = buffer.bytes_;

@@ -60,7 +60,9 @@ std::vector<double> edge_matrix(const TypeTable& table, std::size_t nodes) {
 /// Kernels only read it.
 template <class T>
 Buffer wrap_constant(Device& device, const T* data, std::size_t count) {
-    return device.wrap(const_cast<T*>(data), count * sizeof(T));
+    Buffer buffer = device.wrap(const_cast<T*>(data), count * sizeof(T));
+    device.sync_to_device(buffer);
+    return buffer;
 }
 
 /// The matrices of one element type, kept from chunk to chunk.

@@ -60,21 +60,23 @@ Extracted mesh_pieces(device::Device& device, const MeshOptions& options, Prepar
                       Mesh* mesh) {
     const octree::Octree& tree = prepared.tree;
     Extracted result;
-    const std::uint64_t words = tree.words();
-    const std::uint64_t count = std::min<std::uint64_t>(static_cast<std::uint64_t>(options.pieces), words);
+    const std::uint64_t count = std::max(static_cast<std::uint64_t>(options.pieces),
+                                         pipeline::pieces_needed(tree, device.info().max_allocation_bytes));
     const octree::InRegions in_regions(tree);
     std::vector<assembly::Piece> pieces;
+    std::uint64_t begin = 0;
     for (std::uint64_t p = 0; p < count; ++p) {
         assembly::MortonRange range;
-        if (p > 0) range.begin = tree.code_of_word(words * p / count);
-        if (p + 1 < count) range.end = tree.code_of_word(words * (p + 1) / count);
+        range.begin = begin;
+        if (p + 1 < count) range.end = begin = pipeline::piece_end(tree, p + 1, count);
+        if (range.begin == range.end) continue;  // all leaves are in few words
         const double step = 0.5 / static_cast<double>(count);
         const double done = 0.4 + step * static_cast<double>(p);
         pieces.push_back(pipeline::make_piece(device, options, prepared, in_regions, range, stages, done,
                                               done + step, result));
     }
     stages.begin("merge", 0.92);
-    *mesh = assembly::merge(std::move(pieces));
+    *mesh = assembly::merge(std::move(pieces), options.threads);
     stages.end(mesh->element_count());
     return result;
 }

@@ -6,6 +6,28 @@
 
 namespace mortise::pipeline {
 
+std::uint64_t pieces_needed(const octree::Octree& tree, std::uint64_t largest) {
+    constexpr std::uint64_t kInBytes = 36, kNioBytes = 200;  // measured: 32 and 24; and up to 150
+    return (kInBytes * tree.in_count + kNioBytes * tree.nio.size()) / largest + 1;
+}
+
+std::uint64_t piece_end(const octree::Octree& tree, std::uint64_t p, std::uint64_t count) {
+    const auto leaves = [&tree](std::size_t word) {
+        return std::uint64_t{tree.in_rank[word]} + tree.nio_rank[word];
+    };
+    const std::uint64_t wanted = leaves(tree.words()) * p / count;
+    std::size_t low = 0, high = tree.words();
+    while (low < high) {
+        const std::size_t middle = (low + high) / 2;
+        if (leaves(middle) < wanted) {
+            low = middle + 1;
+        } else {
+            high = middle;
+        }
+    }
+    return tree.code_of_word(low);
+}
+
 assembly::Piece make_piece(device::Device& device, const MeshOptions& options, Prepared& prepared,
                            const octree::InRegions& in_regions, const assembly::MortonRange& range,
                            Stages& stages, double begin, double end, Extracted& extracted) {

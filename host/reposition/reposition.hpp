@@ -22,7 +22,7 @@ enum class Method { kDevice, kHost };
 
 struct Options {
     int level = 0;                     ///< of the finest cells
-    int rounds = 4;                    ///< in each of which a node moves once at most
+    int rounds = 8;                    ///< in each of which a node moves once at most
     int threads = 0;                   ///< host threads; 0: all cores; the result does not depend on them
     const LeafGrid* leaves = nullptr;  ///< null or empty: a uniform tree
     /// Per surface, not 0: the nodes of its facets stay where they are. May be null.

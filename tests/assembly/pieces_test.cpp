@@ -3,6 +3,8 @@
 
 #include <string>
 
+#include "host/device/device.hpp"
+#include "host/pipeline/piece.hpp"
 #include "mortise/mesher.hpp"
 #include "tests/assembly/regions_on_grid.hpp"
 
@@ -46,6 +48,46 @@ TEST_CASE("two halves of the Morton range, and other parts, merge into the same 
         check_pieces(model, true);
         check_pieces(model, false);
     }
+}
+
+TEST_CASE("a device with memory of its own, and scalar kernels as GPUs run them: the same bytes") {
+    device::DeviceOptions device_options;
+    device_options.copies = true;
+    device_options.lanes = 1;
+    device_options.work_group_size = 128;
+    device::Device own("", device_options), shared;
+    const auto mesh_on = [](device::Device& device) {
+        const Model model = read_model(MORTISE_SOURCE_DIR "/assets/models/bracket.csg");
+        MeshOptions options;
+        options.level = 5;
+        MeshReport report;
+        pipeline::Stages stages(options, report);
+        pipeline::Prepared prepared =
+            pipeline::prepare([&]() -> device::Device& { return device; }, model, options, stages, report);
+        const octree::InRegions in_regions(prepared.tree);
+        pipeline::Extracted extracted;
+        std::vector<assembly::Piece> pieces;
+        pieces.push_back(
+            pipeline::make_piece(device, options, prepared, in_regions, {}, stages, 0.4, 0.9, extracted));
+        return assembly::merge(std::move(pieces), 0);
+    };
+    check_same(mesh_on(own), mesh_on(shared));
+}
+
+TEST_CASE("meshes larger than a device's largest allocation come in pieces with as many leaves each") {
+    octree::Octree tree;
+    tree.level = 4;
+    tree.in_bits.resize(128);
+    for (std::uint32_t word = 0; word <= 128; ++word) {
+        tree.in_rank.push_back(word < 96 ? 0 : 32 * (word - 96));  // all leaves in the last quarter
+        tree.nio_rank.push_back(0);
+    }
+    tree.in_count = 1024;
+    CHECK(pipeline::pieces_needed(tree, 1 << 30) == 1);
+    CHECK(pipeline::pieces_needed(tree, 10000) == 4);  // 32 bytes of nodes each, and some for the surface
+    CHECK(pipeline::piece_end(tree, 1, 4) == 32 * 104);
+    CHECK(pipeline::piece_end(tree, 2, 4) == 32 * 112);
+    CHECK(pipeline::piece_end(tree, 3, 4) == 32 * 120);
 }
 
 TEST_CASE("pieces of several regions with interfaces on cell faces") {

@@ -225,21 +225,26 @@ TEST_CASE("launch: arguments of every kind, padding, events and times") {
 }
 
 TEST_CASE("wrapped host memory is what kernels see, and the other way round") {
-    Example example;
-    Device device("", example.options);
-    std::vector<double> values(1000, 3.0);
-    Buffer buffer = device.wrap(values.data(), values.size() * sizeof(double));
-    const Kernel scale = device.kernel("example.cl", "scale", "-DOFFSET=0");
-    device.launch(scale, 1000, buffer, 2.0);
-    device.sync_to_host(buffer);
-    CHECK(values == std::vector<double>(1000, 6.0));
-    for (double& value : values) value = 5.0;
-    device.sync_to_device(buffer);
-    device.launch(scale, 999, buffer, 2.0);
-    device.sync_to_host(buffer);
-    CHECK(values[998] == 10.0);
-    CHECK(values[999] == 5.0);
-    CHECK(device.wrap(nullptr, 0).bytes() == 0);
+    for (const bool copies : {false, true}) {
+        CAPTURE(copies);
+        Example example;
+        example.options.copies = copies;
+        Device device("", example.options);
+        std::vector<double> values(1000, 3.0);
+        Buffer buffer = device.wrap(values.data(), values.size() * sizeof(double));
+        device.sync_to_device(buffer);
+        const Kernel scale = device.kernel("example.cl", "scale", "-DOFFSET=0");
+        device.launch(scale, 1000, buffer, 2.0);
+        device.sync_to_host(buffer);
+        CHECK(values == std::vector<double>(1000, 6.0));
+        for (double& value : values) value = 5.0;
+        device.sync_to_device(buffer);
+        device.launch(scale, 999, buffer, 2.0);
+        device.sync_to_host(buffer);
+        CHECK(values[998] == 10.0);
+        CHECK(values[999] == 5.0);
+        CHECK(device.wrap(nullptr, 0).bytes() == 0);
+    }
 }
 
 TEST_CASE("misuse of a launch is named") {

@@ -28,6 +28,7 @@ device::Device& scalar_device() {
         device::DeviceOptions options;
         options.lanes = 1;
         options.work_group_size = 7;
+        options.copies = true;
         return options;
     }());
     return device;
