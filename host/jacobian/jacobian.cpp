@@ -108,9 +108,8 @@ std::optional<Method> wanted_method() {
                 "MORTISE_JACOBIANS is '" + word + "'; set it to host, own or clblast, or unset it");
 }
 
-Method usual_method(const Device& device, std::size_t elements) {
-    if (elements < kWorthLoading) return Method::kHost;
-    return device.info().is_gpu ? Method::kProduct : Method::kOwn;
+Method usual_method(std::size_t elements) {
+    return elements < kWorthLoading ? Method::kHost : Method::kOwn;
 }
 
 std::vector<float> scaled_jacobians(Device& device, const Mesh& mesh, Method method) {

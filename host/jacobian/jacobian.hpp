@@ -21,8 +21,9 @@ enum class Method { kHost, kOwn, kProduct };
 /// word.
 std::optional<Method> wanted_method();
 
-/// The host for small meshes, where loading kernels takes longer; else own kernel on CPUs, product on GPUs.
-Method usual_method(const device::Device& device, std::size_t elements);
+/// The host for small meshes, where loading kernels takes longer; else our own kernel, the faster one on all
+/// devices measured.
+Method usual_method(std::size_t elements);
 
 /// Scaled Jacobian per element, in the order of mesh.elements. Node numbers must be in range. CLBlast builds
 /// its kernels, for many seconds where the driver has not kept them, at the first product of a process.

@@ -203,7 +203,7 @@ Mesh Mesher::generate(const Model& model, const MeshOptions& options, MeshReport
     if (report != nullptr) {
         stages.begin("jacobians", 0.99);
         out.scaled_jacobians = jacobian::scaled_jacobians(
-            device, mesh, jacobian_method.value_or(jacobian::usual_method(device, mesh.element_count())));
+            device, mesh, jacobian_method.value_or(jacobian::usual_method(mesh.element_count())));
         stages.end(mesh.element_count());
     }
     pipeline::report_cells(prepared, extracted, model, options, out);

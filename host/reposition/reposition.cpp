@@ -13,8 +13,8 @@ using device::Buffer;
 using device::Device;
 
 constexpr std::size_t kChunk = 64;
-/// Movable nodes from which on a GPU gains more than loading the kernels takes.
-constexpr std::size_t kWorthLoading = 4096;
+/// Movable nodes from which on a GPU is faster: an H100 takes as long for 30,000 as 16 host threads, 65 ms.
+constexpr std::size_t kWorthLoading = std::size_t{1} << 15;
 
 /// What changes from round to round.
 struct Progress {
