@@ -108,9 +108,7 @@ std::optional<Method> wanted_method() {
                 "MORTISE_JACOBIANS is '" + word + "'; set it to host, own or clblast, or unset it");
 }
 
-Method usual_method(std::size_t elements) {
-    return elements < kWorthLoading ? Method::kHost : Method::kOwn;
-}
+Method usual_method(std::size_t elements) { return elements < kWorthLoading ? Method::kHost : Method::kOwn; }
 
 std::vector<float> scaled_jacobians(Device& device, const Mesh& mesh, Method method) {
     if (method == Method::kHost) return mortise::scaled_jacobians(mesh);
