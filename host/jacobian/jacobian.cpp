@@ -111,7 +111,9 @@ std::optional<Method> wanted_method() {
 Method usual_method(std::size_t elements) { return elements < kWorthLoading ? Method::kHost : Method::kOwn; }
 
 std::vector<float> scaled_jacobians(Device& device, const Mesh& mesh, Method method) {
-    if (method == Method::kHost) return mortise::scaled_jacobians(mesh);
+    const std::size_t points_bytes = mesh.points.size() * sizeof(double);
+    if (method == Method::kHost || points_bytes > device.info().max_allocation_bytes)
+        return mortise::scaled_jacobians(mesh);
     std::vector<float> values(mesh.element_count());
     if (values.empty()) return values;
     const Buffer points = wrap_constant(device, mesh.points.data(), mesh.points.size());
