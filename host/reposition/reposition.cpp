@@ -121,7 +121,8 @@ bool is_mended(const Stars& stars, const RepositionScale& scale, const std::vect
         double p[8][3];
         for (u32 k = 0; k < kStarNodes[e.type]; ++k)
             std::copy_n(points.data() + 3 * std::size_t{e.node[k]}, 3, p[k]);
-        if (!(repositioned_quality(e.type, -1, p, scale.shortest, 1) >= 1)) return false;
+        if (!(repositioned_quality(e.type, -1, p, moved_jacobian_scale(e.type), scale.shortest, 1) >= 1))
+            return false;
     }
     return true;
 }

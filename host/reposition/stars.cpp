@@ -214,7 +214,8 @@ Frame make_frame(const tape::BoundModel& model, const Options& options) {
 bool is_poor(const Mesh& mesh, const Frame& frame, const ElementNumber& e) {
     double p[8][3];
     for (std::size_t k = 0; k < e.count(); ++k) frame.to_lattice(mesh, e.nodes(mesh)[k], p[k]);
-    return repositioned_quality(e.type, -1, p, frame.scale.shortest, kCertainlyPoor) < kCertainlyPoor;
+    return repositioned_quality(e.type, -1, p, kRepositionJacobianScale, frame.scale.shortest,
+                                kCertainlyPoor) < kCertainlyPoor;
 }
 
 PoorElements find_poor(const Mesh& mesh, const Frame& frame, int threads) {

@@ -16,6 +16,8 @@
 #define kRepositionAcuteScale (1.0 / 0.0954915028125263)  // 1 / sin² 18°
 #define kRepositionObtuseScale (1.0 / 0.178606194956727)  // 1 / sin² 155°
 #define kRepositionShortestEdge 0.35
+// Hexahedra around a node that moves: a scaled Jacobian of 0.8, or what they had.
+#define kRepositionHexahedronScale (1.0 / 0.64)
 // Quality (squared, 1 is good) up to which nodes move: rounding must not leave it below 1.
 #define kRepositionTarget 1.0005
 // The worst quality must rise by this factor.
@@ -78,8 +80,8 @@ MORTISE_TABLE u8 kStarNodes[6] = {8, 6, 5, 4, 3, 4};
 
 // Quality of an element at its corners beside node `at`, or at all of them (at < 0); less than `floor` may be
 // any value below it.
-MORTISE_FUNCTION double repositioned_quality(u32 type, int at, const double (*p)[3], double shortest,
-                                             double floor) {
+MORTISE_FUNCTION double repositioned_quality(u32 type, int at, const double (*p)[3], double jacobian_scale,
+                                             double shortest, double floor) {
     double worst = kMortiseInfinity;
     for (int i = 0; i < kQualityCornerCount[type]; ++i) {
         const int o = kQualityCorners[type][i][0];
@@ -88,8 +90,8 @@ MORTISE_FUNCTION double repositioned_quality(u32 type, int at, const double (*p)
         const int c = kQualityCorners[type][i][3];
         double q;
         if (at >= 0 && at != o && at != a && at != b && at != c) continue;
-        q = scaled_corner_quality(p[o], p[a], p[b], p[c], kQualityCorners[type][i][4],
-                                  kRepositionJacobianScale, kRepositionAcuteScale, kRepositionObtuseScale);
+        q = scaled_corner_quality(p[o], p[a], p[b], p[c], kQualityCorners[type][i][4], jacobian_scale,
+                                  kRepositionAcuteScale, kRepositionObtuseScale);
         if (q < worst) worst = q;
         if (!(worst >= floor)) return worst;
         for (int k = 1; k < 4 && type < 3 && shortest > 0; ++k) {
@@ -102,6 +104,11 @@ MORTISE_FUNCTION double repositioned_quality(u32 type, int at, const double (*p)
         }
     }
     return worst;
+}
+
+// What elements around moving nodes are measured by.
+MORTISE_FUNCTION double moved_jacobian_scale(u32 type) {
+    return type == 0 ? kRepositionHexahedronScale : kRepositionJacobianScale;
 }
 
 // Everything that a search for a node's place looks at.
@@ -124,7 +131,7 @@ MORTISE_FUNCTION double star_element_quality(const NodeStar* s, u32 i, const dou
         if (moves) at = k;
         for (int j = 0; j < 3; ++j) p[k][j] = moves ? x[j] : s->points[3 * (u64)e->node[k] + j];
     }
-    return repositioned_quality(e->type, at, p, s->scale.shortest, floor);
+    return repositioned_quality(e->type, at, p, moved_jacobian_scale(e->type), s->scale.shortest, floor);
 }
 
 // Quality of the worst element with the node at x, at most the target, or something not above `floor`; -1 if

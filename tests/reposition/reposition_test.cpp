@@ -138,9 +138,14 @@ TEST_CASE("smooth surfaces: every element becomes good") {
         poor += counters.poor;
         CHECK(counters.left == 0);
         CHECK((counters.moved > 0) == (counters.poor > 0));
-        std::size_t bad = 0;
-        for_all(mesh, [&](int t, std::size_t i) { bad += shape_of(mesh, t, i).is_good(1e-6) ? 0 : 1; });
+        std::size_t bad = 0, warped = 0;
+        for_all(mesh, [&](int t, std::size_t i) {
+            const Shape shape = shape_of(mesh, t, i);
+            bad += shape.is_good(1e-6) ? 0 : 1;
+            warped += t == 0 && shape.jacobian < 0.8 - 1e-6 ? 1 : 0;
+        });
         CHECK(bad == 0);
+        CHECK(warped == 0);
         const CheckReport check = check_mesh(mesh);
         CHECK(check.valid());
         CHECK(check.euler_characteristic == 2);
