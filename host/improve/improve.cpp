@@ -121,7 +121,7 @@ class Session {
     std::optional<Zone> open(double least, bool leaves_cubes) {
         if (counters_.reached_open) return std::nullopt;
         Zone zone = open_zone(mesh_, frame_, surfaces_, tips_,
-                              {options_.held, least, leaves_cubes, options_.threads}, known_);
+                              {options_.held, options_.slabs, least, leaves_cubes, options_.threads}, known_);
         if (zone.tetrahedra.empty()) return std::nullopt;
         if (options_.is_open != nullptr && holds_open(zone, *options_.is_open, *trace_)) {
             counters_.reached_open = true;

@@ -25,6 +25,8 @@ struct Options {
     const std::vector<std::uint8_t>* held = nullptr;
     /// Of a part of a mesh (scope.hpp): per node, not 0 if elements around it are missing. May be null.
     const std::vector<std::uint8_t>* is_open = nullptr;
+    /// Poor elements that are not in all of these are left alone; uniform trees only. May be null.
+    const std::vector<Slab>* slabs = nullptr;
 };
 
 struct Counters {
@@ -40,8 +42,9 @@ struct Counters {
 double quality_of_angle(double degrees);
 
 /// Precondition: the mesh's facets carry surfaces of `model` (indices into BoundModel::surfaces), in model
-/// coordinates; region and surface names are not looked at. The result does not depend on the threads.
-/// `trace`, if wanted, receives where its parts come from. If raise() follows, no nodes are loosened yet.
+/// coordinates; region and surface names are not looked at. Cubes inside are in Morton order. The result does
+/// not depend on the threads. `trace`, if wanted, receives where its parts come from. If raise() follows, no
+/// nodes are loosened yet.
 Mesh improve(Mesh mesh, const tape::BoundModel& model, const Options& options, Counters* counters,
              Trace* trace = nullptr);
 

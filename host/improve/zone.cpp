@@ -49,6 +49,9 @@ class Opener {
             poor_cells(mesh_, frame_, cells_, places_, rounding_, options_.least, threads_, known_.old);
         poor.insert(poor.end(), known_.poor.begin(), known_.poor.end());
         for (const Tip& tip : tips_) poor.push_back(cells_.index(tip.point));
+        if (options_.slabs != nullptr) {
+            for (const Slab& slab : *options_.slabs) keep_those_in(slab, poor);
+        }
         if (poor.empty()) return {};
         for (const CellId cell : poor) cells_.set_ring(cell);
         if (!cells_.is_graded()) find_cells(mesh_, frame_, cells_, threads_, places_);
@@ -87,6 +90,15 @@ class Opener {
                         [&](std::size_t begin, std::size_t end, int) {
                             for (std::size_t i = begin; i < end; ++i) visit(zone_.tetrahedra[i]);
                         });
+    }
+
+    void keep_those_in(const Slab& slab, std::vector<CellId>& poor) const {
+        poor.erase(std::remove_if(poor.begin(), poor.end(),
+                                  [&](CellId cell) {
+                                      const std::int64_t at = cells_.cell_of(cell)[slab.axis];
+                                      return at < slab.low || at >= slab.high;
+                                  }),
+                   poor.end());
     }
 
     /// Cubes are no part of the ring around poor cells.
@@ -244,6 +256,10 @@ class Opener {
         }
     }
 
+    bool is_held(std::uint32_t surface) const {
+        return options_.held != nullptr && (*options_.held)[surface] != 0;
+    }
+
     /// How far a facet's nodes are from a surface, in finest cells; and how much it is turned against it, 0
     /// to 1.
     struct Fit {
@@ -285,7 +301,7 @@ class Opener {
                 for (const ZoneNode n : node) {
                     for (std::size_t k = 0; k < zone_.stratum_size(n); ++k) {
                         const std::uint32_t other = zone_.surfaces(n)[k];
-                        if (other == best) continue;
+                        if (other == best || is_held(other)) continue;
                         const Fit other_fit = fit(other, p, size);
                         if (other_fit.distance > best_fit.distance + kSameDistance * size ||
                             other_fit.turned > best_fit.turned - kLessTurned)

@@ -136,8 +136,16 @@ struct Trace {
     std::vector<std::uint32_t> facet;
 };
 
+/// The cells between two planes across an axis, in finest cells.
+struct Slab {
+    std::size_t axis = 0;
+    std::int64_t low = 0;   ///< the first cell's number
+    std::int64_t high = 0;  ///< behind the last's
+};
+
 struct ZoneOptions {
     const std::vector<std::uint8_t>* held = nullptr;  ///< as Options::held
+    const std::vector<Slab>* slabs = nullptr;         ///< as Options::slabs
     double least = kGoodQuality;                      ///< elements of less quality are poor
     bool leaves_cubes = false;                        ///< cubes inside are no part of the ring
     int threads = 0;                                  ///< host threads; the result does not depend on them

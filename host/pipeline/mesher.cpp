@@ -12,6 +12,7 @@
 #include "host/jacobian/jacobian.hpp"
 #include "host/pipeline/names.hpp"
 #include "host/pipeline/periodic.hpp"
+#include "host/pipeline/periodic_improvement.hpp"
 #include "host/pipeline/piece.hpp"
 #include "host/pipeline/prepare.hpp"
 #include "host/pipeline/stream.hpp"
@@ -157,6 +158,10 @@ Mesh Mesher::generate(const Model& model, const MeshOptions& options, MeshReport
     if (!held.empty()) improve_options.held = &held;
     if (options.improve) {
         pipeline::reposition_nodes(device, prepared, options, improve_options.held, stages, mesh);
+        if (!prepared.periodic.empty()) {
+            stages.begin("planes", 0.925);
+            stages.end(pipeline::improve_planes(prepared, improve_options, mesh));
+        }
         stages.begin("improve", 0.93);
         mesh = improve::improve(std::move(mesh), prepared.bound, improve_options, &counters);
         stages.end(counters.zone_elements);

@@ -101,6 +101,8 @@ class Matcher {
         return found;
     }
 
+    const std::vector<NodeId>& partners() const { return partner_; }
+
     Vec3 centre(std::uint32_t facet) const {
         const NodeId* node = mesh_.facets.nodes.data() + 4 * std::size_t{facet};
         const std::size_t count = node[2] == node[3] ? 3 : 4;
@@ -248,6 +250,14 @@ std::vector<std::uint8_t> held_surfaces(const tape::BoundModel& bound,
         held[bound.periodic[axis.pair].second] = 1;
     }
     return held;
+}
+
+std::vector<NodeId> match_plane(const PeriodicAxis& axis, const tape::BoundModel& bound, double cell,
+                                Mesh& mesh) {
+    std::vector<NodeId> copy_of(mesh.node_count());
+    Matcher matcher(axis, bound, cell, mesh);
+    matcher.place_nodes(copy_of);
+    return matcher.unmatched().empty() ? matcher.partners() : std::vector<NodeId>{};
 }
 
 std::vector<NodeId> match_planes(const std::vector<PeriodicAxis>& axes, const Model& model,

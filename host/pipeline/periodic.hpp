@@ -37,6 +37,11 @@ void split_images(const tape::BoundModel& bound, const std::vector<PeriodicAxis>
 /// Per bound surface, not 0 for periodic planes.
 std::vector<std::uint8_t> held_surfaces(const tape::BoundModel& bound, const std::vector<PeriodicAxis>& axes);
 
+/// Per node of a pair's second plane the one of the first that it is a copy of, for others 0xffffffff; moves
+/// it there exactly. Empty if facets of the two planes differ.
+std::vector<NodeId> match_plane(const PeriodicAxis& axis, const tape::BoundModel& bound, double cell,
+                                Mesh& mesh);
+
 /// Moves the nodes of second planes to those of the first, exactly, and adds a warning for each pair whose
 /// facets differ. `cell`: edge of the largest cells at the boundary, in
 /// model units. Surfaces of facets are those of `bound`.

@@ -10,6 +10,7 @@
 
 #include "tests/corpora.hpp"
 #include "tests/mesher/meshed.hpp"
+#include "tests/mesher/random_source.hpp"
 
 namespace mortise::test {
 namespace {
@@ -86,6 +87,24 @@ std::string balls() {
     return text + ";\n";
 }
 
+/// One to four balls anywhere, with all images that meet the cube.
+std::string random_balls(std::uint64_t seed) {
+    RandomSource random(seed);
+    std::string text;
+    for (int n = random.integer(1, 4); n > 0; --n) {
+        const Vec3 at = {random.uniform(0, 1), random.uniform(0, 1), random.uniform(0, 1)};
+        const double radius = random.uniform(0.12, 0.3);
+        for (int image = 0; image < 27; ++image) {
+            const Vec3 x = {at[0] + image % 3 - 1, at[1] + image / 3 % 3 - 1, at[2] + image / 9 - 1};
+            if (std::any_of(x.begin(), x.end(), [&](double c) { return c < -radius || c > 1 + radius; }))
+                continue;
+            text += (text.empty() ? "solid balls = sphere(" : " or sphere(") + std::to_string(x[0]) + "," +
+                    std::to_string(x[1]) + "," + std::to_string(x[2]) + ";" + std::to_string(radius) + ")";
+        }
+    }
+    return text + ";\n";
+}
+
 void check_periodic(const std::string& text, const MeshOptions& options, const Vec3& period = {1, 1, 1}) {
     const Meshed m = mesh_and_check(parse_model(text, "geo", "periodic.geo"), options);
     CHECK(m.defects == "");
@@ -113,6 +132,54 @@ TEST_CASE("three pairs of planes, balls at corners and faces, as holes and as a 
             check_periodic(regions + tlos + kPairs, options);
         }
     }
+}
+
+TEST_CASE("elements at the planes, where two meet and where three meet are good") {
+    const std::string cylinder = "solid balls = cylinder(0.5,0.52,0;0.5,0.52,1;0.23) or ";
+    std::string both = balls();
+    both.replace(0, std::string("solid balls = ").size(), cylinder);
+    for (const std::string& holes : {balls(), both}) {
+        for (const char* tlos : {"tlo outer;\n", "tlo outer; tlo inner;\n"}) {
+            CAPTURE(std::string(tlos));
+            MeshOptions options;
+            options.level = 5;
+            const Meshed m = mesh_and_check(
+                parse_model(kCube + holes +
+                                "solid inner = cube and balls; solid outer = cube and not balls;\n" + tlos +
+                                kPairs,
+                            "geo", "periodic.geo"),
+                options);
+            CHECK(m.defects == "");
+            CHECK(m.check.min_dihedral >= 15);
+            CHECK(m.check.max_dihedral <= 160);
+            for (const double least : m.check.min_scaled_jacobian) CHECK(least >= 0.12);
+        }
+    }
+}
+
+TEST_CASE("random balls that repeat: the same faces") {
+    const std::uint64_t first = environment_number("MORTISE_RANDOM_SEED", 1);
+    const std::uint64_t count = environment_number("MORTISE_RANDOM_MODELS", 6);
+    for (std::uint64_t seed = first; seed < first + count; ++seed) {
+        CAPTURE(seed);
+        MeshOptions options;
+        options.level = 4;
+        check_periodic(kCube + random_balls(seed) +
+                           "solid inner = cube and balls; solid outer = cube and not balls;\n"
+                           "tlo outer; tlo inner;\n" +
+                           kPairs,
+                       options);
+    }
+}
+
+TEST_CASE("a ball's facets close to a plane do not become the plane's") {
+    MeshOptions options;
+    options.level = 4;
+    check_periodic(
+        kCube + random_balls(137) +
+            "solid inner = cube and balls; solid outer = cube and not balls; tlo outer; tlo inner;\n" +
+            kPairs,
+        options);
 }
 
 TEST_CASE("tetrahedra, sizes by length, pieces: the same faces") {
