@@ -173,6 +173,11 @@ class Cell {
     }
     /// Whether the cell's tape names a surface: not those that a joint stands for.
     bool is_named(std::size_t surface) const { return local_tape_.names(surface); }
+    /// Whether a surface is not known to be a plane; false of those that stand for several.
+    bool is_curved(std::size_t surface) const {
+        return !(has_stand_in() && surface + 1 == surfaces_.size()) &&
+               model_.surfaces[surfaces_[surface]].kind != kSurfacePlane;
+    }
     /// Sign of the value alone, never zero: for the inside of a simplex all of whose nodes are on the
     /// surface.
     int value_sign(std::size_t surface, const LatticePoint& p) const;

@@ -14,6 +14,8 @@ constexpr std::size_t kFewestSimplices = 256;
 
 constexpr std::int64_t kSampleWeight = 8;
 
+constexpr double kShortestBulge = 0.1;  ///< cells
+
 constexpr int kCapHalvings =
     16;  ///< the last cap is 5e-6 of a cell high: below it no sign changes (kSignTolerance)
 
@@ -232,12 +234,9 @@ bool Certificate::is_resolved(const Simplex& simplex) {
     return cell_.local_tape().resolve(signs_.data()) != kUnknown;
 }
 
-/// Splits the inner edges of simplices that are mixed for surface order[k], where it changes the region;
-/// tells whether there were any.
-bool Certificate::bisect(const std::vector<std::size_t>& order, std::size_t k, int round) {
-    keep_watch();  // a crowded cell may take seconds
-    const std::size_t p = order[k];
-    bool any = false;
+/// Lists in mixed_ the inner edges, with ends on different sides of surface p or on the same one, of
+/// simplices that it cuts where that changes the region.
+void Certificate::list_edges(std::size_t p, bool different) {
     mixed_.clear();
     for (Simplex& s : simplices_) {
         if (s.resolved) continue;
@@ -248,7 +247,8 @@ bool Certificate::bisect(const std::vector<std::size_t>& order, std::size_t k, i
             for (std::size_t j = i + 1; j < 4; ++j) {
                 const LocalNode a = std::min(s.node[i], s.node[j]);
                 const LocalNode b = std::max(s.node[i], s.node[j]);
-                if (cell_.sign(a, p) * cell_.sign(b, p) >= 0) continue;
+                const int product = cell_.sign(a, p) * cell_.sign(b, p);
+                if (different ? product >= 0 : product <= 0) continue;
                 if ((cell_.nodes()[a].faces & cell_.nodes()[b].faces) != 0 || locked(a, b)) continue;
                 if (!refused_.empty() && refused_.count({static_cast<std::uint32_t>(p), a, b}) != 0) continue;
                 mixed_.push_back({a, b});
@@ -257,6 +257,70 @@ bool Certificate::bisect(const std::vector<std::size_t>& order, std::size_t k, i
     }
     std::sort(mixed_.begin(), mixed_.end());
     mixed_.erase(std::unique(mixed_.begin(), mixed_.end()), mixed_.end());
+}
+
+/// Lists in around_ the simplices at an edge; false if a node at `at` would make a part of one flat.
+bool Certificate::can_split(LocalNode a, LocalNode b, const LatticePoint& at) {
+    around_.clear();
+    const auto& candidates = incident_[incident_[a].size() <= incident_[b].size() ? a : b];
+    for (const std::uint32_t i : candidates) {
+        const auto& v = simplices_[i].node;
+        const auto ia = std::find(v.begin(), v.end(), a);
+        const auto ib = std::find(v.begin(), v.end(), b);
+        if (ia == v.end() || ib == v.end()) continue;
+        around_.push_back(i);
+        for (const auto replaced : {ia, ib}) {
+            LatticePoint q[4];
+            for (std::size_t j = 0; j < 4; ++j) q[j] = cell_.nodes()[v[j]].point;
+            q[replaced - v.begin()] = at;
+            if (!is_solid(q[0], q[1], q[2], q[3])) return false;
+        }
+    }
+    return true;
+}
+
+/// Splits the simplices of can_split() at node m.
+void Certificate::split(LocalNode a, LocalNode b, LocalNode m) {
+    incident_.resize(cell_.nodes().size());
+    for (const std::uint32_t i : around_) {
+        // Where a surface is curved, m may lie on another side of it than a and b: nothing is resolved.
+        simplices_[i].resolved = false;
+        std::array<LocalNode, 4> second = simplices_[i].node;
+        std::replace(simplices_[i].node.begin(), simplices_[i].node.end(), b, m);
+        std::replace(second.begin(), second.end(), a, m);
+        incident_[m].push_back(i);
+        add_simplex(second);
+    }
+}
+
+/// Splits edges of simplices cut by surface order[k] in their middles where these lie on the other side than
+/// both ends: the surface bulges through, and what is left in front of it would be a film.
+void Certificate::show_bulges(const std::vector<std::size_t>& order, std::size_t k, int round) {
+    const std::size_t p = order[k];
+    if (!cell_.is_curved(p)) return;
+    list_edges(p, false);
+    for (const auto& [a, b] : mixed_) {
+        if (is_full()) return;
+        const LatticePoint &from = cell_.nodes()[a].point, &to = cell_.nodes()[b].point;
+        if (distance(from, to) < kShortestBulge * cell_.units()) continue;
+        LatticePoint at;
+        for (std::size_t j = 0; j < 3; ++j) at[j] = from[j] + (to[j] - from[j]) / 2;
+        const int side = cell_.sign(a, p);
+        if (cell_.pure_sign(p, at, cell_.size()) != -side || !can_split(a, b, at)) continue;
+        const LocalNode m = cell_.split_node(order, k, a, b, at, round, nullptr);
+        cell_.set_sign(m, p, -side);
+        split(a, b, m);
+    }
+}
+
+/// Splits the inner edges of simplices that are mixed for surface order[k], where it changes the region;
+/// tells whether there were any.
+bool Certificate::bisect(const std::vector<std::size_t>& order, std::size_t k, int round) {
+    keep_watch();  // a crowded cell may take seconds
+    const std::size_t p = order[k];
+    bool any = false;
+    show_bulges(order, k, round);
+    list_edges(p, true);
     for (const auto& [a, b] : mixed_) {
         if (cell_.sign(a, p) * cell_.sign(b, p) >= 0) continue;  // an end was snapped
         if (is_full()) {
@@ -268,24 +332,7 @@ bool Certificate::bisect(const std::vector<std::size_t>& order, std::size_t k, i
             any = true;
             continue;
         }
-        around_.clear();
-        bool refused = false;
-        const auto& candidates = incident_[incident_[a].size() <= incident_[b].size() ? a : b];
-        for (const std::uint32_t i : candidates) {
-            const auto& v = simplices_[i].node;
-            const auto ia = std::find(v.begin(), v.end(), a);
-            const auto ib = std::find(v.begin(), v.end(), b);
-            if (ia == v.end() || ib == v.end()) continue;
-            around_.push_back(i);
-            for (const auto replaced : {ia, ib}) {
-                LatticePoint q[4];
-                for (std::size_t j = 0; j < 4; ++j) q[j] = cell_.nodes()[v[j]].point;
-                q[replaced - v.begin()] = at;
-                refused = refused || !is_solid(q[0], q[1], q[2], q[3]);
-            }
-            if (refused) break;
-        }
-        if (refused) {
+        if (!can_split(a, b, at)) {
             if (!cell_.snap_end(p, a, b, at, kSnapDistance, false)) {
                 ++cell_.counters.refused;
                 refused_.insert({static_cast<std::uint32_t>(p), a, b});
@@ -294,16 +341,7 @@ bool Certificate::bisect(const std::vector<std::size_t>& order, std::size_t k, i
         }
         const LocalNode m = cell_.split_node(order, k, a, b, at, round, nullptr);
         any = true;
-        incident_.resize(cell_.nodes().size());
-        for (const std::uint32_t i : around_) {
-            // Where a surface is curved, m may lie on another side of it than a and b: nothing is resolved.
-            simplices_[i].resolved = false;
-            std::array<LocalNode, 4> second = simplices_[i].node;
-            std::replace(simplices_[i].node.begin(), simplices_[i].node.end(), b, m);
-            std::replace(second.begin(), second.end(), a, m);
-            incident_[m].push_back(i);
-            add_simplex(second);
-        }
+        split(a, b, m);
     }
     return any;
 }

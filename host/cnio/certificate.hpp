@@ -121,6 +121,10 @@ class Certificate {
     void add_simplex(const std::array<LocalNode, 4>& node);
     bool is_mixed(const Facet& quad, LocalNode apex) const;
     LocalNode add_cap(const Facet& quad, const LatticePoint& apex);
+    void list_edges(std::size_t p, bool different);
+    bool can_split(LocalNode a, LocalNode b, const LatticePoint& at);
+    void split(LocalNode a, LocalNode b, LocalNode m);
+    void show_bulges(const std::vector<std::size_t>& order, std::size_t k, int round);
     bool bisect(const std::vector<std::size_t>& order, std::size_t k, int round);
     bool is_resolved(const Simplex& simplex);
     bool locked(LocalNode a, LocalNode b) const;

@@ -1,0 +1,71 @@
+// Round holes of one to three cells' radius in plates whose faces lie close below a plane of the grid: where
+// a circle bulges through an edge inside a cell, a film was left in front of it, and the plate had more
+// holes.
+#include <doctest/doctest.h>
+
+#include "tests/mesher/meshed.hpp"
+#include "tests/mesher/random_source.hpp"
+
+namespace mortise::test {
+namespace {
+
+constexpr int kHoles = 3;  ///< along an edge of the plate
+
+struct Place {
+    double x, y, radius;
+};
+
+/// Cells of level 5 are 1 wide, and the plate's sides lie on the grid.
+Model plate(double low, double thickness, const std::vector<Place>& holes) {
+    return one_solid([&](Model& model) {
+        std::vector<NodeIndex> parts = {add_box(model, {0, 0, low}, {30, 30, low + thickness})};
+        for (const Place& hole : holes) {
+            const NodeIndex cylinder = add_cylinder(model, hole.radius, low - 1, low + thickness + 1);
+            parts.push_back(model.add_transform(translation({hole.x, hole.y, 0}), cylinder));
+        }
+        return subtract(model, parts);
+    });
+}
+
+void check_holes(const Model& model, std::int64_t holes) {
+    MeshOptions options;
+    options.level = 5;
+    for (const bool improve : {false, true}) {
+        CAPTURE(improve);
+        options.improve = improve;
+        const Meshed m = mesh_and_check(model, options);
+        CHECK(m.defects == "");
+        CHECK(m.check.euler_characteristic == 2 - 2 * holes);
+        if (!improve) continue;
+        CHECK(m.report.warnings.size() == (m.report.loosened_nodes > 0 ? 1 : 0));
+        CHECK(m.check.min_dihedral > 10);
+        CHECK(m.check.max_dihedral < 168);
+    }
+}
+
+}  // namespace
+
+TEST_CASE("a circle that passes through an edge inside a cell twice") {
+    // The plate of Netgen's manyholes.geo has twelve such holes.
+    check_holes(plate(0.9, 6.2, {{15.5, 27.9 - 14, 1.24}}), 1);
+}
+
+TEST_CASE("random plates with round holes have as many") {
+    const std::uint64_t first = environment_number("MORTISE_RANDOM_SEED", 1);
+    const std::uint64_t count = environment_number("MORTISE_RANDOM_MODELS", 12);
+    for (std::uint64_t seed = first; seed < first + count; ++seed) {
+        CAPTURE(seed);
+        RandomSource random(seed);
+        const double least = random.chance(0.5) ? 1.1 : 1.9;
+        std::vector<Place> holes;
+        for (int i = 0; i < kHoles * kHoles; ++i) {
+            // Half-way between planes of the grid along x, or nearly so.
+            const double x = 5.5 + 10 * (i % kHoles) + (random.chance(0.5) ? 0 : random.uniform(-0.1, 0.1));
+            holes.push_back(
+                {x, 5 + 10 * (i / kHoles) + random.uniform(-1, 1), random.uniform(least, 1.25 * least)});
+        }
+        check_holes(plate(random.uniform(0.8, 1), random.uniform(3, 8), holes), kHoles * kHoles);
+    }
+}
+
+}  // namespace mortise::test
