@@ -293,8 +293,19 @@ void Certificate::split(LocalNode a, LocalNode b, LocalNode m) {
     }
 }
 
+/// Whether the ends of an edge tell the sides of all surfaces but p at a point between them.
+bool Certificate::is_told_by_ends(LocalNode a, LocalNode b, const LatticePoint& at, std::size_t p) const {
+    for (std::size_t s = 0; s < cell_.surface_count(); ++s) {
+        const int first = cell_.sign(a, s), second = cell_.sign(b, s);
+        if (s == p || first * second < 0 || !cell_.is_named(s)) continue;
+        if (cell_.pure_sign(s, at, cell_.size()) != (first != 0 ? first : second)) return false;
+    }
+    return true;
+}
+
 /// Splits edges of simplices cut by surface order[k] in their middles where these lie on the other side than
-/// both ends: the surface bulges through, and what is left in front of it would be a film.
+/// both ends: the surface bulges through, and what is left in front of it would be a film. Not where another
+/// surface does so, too: the two sides of a thin shell are chords of the same nodes, or it would have holes.
 void Certificate::show_bulges(const std::vector<std::size_t>& order, std::size_t k, int round) {
     const std::size_t p = order[k];
     if (!cell_.is_curved(p)) return;
@@ -306,7 +317,9 @@ void Certificate::show_bulges(const std::vector<std::size_t>& order, std::size_t
         LatticePoint at;
         for (std::size_t j = 0; j < 3; ++j) at[j] = from[j] + (to[j] - from[j]) / 2;
         const int side = cell_.sign(a, p);
-        if (cell_.pure_sign(p, at, cell_.size()) != -side || !can_split(a, b, at)) continue;
+        if (cell_.pure_sign(p, at, cell_.size()) != -side || !is_told_by_ends(a, b, at, p) ||
+            !can_split(a, b, at))
+            continue;
         const LocalNode m = cell_.split_node(order, k, a, b, at, round, nullptr);
         cell_.set_sign(m, p, -side);
         split(a, b, m);

@@ -123,6 +123,7 @@ class Certificate {
     LocalNode add_cap(const Facet& quad, const LatticePoint& apex);
     void list_edges(std::size_t p, bool different);
     bool can_split(LocalNode a, LocalNode b, const LatticePoint& at);
+    bool is_told_by_ends(LocalNode a, LocalNode b, const LatticePoint& at, std::size_t p) const;
     void split(LocalNode a, LocalNode b, LocalNode m);
     void show_bulges(const std::vector<std::size_t>& order, std::size_t k, int round);
     bool bisect(const std::vector<std::size_t>& order, std::size_t k, int round);

@@ -85,6 +85,31 @@ void CellSet::set_ring(CellId i) {
     }
 }
 
+void CellSet::set_two_rings(CellId i) {
+    if (leaves_ != nullptr) {
+        set_ring(i);
+        const GridCube centre = cube(i);
+        for_touching_leaves(*leaves_, centre, [&](std::size_t leaf) { set_ring(leaf); });
+        for (const GridCube& beside : cubes_around(centre)) {
+            const auto low = beside.low();
+            const double half = 0.5 * static_cast<double>(std::int64_t{1} << beside.size_class);
+            const CellId there =
+                index_graded({static_cast<double>(low[0]) + half, static_cast<double>(low[1]) + half,
+                              static_cast<double>(low[2]) + half},
+                             i);
+            if (is_outside(there)) set_ring(there);
+        }
+        return;
+    }
+    const auto at = cell_of(i);
+    for (std::int64_t k = 0; k < 27; ++k) {
+        const std::array<std::int64_t, 3> beside = {at[0] + k % 3, at[1] + k / 3 % 3, at[2] + k / 9};
+        if (std::any_of(beside.begin(), beside.end(), [&](std::int64_t x) { return x < 0 || x >= size_; }))
+            continue;
+        set_ring(static_cast<CellId>((beside[2] * size_ + beside[1]) * size_ + beside[0]));
+    }
+}
+
 void CellSet::set_cube(CellId i, std::int64_t reach) {
     std::array<std::int64_t, 3> low = cell_of(i), high = low;
     for (std::size_t j = 0; j < 3; ++j) {
@@ -110,8 +135,16 @@ bool CellSet::test_outside(CellId i) const {
         found = found || ((rings_[leaf >> 6] >> (leaf & 63)) & 1) != 0;
     });
     if (found || outer_rings_.empty()) return found;
+    const std::vector<GridCube> around = cubes_around(centre);
+    return std::any_of(around.begin(), around.end(),
+                       [&](const GridCube& beside) { return outer_rings_.count(outside_id(beside)) != 0; });
+}
+
+/// A cube and those of its size that touch it, in the root box.
+std::vector<GridCube> CellSet::cubes_around(const GridCube& centre) const {
     const auto low = centre.low();
     const std::int64_t edge = std::int64_t{1} << centre.size_class;
+    std::vector<GridCube> result;
     for (int k = 0; k < 27; ++k) {
         std::uint32_t at[3];
         bool is_in_box = true;
@@ -121,11 +154,9 @@ bool CellSet::test_outside(CellId i) const {
             is_in_box = is_in_box && x >= 0 && x < (std::int64_t{1} << leaves_->level);
             at[j] = static_cast<std::uint32_t>(x);
         }
-        if (!is_in_box) continue;
-        if (outer_rings_.count(outside_id({morton_encode(at[0], at[1], at[2]), centre.size_class})) != 0)
-            return true;
+        if (is_in_box) result.push_back({morton_encode(at[0], at[1], at[2]), centre.size_class});
     }
-    return false;
+    return result;
 }
 
 }  // namespace mortise::improve

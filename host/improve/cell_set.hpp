@@ -53,6 +53,9 @@ class CellSet {
     /// Puts a cell and all that touch it into the set.
     void set_ring(CellId i);
 
+    /// The same, with one more ring.
+    void set_two_rings(CellId i);
+
     /// Uniform trees: puts all cells within `reach` cells of this one into the set, without marking bricks.
     void set_cube(CellId i, std::int64_t reach);
     /// Uniform trees: a cell of the root box or of the ring around it, which begins at -1.
@@ -100,6 +103,7 @@ class CellSet {
     void mark_near(const std::array<std::int64_t, 3>& at);
     CellId index_graded(const Point& p, CellId hint) const;
     bool test_outside(CellId i) const;
+    std::vector<GridCube> cubes_around(const GridCube& centre) const;
 
     const LeafGrid* leaves_;
     std::vector<std::uint64_t> bits_;

@@ -14,7 +14,8 @@ namespace {
 
 /// What stays poor is often held by the border of the zone: the next zone, around it, has its border
 /// elsewhere. The small ones also try changes of several steps; most of what is stuck in a pass of the first
-/// is not in the next, and need not.
+/// is not in the next, and need not. The last one is wider: what the border's pyramids hold at every attempt
+/// wanders along a surface otherwise.
 constexpr int kRuns = 4;
 constexpr int kRaisingRuns = 3;  ///< each time
 /// Quality is raised in steps of this, and of a little more before the goal: where nearly all elements are
@@ -56,7 +57,7 @@ class Session {
     /// Until all is good, but for what nothing helps; `loosens`: so it stays.
     void make_good(bool loosens) {
         for (int run = 0; run < kRuns; ++run) {
-            std::optional<Zone> zone = open(kGoodQuality, false);
+            std::optional<Zone> zone = open(kGoodQuality, false, run + 1 == kRuns);
             if (!zone) return;
             if (run == 0) take_out_crumbs(*zone);
             Improver improver(*zone, surfaces_, options_, {kGoodQuality, run == 0, 0});
@@ -78,7 +79,7 @@ class Session {
         options.merge_distance = 0;
         for (int run = 0; run < kRaisingRuns; ++run) {
             // Most elements are mended without their neighbours inside, and hexahedra are what people want.
-            std::optional<Zone> zone = open(to, run == 0);
+            std::optional<Zone> zone = open(to, run == 0, false);
             if (!zone) return;
             Improver improver(*zone, surfaces_, options, {to, false, from});
             make_passes(improver, run);
@@ -93,7 +94,7 @@ class Session {
         if (!(options_.merge_distance > 0)) return;
         known_ = {};
         frame_.on_lattice = false;
-        std::optional<Zone> zone = open(kRefineBelow, false);
+        std::optional<Zone> zone = open(kRefineBelow, false, false);
         if (!zone) return;
         Improver(*zone, surfaces_, options_, {kGoodQuality, false, 0}).loosen(counters_);
         close(*zone);
@@ -118,10 +119,11 @@ class Session {
 
   private:
     /// None if there is nothing to do, or too little is known of the mesh.
-    std::optional<Zone> open(double least, bool leaves_cubes) {
+    std::optional<Zone> open(double least, bool leaves_cubes, bool is_wide) {
         if (counters_.reached_open) return std::nullopt;
         Zone zone = open_zone(mesh_, frame_, surfaces_, tips_,
-                              {options_.held, options_.slabs, least, leaves_cubes, options_.threads}, known_);
+                              {options_.held, options_.slabs, least, leaves_cubes, is_wide, options_.threads},
+                              known_);
         if (zone.tetrahedra.empty()) return std::nullopt;
         if (options_.is_open != nullptr && holds_open(zone, *options_.is_open, *trace_)) {
             counters_.reached_open = true;

@@ -53,7 +53,7 @@ class Opener {
             for (const Slab& slab : *options_.slabs) keep_those_in(slab, poor);
         }
         if (poor.empty()) return {};
-        for (const CellId cell : poor) cells_.set_ring(cell);
+        for (const CellId cell : poor) options_.is_wide ? cells_.set_two_rings(cell) : cells_.set_ring(cell);
         if (!cells_.is_graded()) find_cells(mesh_, frame_, cells_, threads_, places_);
         if (options_.leaves_cubes) leave_cubes(poor);
         outer_quads_ = outer_quads(mesh_);

@@ -148,6 +148,7 @@ struct ZoneOptions {
     const std::vector<Slab>* slabs = nullptr;         ///< as Options::slabs
     double least = kGoodQuality;                      ///< elements of less quality are poor
     bool leaves_cubes = false;                        ///< cubes inside are no part of the ring
+    bool is_wide = false;                             ///< two rings instead of one
     int threads = 0;                                  ///< host threads; the result does not depend on them
 };
 
