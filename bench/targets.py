@@ -168,7 +168,7 @@ def measure(model: Model, resolution: List[str], options: argparse.Namespace, fo
     return Line(model.name, " ".join(resolution)[2:], found, (corners["found"], corners["expected"]), sharpest,
                 too_fine, model.ours,
                 sum(time for stage, time in times.items() if stage not in ("quality", "figures", "compile")),
-                times.get("reposition", 0.0) + times.get("improve", 0.0), short)
+                sum(times.get(s, 0.0) for s in ("reposition", "planes", "improve")), short)
 
 
 COLUMNS = (("model", 20), ("resolution", 13), ("valid", 5), ("elements", 8), ("min", 6), ("max", 6),
