@@ -24,6 +24,7 @@ MODELS = {"sphere": 5, "bracket": 5, "cube_minus_cylinder": 4, "cube_minus_spher
 MORTISE = [("Mortise, tetrahedra", ["--elements", "tet"]),
            ("Mortise, tetrahedra from 28 degrees", ["--elements", "tet", "--min-angle", "28"]),
            ("Mortise, tetrahedra from 40 degrees", ["--elements", "tet", "--min-angle", "40"]),
+           ("Mortise, tetrahedra from 44 degrees", ["--elements", "tet", "--min-angle", "44"]),
            ("Mortise, hybrid", []), ("Mortise, hybrid from 28 degrees", ["--min-angle", "28"])]
 LIMIT = 900.0  # seconds for one run of one program
 TOLERANCE = 0.02  # of the mean edge length

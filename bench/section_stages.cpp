@@ -1,6 +1,7 @@
 // Each stage by itself: its rate, the bytes that it moves, and how near that is to the machine's copy
 // bandwidth; see sections.hpp.
 #include <cstdio>
+#include <string>
 
 #include "bench/print.hpp"
 #include "bench/sections.hpp"
@@ -32,6 +33,26 @@ json summarize(const json& runs, std::size_t stage, double elements, double copy
     return result;
 }
 
+/// Prints how fast a file was written, beside a plain write of as many bytes; returns the figures.
+json print_file(const json& runs, const char* kind) {
+    Samples seconds, plain;
+    for (const json& run : runs) {
+        const json& file = run.at("files").at(kind);
+        seconds.values.push_back(file.at("seconds"));
+        plain.values.push_back(file.at("plain_write_seconds"));
+    }
+    const double bytes = runs.at(0).at("files").at(kind).at("bytes");
+    const double share = plain.median() / seconds.median();
+    std::printf("  .vtu %s: %s MB in %s ms, %s of the rate of a plain write of its bytes\n",
+                std::string(kind) == "compressed" ? "compressed" : "with --no-compress",
+                short_number(1e-6 * bytes).c_str(), short_number(1e3 * seconds.median()).c_str(),
+                percent(share).c_str());
+    return {{"bytes", bytes},
+            {"seconds", to_json(seconds)},
+            {"plain_write_seconds", to_json(plain)},
+            {"share_of_plain_rate", share}};
+}
+
 }  // namespace
 
 json stages_section(const Settings& settings, double copy_bytes_per_second) {
@@ -54,7 +75,6 @@ json stages_section(const Settings& settings, double copy_bytes_per_second) {
         const json runs = measured.at("runs");
         const double elements = measured.at("elements");
         const Samples seconds = collect(runs, "seconds");
-        const Samples plain = collect(runs, "plain_write_seconds");
         Table table({{task.model + ", " + std::to_string(task.level), ""},
                      {"time", "ms"},
                      {"spread", ""},
@@ -77,19 +97,14 @@ json stages_section(const Settings& settings, double copy_bytes_per_second) {
                            : "?"});
         }
         table.print();
-        const double writing = stages.back().at("seconds").at("median");
-        std::printf(
-            "  all but writing: %s ms; .vtu of %s MB written at %s of the rate of a plain write of its "
-            "bytes\n",
-            short_number(1e3 * seconds.median()).c_str(),
-            short_number(1e-6 * measured.at("file_bytes").get<double>()).c_str(),
-            percent(plain.median() / writing).c_str());
+        std::printf("  all but writing: %s ms\n", short_number(1e3 * seconds.median()).c_str());
+        json files = json::object();
+        for (const char* kind : {"compressed", "plain_arrays"}) files[kind] = print_file(runs, kind);
         measured.erase("runs");
         measured["model"] = task.model;
         measured["level"] = task.level;
         measured["seconds"] = to_json(seconds);
-        measured["plain_write_seconds"] = to_json(plain);
-        measured["write_to_plain_rate"] = plain.median() / writing;
+        measured["files"] = files;
         measured["stages"] = stages;
         result.push_back(measured);
     }

@@ -54,11 +54,9 @@ nlohmann::json measure_mesh(const Task& task);
 nlohmann::json measure_edges(const Task& task);
 
 /// Meshes the model stage by stage and writes it; each stage with the bytes that it moves by stage_bytes.hpp.
-/// {"elements", "nodes", "file_bytes", "kernels" (of the last run, by time, before extraction and in
-/// assembly),
-///  "runs": [{"seconds" (without writing), "plain_write_seconds" (of as many
-/// bytes),
-///  "stages": [{"stage", "seconds", "bytes"}]}]}
+/// {"elements", "nodes", "kernels" (of the last run, by time, before extraction and in assembly),
+///  "runs": [{"seconds" (without writing), "files": {"compressed" and "plain_arrays": {"bytes", "seconds",
+///  "plain_write_seconds" (of as many bytes)}}, "stages": [{"stage", "seconds", "bytes"}]}]}
 nlohmann::json measure_stages(const Task& task);
 
 /// Meshes the model, then computes its scaled Jacobians on the host, by our kernel and by CLBlast.

@@ -147,7 +147,7 @@ void read_mesh_words(const Words& words, Arguments& arguments) {
     if (!words.min_angle.empty()) {
         options.min_angle = parse_number("--min-angle", words.min_angle);
         if (!(options.min_angle >= kLeastMinAngle && options.min_angle <= kMostMinAngle))
-            refuse("--min-angle '" + words.min_angle + "': expected 18 to 40 degrees");
+            refuse("--min-angle '" + words.min_angle + "': expected 18 to 44 degrees");
         if (words.no_improve && options.min_angle > kLeastMinAngle)
             refuse("--min-angle and --no-improve: elements reach larger angles by being improved only");
     }

@@ -108,7 +108,7 @@ void add_element_options(CLI::App& app, Arguments& arguments, Words& words) {
         ->option_text("hex|tet");
     app.add_flag("--hanging", words.hanging,
                  "cells inside beside smaller ones stay hexahedra, with hanging nodes");
-    app.add_option("--min-angle", words.min_angle, "smallest dihedral angle that elements get, 18 to 40 (18)")
+    app.add_option("--min-angle", words.min_angle, "smallest dihedral angle that elements get, 18 to 44 (18)")
         ->option_text("ANGLE");
     app.add_option("--smooth", words.smooth, "rounds of moving nodes to better places, 0 to 100 (4)")
         ->option_text("ROUNDS");

@@ -4,9 +4,10 @@
 #include <libdeflate.h>
 
 #include <algorithm>
+#include <map>
 #include <memory>
+#include <mutex>
 #include <new>
-#include <thread>
 
 #include "host/common/parallel.hpp"
 #include "mortise/error.hpp"
@@ -20,6 +21,12 @@ constexpr std::uint64_t kMaxExpansion = 1040;
 /// A sample of the block that shrinks by less than this many percent is not worth compressing.
 constexpr std::size_t kSampleSize = std::size_t{1} << 14;
 constexpr std::size_t kWorthPercent = 25;
+
+/// Blocks that are packed before the last of them must have been taken.
+constexpr std::size_t kWave = 64;
+
+/// Bytes that a thread makes and writes at a time: it has them in its cache.
+constexpr std::size_t kPlainPart = std::size_t{1} << 18;
 
 constexpr int kFastest = 1;
 constexpr int kStored = 0;
@@ -37,35 +44,92 @@ Compressor make_compressor(int level) {
     return compressor;
 }
 
-struct Scratch {
-    Scratch() : space(kBlockSize / sizeof(std::uint64_t)) {}
-    void prepare_to_compress() {
+/// What one thread packs with.
+struct Packer {
+    explicit Packer(Packing wanted) : packing(wanted), space(kBlockSize / sizeof(std::uint64_t)) {
+        if (wanted == Packing::kPlain) return;
         packed.resize(libdeflate_zlib_compress_bound(nullptr, kBlockSize));
         fastest = make_compressor(kFastest);
         stored = make_compressor(kStored);
     }
     char* bytes() { return reinterpret_cast<char*>(space.data()); }
+    Packing packing;
     std::vector<std::uint64_t> space;  ///< 64-bit for alignment
     std::vector<unsigned char> packed;
-    const void* result = nullptr;  ///< what the block becomes
-    std::size_t result_size = 0;
     Compressor fastest;
     Compressor stored;
 };
 
-std::size_t pack(libdeflate_compressor* compressor, const char* data, std::size_t size, Scratch& scratch) {
-    return libdeflate_zlib_compress(compressor, data, size, scratch.packed.data(), scratch.packed.size());
+/// Of a block; they belong to a packer or to the source.
+struct Packed {
+    const void* data;
+    std::size_t size;
+};
+
+/// A packer for each thread, made when it is first needed.
+class Packers {
+  public:
+    explicit Packers(Packing packing)
+        : packing_(packing), packers_(static_cast<std::size_t>(thread_count(0))) {}
+    Packer& of(int thread) {
+        std::unique_ptr<Packer>& packer = packers_[static_cast<std::size_t>(thread)];
+        if (!packer) packer = std::make_unique<Packer>(packing_);
+        return *packer;
+    }
+
+  private:
+    Packing packing_;
+    std::vector<std::unique_ptr<Packer>> packers_;
+};
+
+/// Hands blocks on in order, from whichever thread has the one whose turn it is; those that come early wait
+/// here, not their threads.
+class InOrder {
+  public:
+    using Take = std::function<void(const void* packed, std::size_t packed_size)>;
+    InOrder(std::size_t first, const Take& take) : next_(first), take_(take) {}
+
+    void add(std::size_t block, const Packed& packed) {
+        std::unique_lock<std::mutex> lock(mutex_);
+        if (block != next_) {
+            const auto* bytes = static_cast<const char*>(packed.data);
+            early_[block].assign(bytes, bytes + packed.size);
+            return;
+        }
+        // Nobody else has this block's turn until next_ is raised.
+        lock.unlock();
+        take_(packed.data, packed.size);
+        for (lock.lock(); !early_.empty() && early_.begin()->first == next_ + 1; lock.lock()) {
+            const std::vector<char> bytes = std::move(early_.begin()->second);
+            early_.erase(early_.begin());
+            ++next_;
+            lock.unlock();
+            take_(bytes.data(), bytes.size());
+        }
+        ++next_;
+    }
+
+  private:
+    std::mutex mutex_;
+    std::size_t next_;  ///< the block that is taken, or is to be taken next
+    std::map<std::size_t, std::vector<char>> early_;
+    const Take& take_;
+};
+
+std::size_t compress(libdeflate_compressor* compressor, const char* data, std::size_t size, Packer& packer) {
+    return libdeflate_zlib_compress(compressor, data, size, packer.packed.data(), packer.packed.size());
 }
 
 /// Stored as it is where a sample from the middle hardly shrinks: coordinates off a grid.
-void compress_block(const char* data, std::size_t size, Scratch& scratch) {
-    libdeflate_compressor* compressor = scratch.fastest.get();
+Packed pack_block(const char* data, std::size_t size, Packer& packer) {
+    if (packer.packing == Packing::kPlain) return {data, size};
+    libdeflate_compressor* compressor = packer.fastest.get();
     if (size > 2 * kSampleSize) {
-        const std::size_t sample = pack(compressor, data + size / 2, kSampleSize, scratch);
-        if (sample * 100 > kSampleSize * (100 - kWorthPercent)) compressor = scratch.stored.get();
+        const std::size_t sample = compress(compressor, data + size / 2, kSampleSize, packer);
+        if (sample * 100 > kSampleSize * (100 - kWorthPercent)) compressor = packer.stored.get();
     }
-    scratch.result_size = pack(compressor, data, size, scratch);
-    scratch.result = scratch.packed.data();
+    const std::size_t packed_size = compress(compressor, data, size, packer);
+    return {packer.packed.data(), packed_size};
 }
 
 std::vector<char> read_plain(const FileReader& file, std::uint64_t offset) {
@@ -92,25 +156,17 @@ ByteSource memory_source(const void* data) {
 void pack_blocks(std::size_t first, std::size_t count, std::size_t size, const ByteSource& source,
                  Packing packing,
                  const std::function<void(const void* packed, std::size_t packed_size)>& take) {
-    const std::size_t wave = 4 * std::max(1u, std::thread::hardware_concurrency());
-    std::vector<Scratch> scratch(std::min(wave, count));
-    for (Scratch& s : scratch) {
-        if (packing == Packing::kZlib) s.prepare_to_compress();
-    }
+    Packers packers(packing);
     const std::size_t last = first + count;
-    for (; first < last; first += wave) {
-        const std::size_t together = std::min(wave, last - first);
-        parallel_chunks(together, 1, [&](std::size_t i, std::size_t, std::size_t) {
+    // In waves, or a slow disk would leave the whole array waiting in memory.
+    for (; first < last; first += kWave) {
+        InOrder in_order(first, take);
+        const std::size_t together = std::min(kWave, last - first);
+        parallel_chunks(together, 1, 0, [&](std::size_t i, std::size_t, int thread) {
+            Packer& packer = packers.of(thread);
             const std::size_t begin = (first + i) * kBlockSize, end = std::min(size, begin + kBlockSize);
-            const char* const bytes = source(begin, end, scratch[i].bytes());
-            if (packing == Packing::kZlib) {
-                compress_block(bytes, end - begin, scratch[i]);
-            } else {
-                scratch[i].result = bytes;
-                scratch[i].result_size = end - begin;
-            }
+            in_order.add(first + i, pack_block(source(begin, end, packer.bytes()), end - begin, packer));
         });
-        for (std::size_t i = 0; i < together; ++i) take(scratch[i].result, scratch[i].result_size);
     }
 }
 
@@ -122,7 +178,18 @@ std::vector<std::uint64_t> array_header(std::uint64_t size, Packing packing,
     return header;
 }
 
+/// Where a block lies is known: each thread writes what it has made.
+static void write_plain(TemporaryFile& file, std::size_t size, const ByteSource& source) {
+    file.put(std::uint64_t{size});
+    const std::uint64_t at = file.reserve(size);
+    Packers packers(Packing::kPlain);
+    parallel_chunks(size, kPlainPart, 0, [&](std::size_t begin, std::size_t end, int thread) {
+        file.write_at(at + begin, source(begin, end, packers.of(thread).bytes()), end - begin);
+    });
+}
+
 void write_array(TemporaryFile& file, std::size_t size, const ByteSource& source, Packing packing) {
+    if (packing == Packing::kPlain) return write_plain(file, size, source);
     std::vector<std::uint64_t> sizes(block_count(size), 0);
     const std::uint64_t header_at = file.size();
     const auto header = [&] { return array_header(size, packing, sizes); };

@@ -23,11 +23,12 @@ inline constexpr std::size_t kBlockSize = std::size_t{1} << 20;
 
 /// Gives the bytes [begin, end) of an array; both are multiples of the value size (a power of two) or the
 /// array's end. Either fills `space` (kBlockSize bytes, aligned for any value) and returns it, or returns a
-/// pointer to bytes that exist already. Called from several threads at once.
+/// pointer to bytes that exist already. At most kBlockSize bytes; called from several threads at once.
 using ByteSource = std::function<const char*(std::size_t begin, std::size_t end, char* space)>;
 
 /// Packs the blocks first … first + count - 1 of what `source` gives (block i is its bytes from
-/// i * kBlockSize on, up to `size`) on all cores, and hands them to `take` in order.
+/// i * kBlockSize on, up to `size`) on all cores, and hands them to `take` in order, from any of the threads
+/// but one at a time.
 void pack_blocks(std::size_t first, std::size_t count, std::size_t size, const ByteSource& source,
                  Packing packing,
                  const std::function<void(const void* packed, std::size_t packed_size)>& take);

@@ -110,7 +110,8 @@ TemporaryFile::~TemporaryFile() {
 void TemporaryFile::write(const void* data, std::size_t size) {
     const char* bytes = static_cast<const char*>(data);
     if (buffer_.size() + size > kBufferSize) flush();
-    if (size > kBufferSize) {
+    if (size > kBufferSize / 16) {
+        flush();
         write_all(bytes, size, flushed_);
         flushed_ += size;
         return;
@@ -118,8 +119,15 @@ void TemporaryFile::write(const void* data, std::size_t size) {
     buffer_.insert(buffer_.end(), bytes, bytes + size);
 }
 
-void TemporaryFile::write_at(std::uint64_t offset, const void* data, std::size_t size) {
+std::uint64_t TemporaryFile::reserve(std::uint64_t size) {
     flush();
+    const std::uint64_t begin = flushed_;
+    flushed_ += size;
+    return begin;
+}
+
+void TemporaryFile::write_at(std::uint64_t offset, const void* data, std::size_t size) {
+    if (!buffer_.empty()) flush();
     write_all(static_cast<const char*>(data), size, offset);
 }
 

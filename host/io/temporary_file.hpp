@@ -30,7 +30,10 @@ class TemporaryFile {
         write(&value, sizeof value);
     }
 
-    /// Overwrites bytes that have been appended before.
+    /// Appends bytes that write_at() will give; returns where they begin.
+    std::uint64_t reserve(std::uint64_t size);
+
+    /// Overwrites bytes that have been appended before; several threads at once if nothing else is called.
     void write_at(std::uint64_t offset, const void* data, std::size_t size);
 
     /// Bytes appended so far.

@@ -355,6 +355,9 @@ void reposition_nodes(device::Device& device, const Prepared& prepared, const Me
     stages.end(reposition::reposition(device, prepared.bound, reposition_options, mesh).moved);
 }
 
+/// Degrees: from here on one element in four and more is short of what is asked.
+constexpr double kFewHaveIt = 35;
+
 void report_improvement(const improve::Counters& counters, const MeshOptions& options,
                         const std::string& source, MeshReport& out) {
     out.crumbs = counters.crumbs.count;
@@ -381,7 +384,10 @@ void report_improvement(const improve::Counters& counters, const MeshOptions& op
         out.warnings.push_back(std::to_string(out.below_min_angle) +
                                (out.below_min_angle == 1 ? " element is" : " elements are") +
                                " worse than asked by a smallest angle of " + number(options.min_angle) +
-                               " degrees: the model is sharper there, or finer than cells; see --quality");
+                               " degrees: " +
+                               (options.min_angle < kFewHaveIt
+                                    ? "the model is sharper there, or finer than cells; see --quality"
+                                    : "few elements have that much at all their edges; see --quality"));
     }
     out.loosened_nodes = counters.loosened;
     told(out.loosened_nodes, " where features are too fine for good elements",

@@ -22,7 +22,7 @@ inline constexpr int kMaxLevel = 18;
 
 /// Limits of MeshOptions::min_angle, smooth and merge_distance.
 inline constexpr double kLeastMinAngle = 18;
-inline constexpr double kMostMinAngle = 40;
+inline constexpr double kMostMinAngle = 44;
 inline constexpr int kMostSmooth = 100;
 inline constexpr double kMostMergeDistance = 0.25;
 
@@ -55,7 +55,7 @@ struct MeshOptions {
     bool snap = true;         ///< vertices near a smooth surface move onto it; needs `templates`
     bool improve = true;      ///< false: elements stay as templates and certificate make them
     int smooth = 4;  ///< rounds of node repositioning, 100 at most; 0: nodes move only onto the model
-    /// Degrees: elements are improved until no dihedral angle is smaller, 18 to 40. What goes with it, for
+    /// Degrees: elements are improved until no dihedral angle is smaller, 18 to 44. What goes with it, for
     /// 18, 25 and 32 degrees: angles of 155, 145 and 134 at most, scaled Jacobians of 0.2, 0.27 and 0.34;
     /// those of elements between cells of two sizes stay at 0.258 and more.
     double min_angle = kLeastMinAngle;

@@ -153,7 +153,7 @@ TEST_CASE("a command line that is not understood") {
     expect_failure(scratch, kUsage, "twice", {model, "-o", out, "-o", out});
     expect_failure(scratch, kUsage, "twice", {model, "-o", out, "-o", scratch.file("out/./a.vtu")});
     expect_failure(scratch, kUsage, "--size", {model, "-o", out, "--level", "3", "--size", "1"});
-    expect_failure(scratch, kUsage, "--min-angle '17': expected 18 to 40 degrees",
+    expect_failure(scratch, kUsage, "--min-angle '17': expected 18 to 44 degrees",
                    {model, "-o", out, "--min-angle", "17"});
     expect_failure(scratch, kUsage, "--min-angle and --no-improve",
                    {model, "-o", out, "--min-angle", "25", "--no-improve"});
