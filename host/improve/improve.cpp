@@ -98,7 +98,7 @@ class Session {
         if (!(options_.merge_distance > 0)) return;
         known_ = {};
         frame_.on_lattice = false;
-        std::optional<Zone> zone = open(kRefineBelow, false, false);
+        std::optional<Zone> zone = open(kLoosenBelow, false, false);
         if (!zone) return;
         Improver(*zone, surfaces_, options_, {kGoodQuality, false, 0}).loosen(counters_);
         close(*zone);

@@ -78,7 +78,7 @@ int Improver::pass_count() const {
 /// 0, 1 and 2, 3 and 4, … above the finest for the first passes, of 0 and 1, 2 and 3, … for the others.
 void Improver::pass(int number, Effort effort, Counters& counters) {
     const int pairing = number / kShifts, shift = number % kShifts;
-    group(pairing, kBlockCells / kShifts * shift, effort == Effort::kLoosen ? kRefineBelow : aim_.target);
+    group(pairing, kBlockCells / kShifts * shift, effort == Effort::kLoosen ? kLoosenBelow : aim_.target);
     find_free_nodes();
     std::vector<Point> before = zone_.points;
     std::vector<std::vector<Block::NewNode>> added(groups_.size());
@@ -173,7 +173,7 @@ bool Improver::is_hopeless() const {
 void Improver::loosen(Counters& counters) {
     const auto has_poor = [this] {
         return std::any_of(zone_.tetrahedra.begin(), zone_.tetrahedra.end(),
-                           [](const Tetrahedron& t) { return t.quality < kRefineBelow; });
+                           [](const Tetrahedron& t) { return t.quality < kLoosenBelow; });
     };
     if (!has_poor()) return;
     loose_start_ = find_loose_start(zone_, options_.merge_distance);

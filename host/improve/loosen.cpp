@@ -74,7 +74,7 @@ std::vector<std::uint32_t> Block::list_loosable() const {
     for (std::uint32_t i = 0; i < tetrahedra_.size(); ++i) {
         const Tetrahedron& t = tetrahedra_[i];
         // Of nodes that are not free not all facets are seen.
-        if (alive_[i] == 0 || t.quality >= kRefineBelow || !is_inside(t.node)) continue;
+        if (alive_[i] == 0 || t.quality >= kLoosenBelow || !is_inside(t.node)) continue;
         double wall = HUGE_VAL;
         std::array<Point, 4> p;
         for (std::size_t k = 0; k < 4; ++k) {
@@ -106,7 +106,7 @@ bool Block::loosen(const BlockOptions& options, LooseStart& start) {
         changed = false;
         for (const std::uint32_t i : list_loosable()) {
             if (evaluated_ > most_evaluated_) break;
-            if (alive_[i] == 0 || tetrahedra_[i].quality >= kRefineBelow || !has_changed(i)) continue;
+            if (alive_[i] == 0 || tetrahedra_[i].quality >= kLoosenBelow || !has_changed(i)) continue;
             ++counters.tried;
             if (improve(i) || look_ahead(i)) {
                 changed = true;
