@@ -51,6 +51,7 @@ void add_angle(const Vector& first_normal, const Vector& second_normal, ShapeFig
 template <bool with_angles>
 ShapeFigures figures_of(ElementType type, const Vector* p) {
     ShapeFigures figures;
+    double smallest = 1;
     const CornerList list = corner_list(type);
     for (int i = 0; i < list.count; ++i) {
         const Corner& corner = list.corners[i];
@@ -58,9 +59,10 @@ ShapeFigures figures_of(ElementType type, const Vector* p) {
         const Vector b = p[corner[2]] - p[corner[0]];
         const Vector c = p[corner[3]] - p[corner[0]];
         const Vector ab = cross(a, b);
-        const double lengths = std::sqrt(dot(a, a) * dot(b, b)) * length(c);
-        const double scaled = lengths > 0 ? dot(ab, c) / lengths : 0;
-        figures.scaled_jacobian = std::min(figures.scaled_jacobian, scaled);
+        // The square, with the sign, as the kernels have it (kernels/jacobian/corner_value.h).
+        const double determinant = dot(ab, c), squares = dot(a, a) * dot(b, b) * dot(c, c);
+        const double square = squares > 0 ? determinant * std::fabs(determinant) / squares : 0;
+        smallest = std::min(smallest, square);
         if constexpr (with_angles) {
             const Vector bc = cross(b, c), ca = cross(c, a);
             add_angle(ab, ca, figures);
@@ -68,6 +70,7 @@ ShapeFigures figures_of(ElementType type, const Vector* p) {
             add_angle(bc, ca, figures);
         }
     }
+    figures.scaled_jacobian = std::copysign(std::sqrt(std::fabs(smallest)), smallest);
     return figures;
 }
 

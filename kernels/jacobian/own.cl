@@ -11,23 +11,32 @@
 #include "corner_value.h"
 #include "shared/corners.h"
 
+#if WIDTH == 8
+// Straight into lanes: an array of lanes, written one by one and read as a whole, waits for the last of them.
+#define LANES_OF(c)                                                                                     \
+    (double8)(points[n.s0 + c], points[n.s1 + c], points[n.s2 + c], points[n.s3 + c], points[n.s4 + c], \
+              points[n.s5 + c], points[n.s6 + c], points[n.s7 + c])
 Points gather(__global const double* points, __global const uint* nodes, uint count, uint first, uint last) {
-    double x[WIDTH];
-    double y[WIDTH];
-    double z[WIDTH];
-    for (uint lane = 0; lane < WIDTH; ++lane) {
-        const uint element = min(first + lane, last);
-        const double3 p = vload3(nodes[(ulong)count * element], points);
-        x[lane] = p.x;
-        y[lane] = p.y;
-        z[lane] = p.z;
-    }
+    const ulong8 lane = (ulong8)(0, 1, 2, 3, 4, 5, 6, 7);
+    const ulong8 at = min((ulong8)first + lane, (ulong8)last) * (ulong)count;
+    const ulong8 n = 3 * (ulong8)(nodes[at.s0], nodes[at.s1], nodes[at.s2], nodes[at.s3], nodes[at.s4],
+                                  nodes[at.s5], nodes[at.s6], nodes[at.s7]);
     Points gathered;
-    gathered.x = LOAD_LANES(x);
-    gathered.y = LOAD_LANES(y);
-    gathered.z = LOAD_LANES(z);
+    gathered.x = LANES_OF(0);
+    gathered.y = LANES_OF(1);
+    gathered.z = LANES_OF(2);
     return gathered;
 }
+#else
+Points gather(__global const double* points, __global const uint* nodes, uint count, uint first, uint last) {
+    const double3 p = vload3(nodes[(ulong)count * min(first, last)], points);
+    Points gathered;
+    gathered.x = p.x;
+    gathered.y = p.y;
+    gathered.z = p.z;
+    return gathered;
+}
+#endif
 
 #define NODE(i, count) const Points p##i = gather(points, nodes + i, count, first, elements - 1);
 #define CORNER(node, first, second, third)                                                                   \
@@ -43,7 +52,7 @@ Points gather(__global const double* points, __global const uint* nodes, uint co
         lanes_double smallest = 1;                                                       \
         NODES                                                                            \
         CORNERS(CORNER)                                                                  \
-        store(smallest, values + first, elements - first);                               \
+        store(root(smallest), values + first, elements - first);                         \
     }
 
 void store(lanes_double results, __global float* values, uint left) {

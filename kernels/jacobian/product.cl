@@ -34,5 +34,5 @@ MORTISE_KERNEL void smallest_corner(__global const double* edges, uint corners, 
         }
         smallest = smaller(smallest, corner_value(edge[0], edge[1], edge[2]));
     }
-    values[item] = (float)smallest;
+    values[item] = (float)root(smallest);
 }
