@@ -287,6 +287,9 @@ class Block {
     bool is_link_whole(std::size_t outer, Local gone) const;
     bool is_link_shared(Local gone, Local kept) const;
 
+    // verify.cpp
+    bool verify_faces() const;
+
     // merge.cpp
     void merge_close_nodes();
     bool merge(const std::array<Local, 4>& node);

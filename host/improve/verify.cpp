@@ -63,20 +63,22 @@ bool is_pair(const Face& a, const Face& b) {
     return !interface || (a.tag ^ b.tag) == kTagInside;
 }
 
-/// Pairs the faces of the tetrahedra that `used` selects; false if one occurs where it must not.
-template <class Use>
-bool find_border(const std::vector<Tetrahedron>& tetrahedra, const Use& used, std::vector<Border>& border) {
-    FaceTable table(4 * tetrahedra.size());
-    for (std::size_t i = 0; i < tetrahedra.size(); ++i) {
-        if (!used(i)) continue;
-        const Tetrahedron& t = tetrahedra[i];
+FaceKey key_of(const std::array<std::uint64_t, 3>& ascending) {
+    return (ascending[0] << (2 * kNodeBits)) | (ascending[1] << kNodeBits) | ascending[2];
+}
+
+/// The faces of some tetrahedra, paired.
+class Faces {
+  public:
+    explicit Faces(std::size_t tetrahedra) : table_(4 * tetrahedra) {}
+
+    /// False if a face occurs where it must not.
+    bool add(const Tetrahedron& t) {
         for (std::size_t f = 0; f < 4; ++f) {
-            std::array<std::uint64_t, 3> n = {t.node[kOpposite[f][0]], t.node[kOpposite[f][1]],
-                                              t.node[kOpposite[f][2]]};
+            std::array<std::uint64_t, 3> n = nodes_of(t, f);
             const bool even = sort_three(n);
-            const Face face{(n[0] << (2 * kNodeBits)) | (n[1] << kNodeBits) | n[2], t.tag[f], t.region, even,
-                            false};
-            Face& known = table.at(face.node);
+            const Face face{key_of(n), t.tag[f], t.region, even, false};
+            Face& known = table_.at(face.node);
             if (known.node == kNoFace) {
                 known = face;
             } else if (is_pair(known, face)) {
@@ -85,30 +87,79 @@ bool find_border(const std::vector<Tetrahedron>& tetrahedra, const Use& used, st
                 return false;
             }
         }
+        return true;
     }
-    for (const Face& face : table.all()) {
-        // Facets of the outer boundary may change; everything else is shared with others.
-        const bool is_border = face.tag == 0 || (face.tag & kTagInterface) != 0;
-        if (face.node != kNoFace && !face.paired && is_border)
-            border.push_back({face.node, face.tag, face.even});
+
+    /// Whether a tetrahedron that is not among these has a face of theirs that nobody else may have.
+    bool intrudes(const Tetrahedron& t) {
+        for (std::size_t f = 0; f < 4; ++f) {
+            std::array<std::uint64_t, 3> n = nodes_of(t, f);
+            sort_three(n);
+            const Face& known = table_.at(key_of(n));
+            if (known.node != kNoFace && !is_border(known)) return true;
+        }
+        return false;
     }
-    std::sort(border.begin(), border.end());
-    return true;
+
+    std::vector<Border> border() const {
+        std::vector<Border> result;
+        for (const Face& face : table_.all()) {
+            if (face.node != kNoFace && is_border(face)) result.push_back({face.node, face.tag, face.even});
+        }
+        std::sort(result.begin(), result.end());
+        return result;
+    }
+
+  private:
+    static std::array<std::uint64_t, 3> nodes_of(const Tetrahedron& t, std::size_t face) {
+        const auto& o = kOpposite[face];
+        return {t.node[o[0]], t.node[o[1]], t.node[o[2]]};
+    }
+    /// Facets of the outer boundary may change; everything else is shared with others.
+    static bool is_border(const Face& face) {
+        return !face.paired && (face.tag == 0 || (face.tag & kTagInterface) != 0);
+    }
+
+    FaceTable table_;
+};
+
+bool is_same(const Tetrahedron& a, const Tetrahedron& b) {
+    return a.node == b.node && a.tag == b.tag && a.region == b.region;
 }
 
 }  // namespace
 
+/// Whether the tetrahedra that have come show others the same faces as those that have gone.
+bool Block::verify_faces() const {
+    std::vector<std::uint32_t> gone, come, stayed;
+    for (std::uint32_t i = 0; i < tetrahedra_.size(); ++i) {
+        if (i < original_.size() && alive_[i] != 0 && is_same(original_[i], tetrahedra_[i])) {
+            stayed.push_back(i);
+            continue;
+        }
+        if (i < original_.size()) gone.push_back(i);
+        if (alive_[i] != 0) come.push_back(i);
+    }
+    Faces before(gone.size()), after(come.size());
+    std::vector<std::uint8_t> has_come(points_.size(), 0);
+    for (const std::uint32_t i : gone) {
+        if (!before.add(original_[i])) return false;
+    }
+    for (const std::uint32_t i : come) {
+        if (!after.add(tetrahedra_[i])) return false;
+        for (const Local n : tetrahedra_[i].node) has_come[n] = 1;
+    }
+    if (before.border() != after.border()) return false;
+    return std::none_of(stayed.begin(), stayed.end(), [&](std::uint32_t i) {
+        const auto& n = tetrahedra_[i].node;
+        return has_come[n[0]] + has_come[n[1]] + has_come[n[2]] + has_come[n[3]] > 2 &&
+               after.intrudes(tetrahedra_[i]);
+    });
+}
+
 bool Block::verify() const {
     if (points_.size() >> kNodeBits != 0) return false;  // the keys would not fit
-    std::vector<Border> before;
-    std::vector<Border> after;
-    if (!find_border(
-            original_, [](std::size_t) { return true; }, before))
-        return false;
-    if (!find_border(
-            tetrahedra_, [&](std::size_t i) { return alive_[i] != 0; }, after))
-        return false;
-    if (before != after) return false;
+    if (!verify_faces()) return false;
     const double same = kSameNode * unit_;
     std::vector<Local> order;
     for (Local n = 0; n < points_.size(); ++n) {
