@@ -231,6 +231,7 @@ class Block {
     }
     bool is_plane(std::uint32_t surface) const { return surfaces_->is_plane(surface); }
     bool improve(std::uint32_t tetrahedron);
+    void look_now_and_then();
     bool is_barren(double quality) const;
     void lower_target();
     void sweep();
@@ -335,6 +336,7 @@ class Block {
     StarViews& views(Local node);
     double quality_at(StarViews& views, const Point& p, double enough, Local except = StarViews::kNobody);
     double star_quality(Local node, double enough) const;
+    double known_star_quality(Local node) const;
     Fit worst_fit(Local node) const;
 
     const Surfaces* surfaces_;
@@ -399,6 +401,7 @@ class Block {
     std::uint64_t most_evaluated_ = 0;     ///< until they are these,
     std::uint64_t last_evaluation_ = 0;    ///< which are no more than these
     std::uint64_t most_tried_ = 0;         ///< or so many searches are made, the block is worked on
+    unsigned looks_ = 0;                   ///< of look_now_and_then
 
     /// A change must lift the worst quality by this factor: kLeastGain, but for the first step of a trial.
     double least_gain_ = kLeastGain;

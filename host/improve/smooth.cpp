@@ -43,6 +43,15 @@ double Block::star_quality(Local node, double enough) const {
     return worst;
 }
 
+/// The same, all of it, where no node has moved since the tetrahedra were last evaluated.
+double Block::known_star_quality(Local node) const {
+    double worst = 2;
+    for (const std::uint32_t i : star_[node]) worst = std::min(worst, tetrahedra_[i].quality);
+    for (const std::uint32_t i : pyramid_star_[node])
+        worst = std::min(worst, pyramid_quality(corners(pyramids_[i])));
+    return worst;
+}
+
 /// Smallest cosine between the node's facets on curved surfaces and those surfaces, whichever way both point,
 /// and the largest distance.
 Block::Fit Block::worst_fit(Local node) const {
@@ -233,7 +242,7 @@ bool Block::smooth(Local node, Wish wish) {
     const bool is_corner = on.size() > 2 || (on.size() == 2 && count_feature_edges(node) != 2);
     if (is_corner && (relaxes || !is_loose_)) return false;
     if (!relaxes) rested_[node] = clock_ + 1;
-    const double worst_now = star_quality(node, kInvertedQuality);
+    const double worst_now = known_star_quality(node);
     if (worst_now >= options_.target) return false;
     StarViews& seen = views(node);
     const double lowest = options_.raised_from > 0 ? std::min(worst_now, options_.raised_from) : worst_now;
