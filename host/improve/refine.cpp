@@ -316,7 +316,7 @@ bool Block::refine() {
             if (alive_[i] != 0 && tetrahedra_[i].quality < kGoodQuality) members.push_back(i);
         }
         if (members.empty() || members.size() > kMostMembers) continue;
-        if (evaluated_ > last_evaluation_ || cluster.worst >= kRefineBelow) break;
+        if (evaluated_ > last_evaluation_) break;
         if (relieve(cluster, members)) any = true;
     }
     return any;

@@ -3,8 +3,8 @@
 // Compressed: a header of UInt64, then zlib streams of equal uncompressed size. Header: number of blocks,
 // uncompressed block size, uncompressed size of the last block if it is shorter (else 0), compressed size of
 // each block. Plain: the number of bytes as UInt64, then the bytes. Blocks are made and compressed by all
-// cores and written in order, so the bytes do not depend on the number of threads. Source: VTK file formats,
-// "appended data".
+// cores and written in order, plain parts where they belong: the bytes do not depend on the number of
+// threads. Source: VTK file formats, "appended data".
 #pragma once
 
 #include <cstddef>

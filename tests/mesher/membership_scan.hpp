@@ -13,12 +13,10 @@
 
 namespace mortise::test {
 
-/// A wrong sample is far if the model has no boundary within 0.6 cells of it, and the mesh none within 0.1
-/// cells along a facet's normal: neither a feature below a cell, nor a film.
 struct ScanResult {
     std::uint64_t samples = 0;
     std::uint64_t wrong = 0;           ///< samples where mesh and model name different regions
-    std::uint64_t wrong_far = 0;       ///< of these, those with no model boundary near
+    std::uint64_t wrong_far = 0;       ///< of these, those with no model boundary within half a cell
     double sample_volume = 0;          ///< volume of space that one sample stands for
     double wrong_volume = 0;           ///< wrong × sample_volume
     std::vector<double> model_volume;  ///< by region, index 0 is region 1: Monte-Carlo estimates
