@@ -35,9 +35,9 @@ inline constexpr double kMostSag = 0.15;
 /// Elements at least this good do not justify that a feature is lost: scaled Jacobian 0.065, 5.7 degrees.
 inline constexpr double kMergeBelow = 0.1;
 
-/// Elements at least this good do not justify that nodes lie beside the model: about 15 degrees, 160 degrees,
-/// a scaled Jacobian of 0.16.
-inline constexpr double kLoosenBelow = 0.25;
+/// Elements at least this good do not justify that nodes lie beside the model: 15 degrees, 159 degrees, a
+/// scaled Jacobian of 0.167.
+inline constexpr double kLoosenBelow = 0.259;
 
 /// Where smaller elements reach this nothing need be merged: scaled Jacobian 0.13.
 inline constexpr double kRelieved = 0.2;

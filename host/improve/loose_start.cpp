@@ -1,4 +1,5 @@
-// Where a zone's nodes may not become loose (loosen.cpp): in walls, at sharp edges, on small rods and balls.
+// Where a zone's nodes may not become loose (loosen.cpp), or by little: in walls, at sharp edges, on small
+// rods, holes and balls.
 #include "host/improve/loose_start.hpp"
 
 #include <algorithm>
@@ -14,6 +15,9 @@ constexpr double kMostSkin = 6;
 /// A node whose facets on one surface add up to less than this part of their area lies on a rod or a ball
 /// that is smaller than a cell.
 constexpr double kTurning = 0.75;
+/// What such a node may move, in widths of a square as large as its facets: a tenth of a hole's radius, of
+/// which four chords take a third already.
+constexpr double kTurningPart = 0.05;
 /// What a wall's nodes may move, in thicknesses of it.
 constexpr double kWallPart = 0.2;
 /// A node farther from a surface than this, in edges of the smallest leaf, counts as loosened.
@@ -211,7 +215,7 @@ LooseStart find_loose_start(const Zone& zone, double merge_distance) {
     for (ZoneNode n = 0; n < zone.points.size(); ++n) {
         double most = start.wall[n] < 0 ? HUGE_VAL : kWallPart * start.wall[n];
         for (std::uint32_t k = zone.stratum_begin[n]; k < zone.stratum_end[n]; ++k) {
-            if (sides[k].turns) most = 0;
+            if (sides[k].turns) most = std::min(most, kTurningPart * std::sqrt(0.5 * sides[k].area));
         }
         start.most.push_back(most);
     }

@@ -3,6 +3,8 @@
 // holes.
 #include <doctest/doctest.h>
 
+#include <algorithm>
+
 #include "tests/mesher/meshed.hpp"
 #include "tests/mesher/random_source.hpp"
 
@@ -66,6 +68,26 @@ TEST_CASE("random plates with round holes have as many") {
         }
         check_holes(plate(random.uniform(0.8, 1), random.uniform(3, 8), holes), kHoles * kHoles);
     }
+}
+
+TEST_CASE("elements between holes that are little wider than a cell are good") {
+    // The plate of Netgen's manyholes2.geo: 400 holes of 0.62 cells' radius, of as few as four facets around.
+    const Model model = one_solid([](Model& m) {
+        std::vector<NodeIndex> parts = {add_box(m, {0, 0, 0}, {20, 20, 1})};
+        for (int i = 0; i < 400; ++i) {
+            const NodeIndex cylinder = add_cylinder(m, 0.2, -1, 3);
+            parts.push_back(m.add_transform(translation({0.5 + i % 20, 0.5 + i / 20, 0}), cylinder));
+        }
+        return subtract(m, parts);
+    });
+    const Meshed m = mesh_and_check(model, 6);
+    CHECK(m.defects == "");
+    CHECK(m.check.euler_characteristic == 2 - 2 * 400);
+    CHECK(m.check.min_dihedral >= 15);
+    CHECK(m.check.max_dihedral <= 160);
+    const std::vector<float>& jacobians = m.report.scaled_jacobians;
+    CHECK(*std::min_element(jacobians.begin(), jacobians.end()) >= 0.12f);
+    CHECK(m.report.loosened_nodes <= 10);
 }
 
 }  // namespace mortise::test
