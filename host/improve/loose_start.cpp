@@ -12,11 +12,11 @@ constexpr double kThickestWall = 0.5;  ///< cells
 /// Skin of walls, both sides, in three by three by three cells; what has less is a strip, not a wall. A plate
 /// has 18 squares of a cell's side, a strip half a cell wide 3.
 constexpr double kMostSkin = 6;
-/// A node whose facets on one surface add up to less than this part of their area lies on a rod or a ball
-/// that is smaller than a cell.
+/// A node whose facets on one surface add up to less than this part of their area lies on a rod, a
+/// hole or a ball that is smaller than a cell.
 constexpr double kTurning = 0.75;
-/// What such a node may move, in widths of a square as large as its facets: a tenth of a hole's radius, of
-/// which four chords take a third already.
+/// What such a node may move, in widths of a square as large as its facets: some 6 % of the radius in holes
+/// of 0.6 cells, of which chords take up to a third anyway.
 constexpr double kTurningPart = 0.05;
 /// What a wall's nodes may move, in thicknesses of it.
 constexpr double kWallPart = 0.2;
@@ -29,7 +29,7 @@ struct Side {
     Point normal;  ///< outward, of length 1; zero: the zone has none of them
     double size;
     double area;  ///< of these facets, doubled
-    bool turns;   ///< their normals differ much: a rod, or a ball, smaller than a cell
+    bool turns;   ///< their normals differ much: kTurning
 };
 
 /// Per entry of zone.stratum.

@@ -1,6 +1,6 @@
-// Round holes of one to three cells' radius in plates whose faces lie close below a plane of the grid: where
-// a circle bulges through an edge inside a cell, a film was left in front of it, and the plate had more
-// holes.
+// Plates with round holes of few cells' radius. Where a circle bulges through an edge inside a cell, close
+// below a plane of the grid, a film was left in front of it, and the plate had more holes; between holes of
+// less than a cell elements were stuck, as nodes on them could not become loose.
 #include <doctest/doctest.h>
 
 #include <algorithm>
