@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "host/tape/compile.hpp"
+#include "host/tape/convex_bounds.hpp"
 #include "host/tape/reference.hpp"
 #include "kernels/shared/surface.h"
 
@@ -128,6 +129,12 @@ Box3 cut_bounds(const CompiledModel& compiled, double reach) {
     return box;
 }
 
+Box3 tightened(const CompiledModel& compiled, const Box3& box, const std::string& source) {
+    const std::optional<Box3> tight = tighten(compiled, box);
+    if (!tight) refuse_as_empty(source);
+    return *tight;
+}
+
 Found search(const CompiledModel& compiled, const std::string& source) {
     const Box3& known = compiled.bounds;
     if (!(known.min[0] < known.max[0] && known.min[1] < known.max[1] && known.min[2] < known.max[2]))
@@ -139,12 +146,15 @@ Found search(const CompiledModel& compiled, const std::string& source) {
     const Box3 all = around(cells);
     for (std::size_t j = 0; j < 3; ++j) {
         if ((!std::isfinite(known.min[j]) && all.min[j] <= box.min[j]) ||
-            (!std::isfinite(known.max[j]) && all.max[j] >= box.max[j]))
+            (!std::isfinite(known.max[j]) && all.max[j] >= box.max[j])) {
+            // Flat parts fill so many cells that these stay too large to be told empty.
+            const Box3 convex = convex_bounds(compiled);
+            if (convex.min[0] > convex.max[0]) refuse_as_empty(source);
+            if (is_finite(convex)) return {tightened(compiled, convex, source)};
             return {box, static_cast<int>(j)};
+        }
     }
-    const std::optional<Box3> tight = tighten(compiled, all);
-    if (!tight) refuse_as_empty(source);
-    return {*tight};
+    return {tightened(compiled, all, source)};
 }
 
 /// Far away the intervals of a formula that turns the solid (a twist, a rotation by hand) tell nothing. A
