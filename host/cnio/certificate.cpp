@@ -303,6 +303,27 @@ bool Certificate::is_told_by_ends(LocalNode a, LocalNode b, const LatticePoint& 
     return true;
 }
 
+/// Whether a simplex of can_split() at an edge has a chord of surface p in a face of the cell opposite it,
+/// with the surface on the edge's side of the chord, too: bulging between chord and edge is not shown in the
+/// face, and what is shown of it at the edge alone would touch the chord from behind.
+bool Certificate::is_hidden_by_chord(LocalNode a, LocalNode b, std::size_t p) const {
+    return std::any_of(around_.begin(), around_.end(), [&](std::uint32_t i) {
+        std::array<LocalNode, 2> end{};
+        std::size_t count = 0;
+        for (const LocalNode n : simplices_[i].node) {
+            if (n != a && n != b) end[count++] = n;
+        }
+        if (cell_.sign(end[0], p) != 0 || cell_.sign(end[1], p) != 0) return false;
+        if ((cell_.nodes()[end[0]].faces & cell_.nodes()[end[1]].faces) == 0) return false;
+        LatticePoint middle;
+        for (std::size_t j = 0; j < 3; ++j) {
+            const std::int32_t from = cell_.nodes()[end[0]].point[j];
+            middle[j] = from + (cell_.nodes()[end[1]].point[j] - from) / 2;
+        }
+        return cell_.pure_sign(p, middle, cell_.size()) == -cell_.sign(a, p);
+    });
+}
+
 /// Splits edges of simplices cut by surface order[k] in their middles where these lie on the other side than
 /// both ends: the surface bulges through, and what is left in front of it would be a film. Not where another
 /// surface does so, too: the two sides of a thin shell are chords of the same nodes, or it would have holes.
@@ -318,7 +339,7 @@ void Certificate::show_bulges(const std::vector<std::size_t>& order, std::size_t
         for (std::size_t j = 0; j < 3; ++j) at[j] = from[j] + (to[j] - from[j]) / 2;
         const int side = cell_.sign(a, p);
         if (cell_.pure_sign(p, at, cell_.size()) != -side || !is_told_by_ends(a, b, at, p) ||
-            !can_split(a, b, at))
+            !can_split(a, b, at) || is_hidden_by_chord(a, b, p))
             continue;
         const LocalNode m = cell_.split_node(order, k, a, b, at, round, nullptr);
         cell_.set_sign(m, p, -side);

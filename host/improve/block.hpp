@@ -330,7 +330,15 @@ class Block {
     bool find_directions(Local node, const Point& away, Directions& found) const;
     double shortfall(const StarViews& seen) const;
     void relax();
-    StarViews& views(Local node);
+    /// The star of a node, as long as nothing changes.
+    struct CachedViews {
+        Local node = kNone;
+        std::uint64_t version = 0;
+        double worst = 0;          ///< quality of its tetrahedra
+        double squared_reach = 0;  ///< to the farthest node
+        StarViews views;
+    };
+    CachedViews& views(Local node);
     double quality_at(StarViews& views, const Point& p, double enough, Local except = StarViews::kNobody);
     double star_quality(Local node, double enough) const;
     double known_star_quality(Local node) const;
@@ -384,14 +392,8 @@ class Block {
     std::vector<LinkNode> link_;
     std::vector<std::uint32_t> seen_at_;  ///< scratch of links_allow, one per node
     std::vector<std::pair<Local, std::uint32_t>>
-        spokes_;  ///< neighbour, surface of a facet at the edge to it
-    /// The stars asked last, as long as nothing changes.
-    struct CachedViews {
-        Local node = kNone;
-        std::uint64_t version = 0;
-        StarViews views;
-    };
-    std::array<CachedViews, 4> views_;
+        spokes_;                        ///< neighbour, surface of a facet at the edge to it
+    std::array<CachedViews, 4> views_;  ///< asked last
     std::size_t next_views_ = 0;
     std::uint64_t version_ = 0;            ///< counts changes, also those of the past that are undone
     mutable std::uint64_t evaluated_ = 0;  ///< qualities computed

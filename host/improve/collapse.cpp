@@ -401,15 +401,8 @@ bool Block::examine_collapse(Local gone, Local kept, bool good_will_do, double b
     change.kept = kept;
     entries_.clear();
     const bool on_surface = !strata_[gone].empty();
-    const double longest = (options_.reposition ? kLongestEdge : kLongestStillEdge) * size_[gone];
-    double longest_before = longest * longest;
-    for (const std::uint32_t i : star_[gone]) {
-        const Tetrahedron& t = tetrahedra_[i];
-        change.removed.push_back(i);
-        change.before = std::min(change.before, t.quality);
-        for (const Local n : t.node)
-            longest_before = std::max(longest_before, squared_length(points_[n] - points_[gone]));
-    }
+    CachedViews& seen = views(gone);
+    change.before = seen.worst;
     // A short edge may go if nothing gets worse: the mesh gets simpler, and other changes get room.
     const bool is_short = is_short_edge(gone, kept);
     const double gain = is_short && !merges ? kEqual : kLeastGain;
@@ -418,9 +411,11 @@ bool Block::examine_collapse(Local gone, Local kept, bool good_will_do, double b
                              change.before < kLowestQuality ? 0 : kLowestQuality);
     if (good_will_do) change.needed = std::min(change.needed, options_.target);
     change.needed = std::max(change.needed, better_than);
-    StarViews& seen = views(gone);
-    change.after = quality_at(seen, points_[kept], change.needed, kept);
+    change.after = quality_at(seen.views, points_[kept], change.needed, kept);
     if (!(change.after > change.needed)) return false;
+    const double longest = (options_.reposition ? kLongestEdge : kLongestStillEdge) * size_[gone];
+    const double most_squared = std::max(longest * longest, seen.squared_reach);
+    change.removed = star_[gone];
     for (std::size_t s = 0; s < star_[gone].size(); ++s) {
         const std::uint32_t i = star_[gone][s];
         const Tetrahedron& t = tetrahedra_[i];
@@ -429,9 +424,9 @@ bool Block::examine_collapse(Local gone, Local kept, bool good_will_do, double b
         if (!has(t.node, kept)) {
             Tetrahedron moved = t;
             moved.node[ig] = kept;
-            moved.quality = seen.quality(s);
+            moved.quality = seen.views.quality(s);
             for (const Local n : t.node) {
-                if (n != gone && squared_length(points_[n] - points_[kept]) > longest_before) return false;
+                if (n != gone && squared_length(points_[n] - points_[kept]) > most_squared) return false;
             }
             change.added.push_back(moved);
             continue;

@@ -142,24 +142,31 @@ bool Block::project_nodes(Local first) {
 }
 
 /// The node's elements for a search of its place.
-StarViews& Block::views(Local node) {
+Block::CachedViews& Block::views(Local node) {
     for (CachedViews& cached : views_) {
-        if (cached.node == node && cached.version == version_) return cached.views;
+        if (cached.node == node && cached.version == version_) return cached;
     }
     CachedViews& cached = views_[next_views_];
     next_views_ = (next_views_ + 1) % views_.size();
     cached.node = node;
     cached.version = version_;
+    cached.worst = StarViews::kNoElement;
+    cached.squared_reach = 0;
     cached.views.clear();
     for (const std::uint32_t i : star_[node]) {
         const auto& n = tetrahedra_[i].node;
+        cached.worst = std::min(cached.worst, tetrahedra_[i].quality);
+        for (const Local other : n) {
+            cached.squared_reach =
+                std::max(cached.squared_reach, squared_length(points_[other] - points_[node]));
+        }
         const auto k = static_cast<std::size_t>(std::find(n.begin(), n.end(), node) - n.begin());
         const auto& o = kOpposite[k];
         // (node, x, y, z) is positive if the tetrahedron is.
         cached.views.add({n[o[0]], n[o[1]], n[o[2]]}, points_[n[o[0]]], points_[n[o[1]]], points_[n[o[2]]]);
     }
     cached.views.finish();
-    return cached.views;
+    return cached;
 }
 
 /// Worst quality around the node of these views if it were at p, or one not above `enough`.
@@ -244,7 +251,7 @@ bool Block::smooth(Local node, Wish wish) {
     if (!relaxes) rested_[node] = clock_ + 1;
     const double worst_now = known_star_quality(node);
     if (worst_now >= options_.target) return false;
-    StarViews& seen = views(node);
+    StarViews& seen = views(node).views;
     const double lowest = options_.raised_from > 0 ? std::min(worst_now, options_.raised_from) : worst_now;
     Goal goal{relaxes, worst_now, lowest, 0};
     if (relaxes) {

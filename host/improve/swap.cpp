@@ -24,6 +24,20 @@ bool Block::fill_polygon(const std::vector<Local>& polygon, Local a, Local b, st
     if (n < 3 || n > kLongestRing + 1) return n == 2;
     double best[kLongestRing + 1][kLongestRing + 1];
     std::size_t middle[kLongestRing + 1][kLongestRing + 1] = {};
+    // Quality of the two tetrahedra over a triangle, or one not above `enough`.
+    const auto quality_over = [&](std::size_t i, std::size_t k, std::size_t j, double enough) {
+        const double value = quality({polygon[i], polygon[k], polygon[j], b});
+        if (!(value > enough)) return value;
+        return std::min(value, quality({polygon[k], polygon[i], polygon[j], a}));
+    };
+    // One triangle has the edge from the last node to the first: mostly none is good enough, and that is all.
+    double closing[kLongestRing + 1];
+    bool any_closes = false;
+    for (std::size_t k = 1; k + 1 < n; ++k) {
+        closing[k] = quality_over(0, k, n - 1, change.needed);
+        any_closes = any_closes || closing[k] > change.needed;
+    }
+    if (!any_closes) return false;
     for (std::size_t i = 0; i + 1 < n; ++i) best[i][i + 1] = 2;
     for (std::size_t span = 2; span < n; ++span) {
         for (std::size_t i = 0; i + span < n; ++i) {
@@ -32,9 +46,8 @@ bool Block::fill_polygon(const std::vector<Local>& polygon, Local a, Local b, st
             for (std::size_t k = i + 1; k < j; ++k) {
                 const double bound = std::min(best[i][k], best[k][j]);
                 if (!(bound > best[i][j])) continue;
-                double value = std::min(bound, quality({polygon[i], polygon[k], polygon[j], b}));
-                if (!(value > best[i][j])) continue;
-                value = std::min(value, quality({polygon[k], polygon[i], polygon[j], a}));
+                const double over = span + 1 == n ? closing[k] : quality_over(i, k, j, best[i][j]);
+                const double value = std::min(bound, over);
                 if (!(value > best[i][j])) continue;
                 best[i][j] = value;
                 middle[i][j] = k;

@@ -38,6 +38,7 @@ void check_holes(const Model& model, std::int64_t holes) {
         const Meshed m = mesh_and_check(model, options);
         CHECK(m.defects == "");
         CHECK(m.check.euler_characteristic == 2 - 2 * holes);
+        CHECK(m.check.nonmanifold_edges + m.check.nonmanifold_nodes == 0);
         if (!improve) continue;
         CHECK(m.report.warnings.size() == (m.report.loosened_nodes > 0 ? 1 : 0));
         CHECK(m.check.min_dihedral > 10);
@@ -50,6 +51,13 @@ void check_holes(const Model& model, std::int64_t holes) {
 TEST_CASE("a circle that passes through an edge inside a cell twice") {
     // The plate of Netgen's manyholes.geo has twelve such holes.
     check_holes(plate(0.9, 6.2, {{15.5, 27.9 - 14, 1.24}}), 1);
+}
+
+TEST_CASE("a circle that passes through an edge inside a cell twice, and bulges past the chord in its face") {
+    // Random plate 70046: void shown at that edge alone touched the chord from behind.
+    check_holes(plate(0.8383438703042849, 6.269131747346582,
+                      {{15.401984283571727, 4.021096467009093, 1.1654283831646126}}),
+                1);
 }
 
 TEST_CASE("random plates with round holes have as many") {
