@@ -75,12 +75,29 @@ LocalNode Cell::append_node(const LatticePoint& p, std::uint8_t faces, std::uint
     return static_cast<LocalNode>(nodes_.size() - 1);
 }
 
+LatticePoint Cell::turning_point(std::size_t surface, const LatticePoint& from,
+                                 const LatticePoint& to) const {
+    constexpr double kLeast = 1.0 / 16;  ///< of the edge, from an end
+    double low[3], high[3], middle[3];
+    position(from, low);
+    position(to, high);
+    for (int j = 0; j < 3; ++j) middle[j] = 0.5 * (low[j] + high[j]);
+    const std::uint32_t at = surfaces_[surface];
+    const double first = model_value(at, low), last = model_value(at, high);
+    const double bend = first - 2 * model_value(at, middle) + last;
+    const double t = 0.5 + 0.25 * (first - last) / bend;
+    return between(from, to, std::isfinite(t) ? std::clamp(t, kLeast, 1 - kLeast) : 0.5);
+}
+
 LatticePoint Cell::root(std::size_t surface, const LatticePoint& from, const LatticePoint& to) const {
     double low[3];
     double high[3];
     position(from, low);
     position(to, high);
-    const double t = root_between(surface, low, high);
+    return between(from, to, root_between(surface, low, high));
+}
+
+LatticePoint Cell::between(const LatticePoint& from, const LatticePoint& to, double t) const {
     LatticePoint result;
     for (std::size_t j = 0; j < 3; ++j) {
         // Both ends are on the lattice of the entity at hand.

@@ -198,6 +198,13 @@ class Cell {
     }
     void set_cap(LocalNode node, std::uint16_t quad) { nodes_[node].cap = quad; }
 
+    /// The point at t, 0 to 1, between two points, on the lattice.
+    LatticePoint between(const LatticePoint& from, const LatticePoint& to, double t) const;
+
+    /// Where between two points the value of a curved surface turns, by the parabola through three values,
+    /// not close to the ends: what bulges through the edge does so there.
+    LatticePoint turning_point(std::size_t surface, const LatticePoint& from, const LatticePoint& to) const;
+
     /// The root of a surface between two points of opposite signs, on the lattice.
     LatticePoint root(std::size_t surface, const LatticePoint& from, const LatticePoint& to) const;
 

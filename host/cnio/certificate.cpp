@@ -314,35 +314,41 @@ bool Certificate::is_hidden_by_chord(LocalNode a, LocalNode b, std::size_t p) co
             if (n != a && n != b) end[count++] = n;
         }
         if (cell_.sign(end[0], p) != 0 || cell_.sign(end[1], p) != 0) return false;
-        if ((cell_.nodes()[end[0]].faces & cell_.nodes()[end[1]].faces) == 0) return false;
-        LatticePoint middle;
-        for (std::size_t j = 0; j < 3; ++j) {
-            const std::int32_t from = cell_.nodes()[end[0]].point[j];
-            middle[j] = from + (cell_.nodes()[end[1]].point[j] - from) / 2;
-        }
+        const auto &first = cell_.nodes()[end[0]], &last = cell_.nodes()[end[1]];
+        if ((first.faces & last.faces) == 0) return false;
+        const LatticePoint middle = cell_.between(first.point, last.point, 0.5);
         return cell_.pure_sign(p, middle, cell_.size()) == -cell_.sign(a, p);
     });
 }
 
-/// Splits edges of simplices cut by surface order[k] in their middles where these lie on the other side than
-/// both ends: the surface bulges through, and what is left in front of it would be a film. Not where another
-/// surface does so, too: the two sides of a thin shell are chords of the same nodes, or it would have holes.
+/// Where surface p bulges through an edge whose ends lie on one side of it: in the middle, or else where its
+/// value turns. False if it does neither there.
+bool Certificate::find_bulge(LocalNode a, LocalNode b, std::size_t p, LatticePoint* at) const {
+    const LatticePoint &from = cell_.nodes()[a].point, &to = cell_.nodes()[b].point;
+    const int other = -cell_.sign(a, p);
+    *at = cell_.between(from, to, 0.5);
+    if (cell_.pure_sign(p, *at, cell_.size()) == other) return true;
+    *at = cell_.turning_point(p, from, to);
+    return cell_.pure_sign(p, *at, cell_.size()) == other;
+}
+
+/// Splits edges of simplices cut by surface order[k] whose ends lie on one side, where the surface bulges
+/// through them: what is left in front of it would be a film. Not where another surface does so, too: the two
+/// sides of a thin shell are chords of the same nodes, or it would have holes.
 void Certificate::show_bulges(const std::vector<std::size_t>& order, std::size_t k, int round) {
     const std::size_t p = order[k];
     if (!cell_.is_curved(p)) return;
     list_edges(p, false);
     for (const auto& [a, b] : mixed_) {
         if (is_full()) return;
-        const LatticePoint &from = cell_.nodes()[a].point, &to = cell_.nodes()[b].point;
-        if (distance(from, to) < kShortestBulge * cell_.units()) continue;
+        if (distance(cell_.nodes()[a].point, cell_.nodes()[b].point) < kShortestBulge * cell_.units())
+            continue;
         LatticePoint at;
-        for (std::size_t j = 0; j < 3; ++j) at[j] = from[j] + (to[j] - from[j]) / 2;
-        const int side = cell_.sign(a, p);
-        if (cell_.pure_sign(p, at, cell_.size()) != -side || !is_told_by_ends(a, b, at, p) ||
-            !can_split(a, b, at) || is_hidden_by_chord(a, b, p))
+        if (!find_bulge(a, b, p, &at) || !is_told_by_ends(a, b, at, p) || !can_split(a, b, at) ||
+            is_hidden_by_chord(a, b, p))
             continue;
         const LocalNode m = cell_.split_node(order, k, a, b, at, round, nullptr);
-        cell_.set_sign(m, p, -side);
+        cell_.set_sign(m, p, -cell_.sign(a, p));
         split(a, b, m);
     }
 }

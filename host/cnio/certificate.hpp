@@ -125,6 +125,7 @@ class Certificate {
     bool can_split(LocalNode a, LocalNode b, const LatticePoint& at);
     bool is_told_by_ends(LocalNode a, LocalNode b, const LatticePoint& at, std::size_t p) const;
     bool is_hidden_by_chord(LocalNode a, LocalNode b, std::size_t p) const;
+    bool find_bulge(LocalNode a, LocalNode b, std::size_t p, LatticePoint* at) const;
     void split(LocalNode a, LocalNode b, LocalNode m);
     void show_bulges(const std::vector<std::size_t>& order, std::size_t k, int round);
     bool bisect(const std::vector<std::size_t>& order, std::size_t k, int round);

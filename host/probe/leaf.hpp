@@ -69,7 +69,8 @@ class LeafProbe {
     Vec3 on_face(int f, double u, double v) const;
     Vec3 on_edge(int e, double t) const;
     bool passes_through(int f, const Vec3& x) const;
-    bool is_deep(const Vec3& x) const;
+    bool surrounds(int e, const Vec3& x) const;
+    bool is_cap_across_edge(int f, double u, double v) const;
     void find_section(int f);
     void find_bridge(int e);
     void note_section(const Found& found);

@@ -10,11 +10,9 @@ namespace mortise::probe {
 namespace {
 
 constexpr int kAcross = 8;  ///< a face is sampled at this many places less one along each edge
-/// Cells on both sides of the face that a rod must hold. A cap that reaches less far through it is how a mesh
-/// approximates a curved surface.
+/// Cells on both sides of a face, or around an edge, that a rod or a slot must hold. A cap that reaches less
+/// far through it is how a mesh approximates a curved surface.
 constexpr double kThrough = 0.25;
-/// Cells from an edge's place to the surface, from which on what the edge does not see is no cap either.
-constexpr double kDeep = 0.2;
 
 }  // namespace
 
@@ -53,6 +51,26 @@ bool LeafProbe::passes_through(int f, const Vec3& x) const {
     return true;
 }
 
+/// Whether a place of a section lies next to an edge of face f, and the next face in its plane sees the
+/// section in its middle: what lies on this side of the edge is a cap of that.
+bool LeafProbe::is_cap_across_edge(int f, double u, double v) const {
+    const std::uint32_t surface = surfaces_[hidden_[0]];
+    const auto differs = [&](double a, double b) {
+        return sign_at(surface, on_face(f, a, b)) == -hidden_sign_[0];
+    };
+    for (int side = 0; side < 4; ++side) {
+        const double edge = side % 2;
+        const bool along_u = side < 2;
+        const double from = along_u ? u : v;
+        if (std::fabs(from - edge) > kThrough) continue;
+        const auto at = [&](double t) { return along_u ? differs(t, v) : differs(u, t); };
+        const double beyond = edge == 0 ? -0.5 : 1.5;
+        if (at(0.5 * (from + edge)) && at(edge) && (along_u ? differs(beyond, 0.5) : differs(0.5, beyond)))
+            return true;
+    }
+    return false;
+}
+
 /// Pieces beside face f that hold parts of a section which the face's corners and centre do not see.
 void LeafProbe::find_section(int f) {
     const std::uint32_t surface = surfaces_[hidden_[0]];
@@ -68,16 +86,21 @@ void LeafProbe::find_section(int f) {
     if (negative == positive) return;
     hidden_sign_[0] = positive ? 1 : -1;
     std::vector<Vec3> points;
+    std::vector<std::array<double, 2>> places;
     for (int i = 1; i < kAcross; ++i) {
-        for (int j = 1; j < kAcross; ++j)
-            points.push_back(on_face(f, static_cast<double>(i) / kAcross, static_cast<double>(j) / kAcross));
+        for (int j = 1; j < kAcross; ++j) {
+            places.push_back({static_cast<double>(i) / kAcross, static_cast<double>(j) / kAcross});
+            points.push_back(on_face(f, places.back()[0], places.back()[1]));
+        }
     }
     batch_.values(surface, tape::Places(points), values_);
     for (std::size_t i = 0; i < points.size(); ++i) {
         const Vec3& x = points[i];
         const bool as_seen = (values_[i] <= 0) == (hidden_sign_[0] < 0);
         Found found;
-        if (!as_seen && is_missed(x, found) && passes_through(f, x)) note_section(found);
+        if (!as_seen && is_missed(x, found) && passes_through(f, x) &&
+            !is_cap_across_edge(f, places[i][0], places[i][1]))
+            note_section(found);
     }
 }
 
@@ -95,13 +118,20 @@ void LeafProbe::note_section(const Found& found) {
     found_[piece] = found;
 }
 
-/// Whether the hidden surface is so far from x that no cap reaches there.
-bool LeafProbe::is_deep(const Vec3& x) const {
-    const SurfaceSample s = surface_sample(&model_.surfaces[surfaces_[hidden_[0]]],
-                                           model_.expression_ops.data(), x[0], x[1], x[2]);
-    const double squared =
-        s.gradient[0] * s.gradient[0] + s.gradient[1] * s.gradient[1] + s.gradient[2] * s.gradient[2];
-    return std::fabs(s.value) >= kDeep * edge_ * std::sqrt(squared);
+/// Whether what holds x, a place on edge e, goes on all around the edge. (Values by gradients tell too large
+/// a distance inside small holes.)
+bool LeafProbe::surrounds(int e, const Vec3& x) const {
+    constexpr double kDiagonal = 0.70710678118654752;
+    const auto axis = static_cast<std::size_t>(e / 4);
+    const std::uint32_t surface = surfaces_[hidden_[0]];
+    for (int k = 0; k < 9; ++k) {
+        const int across[2] = {k % 3 - 1, k / 3 - 1};
+        const double step = kThrough * edge_ * (across[0] * across[1] != 0 ? kDiagonal : 1);
+        Vec3 beside = x;
+        for (std::size_t j = 0; j < 2; ++j) beside[(axis + 1 + j) % 3] += step * across[j];
+        if (sign_at(surface, beside) != -hidden_sign_[0]) return false;
+    }
+    return true;
 }
 
 /// Pieces at edge e that hold what its ends do not see.
@@ -116,7 +146,7 @@ void LeafProbe::find_bridge(int e) {
     for (std::size_t i = 0; i < points.size(); ++i) {
         const bool as_seen = (values_[i] <= 0) == (sign < 0);
         Found found;
-        if (!as_seen && is_deep(points[i]) && is_missed(points[i], found)) note_section(found);
+        if (!as_seen && surrounds(e, points[i]) && is_missed(points[i], found)) note_section(found);
     }
 }
 
