@@ -205,6 +205,13 @@ class Cell {
     /// not close to the ends: what bulges through the edge does so there.
     LatticePoint turning_point(std::size_t surface, const LatticePoint& from, const LatticePoint& to) const;
 
+    /// Distance of a point from a surface, to first order, box-local; infinite where the gradient vanishes.
+    double distance_to(std::size_t surface, const LatticePoint& p) const {
+        double x[3];
+        position(p, x);
+        return distance_to(surface, x);
+    }
+
     /// The root of a surface between two points of opposite signs, on the lattice.
     LatticePoint root(std::size_t surface, const LatticePoint& from, const LatticePoint& to) const;
 

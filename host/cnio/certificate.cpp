@@ -14,7 +14,8 @@ constexpr std::size_t kFewestSimplices = 256;
 
 constexpr std::int64_t kSampleWeight = 8;
 
-constexpr double kShortestBulge = 0.1;  ///< cells
+constexpr double kShortestBulge = 0.1;  ///< edge that is looked at, in cells
+constexpr double kLeastBulge = 0.02;    ///< cells
 
 constexpr int kCapHalvings =
     16;  ///< the last cap is 5e-6 of a cell high: below it no sign changes (kSignTolerance)
@@ -322,14 +323,16 @@ bool Certificate::is_hidden_by_chord(LocalNode a, LocalNode b, std::size_t p) co
 }
 
 /// Where surface p bulges through an edge whose ends lie on one side of it: in the middle, or else where its
-/// value turns. False if it does neither there.
+/// value turns, if it reaches kLeastBulge there (less makes slivers of more parts than it mends). False if it
+/// does neither.
 bool Certificate::find_bulge(LocalNode a, LocalNode b, std::size_t p, LatticePoint* at) const {
     const LatticePoint &from = cell_.nodes()[a].point, &to = cell_.nodes()[b].point;
     const int other = -cell_.sign(a, p);
     *at = cell_.between(from, to, 0.5);
     if (cell_.pure_sign(p, *at, cell_.size()) == other) return true;
     *at = cell_.turning_point(p, from, to);
-    return cell_.pure_sign(p, *at, cell_.size()) == other;
+    return cell_.pure_sign(p, *at, cell_.size()) == other &&
+           cell_.distance_to(p, *at) >= kLeastBulge * cell_.size();
 }
 
 /// Splits edges of simplices cut by surface order[k] whose ends lie on one side, where the surface bulges
