@@ -423,43 +423,31 @@ class Compiler {
     }
 
     void compute_bounds(const std::vector<std::uint32_t>& roots) {
-        const Box3 nothing{{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
-        const Box3 everything = {nothing.max, nothing.min};
-        std::vector<Box3> boxes(terms_.size(), nothing);
+        std::vector<Box3> boxes(terms_.size(), kNothing);
         for (std::size_t i = 0; i < terms_.size(); ++i) {
             const Term& term = terms_[i];
             if (term.type == Term::Type::kFalse) continue;
             if (term.type == Term::Type::kLiteral || term.type == Term::Type::kSpatial) {
                 boxes[i] = term.type == Term::Type::kLiteral
                                ? half_bounds(out_.surfaces[term.surface].surface, term.negated)
-                               : everything;
+                               : kEverything;
                 if (term.hint) shrink(boxes[i], *term.hint);
                 continue;
             }
             const bool is_or = term.type == Term::Type::kOr;
-            if (!is_or) boxes[i] = everything;
+            if (!is_or) boxes[i] = kEverything;
             for (const std::uint32_t child : term.children) {
-                for (std::size_t j = 0; j < 3; ++j) {
-                    auto& low = boxes[i].min[j];
-                    auto& high = boxes[i].max[j];
-                    low = is_or ? std::min(low, boxes[child].min[j]) : std::max(low, boxes[child].min[j]);
-                    high = is_or ? std::max(high, boxes[child].max[j]) : std::min(high, boxes[child].max[j]);
-                }
+                (is_or ? grow : shrink)(boxes[i], boxes[child]);
                 if (!is_or && (boxes[i].min[0] >= boxes[i].max[0] || boxes[i].min[1] >= boxes[i].max[1] ||
                                boxes[i].min[2] >= boxes[i].max[2])) {
-                    boxes[i] = nothing;
+                    boxes[i] = kNothing;
                     break;
                 }
             }
             if (term.hint) shrink(boxes[i], *term.hint);
         }
-        out_.bounds = nothing;
-        for (const std::uint32_t root : roots) {
-            for (std::size_t j = 0; j < 3; ++j) {
-                out_.bounds.min[j] = std::min(out_.bounds.min[j], boxes[root].min[j]);
-                out_.bounds.max[j] = std::max(out_.bounds.max[j], boxes[root].max[j]);
-            }
-        }
+        out_.bounds = kNothing;
+        for (const std::uint32_t root : roots) grow(out_.bounds, boxes[root]);
         out_.scale = 0;
         for (const WorldSurface& world : out_.surfaces)
             out_.scale = std::max(out_.scale, reach(world.surface));

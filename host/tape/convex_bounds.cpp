@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "host/tape/linear_program.hpp"
@@ -12,9 +11,6 @@
 namespace mortise::tape {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr Box3 kEverything{{-kInfinity, -kInfinity, -kInfinity}, {kInfinity, kInfinity, kInfinity}};
-constexpr Box3 kNothing{{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
 constexpr int kAround = 8;  ///< planes around a circle
 constexpr double kPi = 3.14159265358979323846;
 constexpr double kRoom = 1e-3;  ///< of the box, for what linear programs round
@@ -143,13 +139,7 @@ class ConvexBounds {
     Bounds either(const Bounds& a, const Bounds& b) const {
         Bounds bounds;
         bounds.box = box_of(a);
-        const Box3 other = box_of(b);
-        if (is_empty(bounds.box)) bounds.box = other;
-        if (is_empty(other)) return bounds;
-        for (std::size_t j = 0; j < 3; ++j) {
-            bounds.box.min[j] = std::min(bounds.box.min[j], other.min[j]);
-            bounds.box.max[j] = std::max(bounds.box.max[j], other.max[j]);
-        }
+        grow(bounds.box, box_of(b));
         return bounds;
     }
 

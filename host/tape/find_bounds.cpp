@@ -8,6 +8,7 @@
 #include "host/tape/compile.hpp"
 #include "host/tape/convex_bounds.hpp"
 #include "host/tape/reference.hpp"
+#include "host/tape/surface_bounds.hpp"
 #include "kernels/shared/surface.h"
 
 namespace mortise::tape {
@@ -75,13 +76,8 @@ std::vector<Box3> cover(const CompiledModel& compiled, const Box3& box) {
 }
 
 Box3 around(const std::vector<Box3>& boxes) {
-    Box3 all = boxes.front();
-    for (const Box3& box : boxes) {
-        for (std::size_t j = 0; j < 3; ++j) {
-            all.min[j] = std::min(all.min[j], box.min[j]);
-            all.max[j] = std::max(all.max[j], box.max[j]);
-        }
-    }
+    Box3 all = kNothing;
+    for (const Box3& box : boxes) grow(all, box);
     return all;
 }
 
@@ -122,10 +118,7 @@ bool is_finite(const Box3& box) {
 /// What of the compiled bounds is within `reach` of the origin.
 Box3 cut_bounds(const CompiledModel& compiled, double reach) {
     Box3 box = compiled.bounds;
-    for (std::size_t j = 0; j < 3; ++j) {
-        box.min[j] = std::max(box.min[j], -reach);
-        box.max[j] = std::min(box.max[j], reach);
-    }
+    shrink(box, {{-reach, -reach, -reach}, {reach, reach, reach}});
     return box;
 }
 

@@ -3,17 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/glm.hpp>
-#include <limits>
 
 namespace mortise::tape {
-namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-}  // namespace
-
 Box3 half_bounds(const Surface& s, bool negated) {
-    Box3 box{{-kInfinity, -kInfinity, -kInfinity}, {kInfinity, kInfinity, kInfinity}};
+    Box3 box = kEverything;
     if (s.kind == kSurfacePlane) {
         for (std::size_t j = 0; j < 3; ++j) {
             if (std::fabs(s.map[j]) != 1) continue;  // unit normal along an axis
@@ -35,7 +28,7 @@ Box3 half_bounds(const Surface& s, bool negated) {
         const double a = inverse[0][j];
         const double b = inverse[1][j];
         const double c = inverse[2][j];
-        double extent = kInfinity;
+        double extent = kUnbounded;
         if (s.kind == kSurfaceTorus) {
             extent = s.form[0] * std::hypot(a, b) + std::sqrt(-s.form[3]) * std::sqrt(a * a + b * b + c * c);
         } else if (s.form[2] == 1) {
@@ -84,6 +77,13 @@ void shrink(Box3& box, const Box3& by) {
     for (std::size_t j = 0; j < 3; ++j) {
         box.min[j] = std::max(box.min[j], by.min[j]);
         box.max[j] = std::min(box.max[j], by.max[j]);
+    }
+}
+
+void grow(Box3& box, const Box3& by) {
+    for (std::size_t j = 0; j < 3; ++j) {
+        box.min[j] = std::min(box.min[j], by.min[j]);
+        box.max[j] = std::max(box.max[j], by.max[j]);
     }
 }
 

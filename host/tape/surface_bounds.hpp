@@ -1,6 +1,8 @@
 // Boxes around surfaces' halves, to find where a model lies before it is bound to a root box.
 #pragma once
 
+#include <limits>
+
 #include "kernels/shared/surface.h"
 #include "mortise/model.hpp"
 
@@ -18,5 +20,12 @@ Box3 map_box(const Box3& box, const Affine& map);
 
 /// Intersection; empty boxes have a minimum above their maximum.
 void shrink(Box3& box, const Box3& by);
+
+/// The box around both; kNothing changes nothing.
+void grow(Box3& box, const Box3& by);
+
+constexpr double kUnbounded = std::numeric_limits<double>::infinity();
+constexpr Box3 kEverything{{-kUnbounded, -kUnbounded, -kUnbounded}, {kUnbounded, kUnbounded, kUnbounded}};
+constexpr Box3 kNothing{{kUnbounded, kUnbounded, kUnbounded}, {-kUnbounded, -kUnbounded, -kUnbounded}};
 
 }  // namespace mortise::tape
