@@ -20,7 +20,9 @@ namespace mortise {
 /// Threads to use: `wanted`, or all cores if it is 0.
 inline int thread_count(int wanted) {
     if (wanted > 0) return wanted;
-    return static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+    static const int cores =  // asking reads a file of the system
+        static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+    return cores;
 }
 
 inline std::size_t chunk_count(std::size_t count, std::size_t chunk_size) {

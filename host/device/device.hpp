@@ -279,6 +279,10 @@ class Device {
     /// Builds a program with all its kernels, unless it is there already.
     void build(const ProgramName& program);
 
+    /// Begins to load programs that lie in the cache folder, in this order, while the caller goes on; others
+    /// are left alone. kernel() waits for those that are being loaded.
+    void load_ahead(const std::vector<ProgramName>& programs);
+
     /// Runs a kernel over `items` work-items; the kernel's last parameter `uint items` is added here.
     /// Returns at once. No items: launches nothing.
     template <class... Arguments>

@@ -13,7 +13,10 @@
 #include <boost/compute/kernel.hpp>
 #include <boost/compute/program.hpp>
 #include <deque>
+#include <future>
 #include <map>
+#include <optional>
+#include <thread>
 
 #include "host/device/device.hpp"
 #include "host/device/opencl.hpp"
@@ -88,6 +91,7 @@ struct Device::Implementation {
     Implementation() = default;
     /// Waits for what was launched: a process that ends while PoCL's threads compile or run a kernel crashes.
     ~Implementation() {
+        if (loader.joinable()) loader.join();
         if (queue.get() != nullptr) clFinish(queue.get());
     }
     Implementation(const Implementation&) = delete;
@@ -103,7 +107,10 @@ struct Device::Implementation {
     void (*look)() = nullptr;  ///< Device::set_look
     MemoryCounter memory = std::make_shared<MemoryUse>();
     std::map<std::string, compute::program> programs;  // by file and defines
-    std::map<std::string, Kernel> kernels;             // by file, defines and entry
+    /// The same, of Device::load_ahead: what `loader` finds in the cache folder.
+    std::map<std::string, std::future<std::optional<compute::program>>> ahead;
+    std::thread loader;
+    std::map<std::string, Kernel> kernels;  // by file, defines and entry
     std::vector<KernelTime> times;
 
     struct Pending {
@@ -118,7 +125,11 @@ struct Device::Implementation {
     void harvest(bool all);
     /// The program of kernels/`file`: from memory, the cache folder, or its text.
     const compute::program& program(const std::string& file, const std::string& defines);
+    /// From the cache folder, or else nothing.
+    std::optional<compute::program> load(const std::string& source, const std::string& build_flags) const;
     compute::program build(const std::string& file, const std::string& defines) const;
+    std::string source_of(const std::string& file) const;
+    std::string flags_of(const std::string& defines) const;
     int lanes() const;
     int work_group_size() const;
 };

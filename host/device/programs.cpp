@@ -1,6 +1,7 @@
 // Programs and kernels: a program is looked for in memory, then as a binary in the cache folder, then built
 // from its text. Limits that would make a launch abort are checked when a kernel is made.
 #include <boost/compute/exception/program_build_failure.hpp>
+#include <system_error>
 
 #include "host/device/build_options.hpp"
 #include "host/device/device_state.hpp"
@@ -9,28 +10,55 @@
 
 namespace mortise::device {
 
+namespace {
+
+std::string key_of(const std::string& file, const std::string& defines) { return file + "\n" + defines; }
+
+/// A key of the cache folder: all that the binary depends on.
+std::string cache_key(const FoundDevice& device, const std::string& build_flags, const std::string& source) {
+    return binary_key(device, build_flags) + source;
+}
+
+}  // namespace
+
+std::string Device::Implementation::source_of(const std::string& file) const {
+    return with_prelude(kernel_source(file, kernels_folder));
+}
+
+std::string Device::Implementation::flags_of(const std::string& defines) const {
+    return build_options(found, lanes(), work_group_size(), defines);
+}
+
 const compute::program& Device::Implementation::program(const std::string& file, const std::string& defines) {
-    const std::string key = file + "\n" + defines;
-    auto known = programs.find(key);
-    if (known == programs.end()) known = programs.emplace(key, build(file, defines)).first;
-    return known->second;
+    const std::string key = key_of(file, defines);
+    const auto known = programs.find(key);
+    if (known != programs.end()) return known->second;
+    std::optional<compute::program> loaded;
+    if (const auto coming = ahead.find(key); coming != ahead.end()) {
+        loaded = coming->second.get();
+        ahead.erase(coming);
+    }
+    return programs.emplace(key, loaded ? *loaded : build(file, defines)).first->second;
+}
+
+std::optional<compute::program> Device::Implementation::load(const std::string& source,
+                                                             const std::string& build_flags) const {
+    const auto binary = DiskCache(cache_folder).load(cache_key(found, build_flags, source));
+    if (!binary) return std::nullopt;
+    try {
+        auto program = compute::program::create_with_binary(
+            reinterpret_cast<const unsigned char*>(binary->data()), binary->size(), context);
+        program.build(build_flags);
+        return program;
+    } catch (const compute::opencl_error&) {
+        return std::nullopt;  // the driver refuses its own binary (an update, say)
+    }
 }
 
 compute::program Device::Implementation::build(const std::string& file, const std::string& defines) const {
-    const std::string source = with_prelude(kernel_source(file, kernels_folder));
-    const std::string build_flags = build_options(found, lanes(), work_group_size(), defines);
-    const std::string key = binary_key(found, build_flags) + source;
-    const DiskCache cache(cache_folder);
-    if (const auto binary = cache.load(key)) {
-        try {
-            auto program = compute::program::create_with_binary(
-                reinterpret_cast<const unsigned char*>(binary->data()), binary->size(), context);
-            program.build(build_flags);
-            return program;
-        } catch (const compute::opencl_error&) {
-            // The driver refuses its own binary (an update, say): build from the text.
-        }
-    }
+    const std::string source = source_of(file);
+    const std::string build_flags = flags_of(defines);
+    if (auto loaded = load(source, build_flags)) return *loaded;
     compute::program program;
     try {
         program = compute::program::create_with_source(source, context);
@@ -44,7 +72,8 @@ compute::program Device::Implementation::build(const std::string& file, const st
         try {
             // PoCL compiles kernels when they are asked for, or else at their first launch.
             const std::vector<unsigned char> bytes = program.binary();
-            cache.store(key, std::string(bytes.begin(), bytes.end()));
+            const std::string key = cache_key(found, build_flags, source);
+            DiskCache(cache_folder).store(key, std::string(bytes.begin(), bytes.end()));
         } catch (const compute::opencl_error&) {
             // No binary to be had: the next run builds again.
         }
@@ -53,6 +82,40 @@ compute::program Device::Implementation::build(const std::string& file, const st
 }
 
 void Device::build(const ProgramName& program) { implementation_->program(program.file, program.defines); }
+
+void Device::load_ahead(const std::vector<ProgramName>& programs) {
+    Implementation& self = *implementation_;
+    if (self.loader.joinable()) return;
+    struct Promise {
+        ProgramName name;
+        std::promise<std::optional<compute::program>> program;
+    };
+    std::vector<Promise> promises;
+    for (const ProgramName& name : programs) {
+        if (self.programs.count(key_of(name.file, name.defines)) == 0) promises.push_back({name, {}});
+    }
+    if (promises.empty()) return;
+    std::map<std::string, std::future<std::optional<compute::program>>> ahead;
+    for (Promise& promise : promises)
+        ahead[key_of(promise.name.file, promise.name.defines)] = promise.program.get_future();
+    try {
+        self.loader = std::thread([&self, list = std::move(promises)]() mutable {
+            for (Promise& promise : list) {
+                std::optional<compute::program> loaded;
+                try {
+                    loaded =
+                        self.load(self.source_of(promise.name.file), self.flags_of(promise.name.defines));
+                } catch (const std::exception&) {
+                    // Who asks for the program builds it, and says why that fails.
+                }
+                promise.program.set_value(std::move(loaded));
+            }
+        });
+    } catch (const std::system_error&) {
+        return;  // no thread to be had: programs are loaded when they are asked for
+    }
+    self.ahead = std::move(ahead);
+}
 
 Kernel Device::kernel(const std::string& file, const std::string& entry, const std::string& defines) {
     Implementation& self = *implementation_;

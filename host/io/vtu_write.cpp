@@ -33,12 +33,24 @@ void split_by_type(const std::array<std::uint64_t, kElementTypes + 1>& runs, std
 
 template <class Index>
 ByteSource connectivity_source(const Mesh& mesh, const TypeRuns& runs) {
-    return value_source<Index>([&mesh, runs](std::size_t first, std::size_t last, Index* out) {
-        split_by_type(runs.nodes, first, last, [&](std::size_t t, std::size_t begin, std::size_t end) {
-            vtk_connectivity(mesh.elements[t], t, begin, end, out);
-            out += end - begin;
+    const ByteSource made =
+        value_source<Index>([&mesh, runs](std::size_t first, std::size_t last, Index* out) {
+            split_by_type(runs.nodes, first, last, [&](std::size_t t, std::size_t begin, std::size_t end) {
+                vtk_connectivity(mesh.elements[t], t, begin, end, out);
+                out += end - begin;
+            });
         });
-    });
+    if (sizeof(Index) != sizeof(mesh.elements[0].nodes[0])) return made;
+    // A mesh has most of them as they are stored; those need not be copied.
+    return [&mesh, runs, made](std::size_t begin, std::size_t end, char* space) {
+        const std::size_t first = begin / sizeof(Index), last = end / sizeof(Index);
+        const char* stored = nullptr;
+        split_by_type(runs.nodes, first, last, [&](std::size_t t, std::size_t from, std::size_t to) {
+            if (to - from == last - first && has_vtk_order(t))
+                stored = reinterpret_cast<const char*>(mesh.elements[t].nodes.data() + from);
+        });
+        return stored != nullptr ? stored : made(begin, end, space);
+    };
 }
 
 template <class Index>

@@ -2,18 +2,11 @@
 
 #include "host/device/build_record.hpp"
 #include "host/device/device.hpp"
+#include "host/pipeline/programs.hpp"
 #include "mortise/kernels.hpp"
 
 namespace mortise {
-namespace {
-
-/// By the time that PoCL takes to compile them, longest first. A test compares them with what a run builds.
-const std::vector<device::ProgramName> kUsualPrograms = {
-    {"snio/snap.cl", ""},     {"assembly/number.cl", ""}, {"snio/fill.cl", ""},
-    {"snio/classify.cl", ""}, {"octree/descend.cl", ""},  {"snio/points.cl", ""},
-    {"probe.cl", ""},         {"octree/leaves.cl", ""},   {"scan.cl", "-DSUM=uint"}};
-
-}  // namespace
+using pipeline::kUsualPrograms;
 
 struct KernelBuilder::Implementation {
     std::string choice;

@@ -9,6 +9,7 @@
 #include "host/octree/coincident.hpp"
 #include "host/octree/poles.hpp"
 #include "host/pipeline/grading.hpp"
+#include "host/pipeline/programs.hpp"
 #include "host/probe/overlaps.hpp"
 #include "host/reposition/reposition.hpp"
 #include "host/triangles/divide.hpp"
@@ -247,6 +248,7 @@ Prepared prepare(const std::function<device::Device&()>& open_device, const Mode
 
     stages.begin("device", 0.02);
     device::Device& device = open_device();
+    device.load_ahead(kLaterPrograms);
     out.device = device.info().name;
     stages.end(1);
 

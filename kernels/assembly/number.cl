@@ -20,7 +20,7 @@
 __constant uchar kHexahedronCorner[8] = {0, 1, 3, 2, 4, 5, 7, 6};
 
 // Mask of the nodes that a leaf owns among those it uses.
-uint owned_mask(const Tree* tree, __global const uint* used, ulong code, uint mark, uint mask) {
+static uint owned_mask(const Tree* tree, __global const uint* used, ulong code, uint mark, uint mask) {
     const int level = (int)(mark & kMarkLevel);
     const uint edge = leaf_edge(tree, level);
     const uint x = gather_bits(code);
@@ -86,7 +86,7 @@ MORTISE_KERNEL void own_nodes(TREE_PARAMETERS, __global const uint* used, __glob
 
 // Writes one point in model coordinates. Box-local coordinates are exact; the map rounds the same way
 // everywhere.
-void store_point(__global double* points, uint id, double4 origin_side, double x, double y, double z) {
+static void store_point(__global double* points, uint id, double4 origin_side, double x, double y, double z) {
     points[3 * (ulong)id] = origin_side.x + origin_side.w * x;
     points[3 * (ulong)id + 1] = origin_side.y + origin_side.w * y;
     points[3 * (ulong)id + 2] = origin_side.z + origin_side.w * z;
@@ -162,8 +162,8 @@ MORTISE_KERNEL void place_nodes(TREE_PARAMETERS, __global const SnioLeaf* leaves
 }
 
 // Number of the node that `owner` has as `bit`.
-uint node_id(const Tree* tree, __global const uint* owned, __global const uint* base,
-             __global const ulong* foreign, PieceRange range, ulong owner, uint bit) {
+static uint node_id(const Tree* tree, __global const uint* owned, __global const uint* base,
+                    __global const ulong* foreign, PieceRange range, ulong owner, uint bit) {
     if (owner < range.begin || owner >= range.end) {
         const ulong key = node_key(owner, bit);
         uint low = 0;
@@ -185,17 +185,17 @@ uint node_id(const Tree* tree, __global const uint* owned, __global const uint* 
 }
 
 // Number of corner c of the leaf at (x, y, z).
-uint corner_id(const Tree* tree, __global const uint* used, __global const uint* owned,
-               __global const uint* base, __global const ulong* foreign, PieceRange range, ulong code,
-               uint mark, uint x, uint y, uint z, uint edge, uint c) {
+static uint corner_id(const Tree* tree, __global const uint* used, __global const uint* owned,
+                      __global const uint* base, __global const ulong* foreign, PieceRange range, ulong code,
+                      uint mark, uint x, uint y, uint z, uint edge, uint c) {
     uint bit = 0;
     const ulong owner = corner_owner(tree, used, code, mark, x, y, z, edge, c, &bit);
     return node_id(tree, owned, base, foreign, range, owner, bit);
 }
 
 // Numbers of the last corners of IN cells in a block and of those behind it, x first; index 0 is behind.
-void block_ids(const Tree* tree, const TreeBlock* block, __global const uint* base, PieceRange range,
-               uint* ids) {
+static void block_ids(const Tree* tree, const TreeBlock* block, __global const uint* base, PieceRange range,
+                      uint* ids) {
     uint rank[8];
     for (uint a = 0; a < 8; ++a) {
         const uint word = block->word[a];

@@ -32,7 +32,7 @@ typedef struct Points {
     lanes_double z;
 } Points;
 
-Points difference(Points a, Points b) {
+static Points difference(Points a, Points b) {
     Points d;
     d.x = a.x - b.x;
     d.y = a.y - b.y;
@@ -40,9 +40,9 @@ Points difference(Points a, Points b) {
     return d;
 }
 
-lanes_double square(Points v) { return v.x * v.x + v.y * v.y + v.z * v.z; }
+static lanes_double square(Points v) { return v.x * v.x + v.y * v.y + v.z * v.z; }
 
-lanes_double corner_value(Points a, Points b, Points c) {
+static lanes_double corner_value(Points a, Points b, Points c) {
     const lanes_double determinant =
         (a.y * b.z - a.z * b.y) * c.x + (a.z * b.x - a.x * b.z) * c.y + (a.x * b.y - a.y * b.x) * c.z;
     const lanes_double squares = square(a) * square(b) * square(c);
@@ -51,12 +51,12 @@ lanes_double corner_value(Points a, Points b, Points c) {
 }
 
 // The scaled Jacobian of which corner_value gives the square.
-lanes_double root(lanes_double value) {
+static lanes_double root(lanes_double value) {
     const lanes_double size = sqrt(fabs(value));
     const lanes_double zero = 0;
     return CHOOSE(value < zero, -size, size);
 }
 
-lanes_double smaller(lanes_double a, lanes_double b) { return CHOOSE(b < a, b, a); }
+static lanes_double smaller(lanes_double a, lanes_double b) { return CHOOSE(b < a, b, a); }
 
 #endif

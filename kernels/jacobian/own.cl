@@ -16,7 +16,8 @@
 #define LANES_OF(c)                                                                                     \
     (double8)(points[n.s0 + c], points[n.s1 + c], points[n.s2 + c], points[n.s3 + c], points[n.s4 + c], \
               points[n.s5 + c], points[n.s6 + c], points[n.s7 + c])
-Points gather(__global const double* points, __global const uint* nodes, uint count, uint first, uint last) {
+static Points gather(__global const double* points, __global const uint* nodes, uint count, uint first,
+                     uint last) {
     const ulong8 lane = (ulong8)(0, 1, 2, 3, 4, 5, 6, 7);
     const ulong8 at = min((ulong8)first + lane, (ulong8)last) * (ulong)count;
     const ulong8 n = 3 * (ulong8)(nodes[at.s0], nodes[at.s1], nodes[at.s2], nodes[at.s3], nodes[at.s4],
@@ -28,7 +29,8 @@ Points gather(__global const double* points, __global const uint* nodes, uint co
     return gathered;
 }
 #else
-Points gather(__global const double* points, __global const uint* nodes, uint count, uint first, uint last) {
+static Points gather(__global const double* points, __global const uint* nodes, uint count, uint first,
+                     uint last) {
     const double3 p = vload3(nodes[(ulong)count * min(first, last)], points);
     Points gathered;
     gathered.x = p.x;
@@ -55,7 +57,7 @@ Points gather(__global const double* points, __global const uint* nodes, uint co
         store(root(smallest), values + first, elements - first);                         \
     }
 
-void store(lanes_double results, __global float* values, uint left) {
+static void store(lanes_double results, __global float* values, uint left) {
     if (left >= WIDTH) {
         STORE_LANES(TO_FLOAT(results), values);
     } else {

@@ -42,17 +42,17 @@ typedef struct Cube {
 } Cube;
 
 // -1: f < 0 on the closed cube, +1: f > 0, 0: undecided.
-lanes_int decide(lanes_float low, lanes_float high) {
+static lanes_int decide(lanes_float low, lanes_float high) {
     return select(select((lanes_int)(0), (lanes_int)(-1), high < 0.0f), (lanes_int)(1), low > 0.0f);
 }
 
-lanes_float interval_square_low(lanes_float low, lanes_float high) {
+static lanes_float interval_square_low(lanes_float low, lanes_float high) {
     const lanes_float least = fmin(fabs(low), fabs(high));
     const lanes_float inside = fmin(high, -low);  // positive where the interval holds zero
     return select(least * least, (lanes_float)(0.0f), inside >= 0.0f);
 }
 
-lanes_float interval_square_high(lanes_float low, lanes_float high) {
+static lanes_float interval_square_high(lanes_float low, lanes_float high) {
     const lanes_float most = fmax(fabs(low), fabs(high));
     return most * most;
 }
@@ -71,8 +71,8 @@ lanes_float interval_square_high(lanes_float low, lanes_float high) {
 
 // f is convex: its tangent plane at the centre bounds it from below. From above, its gradient does, which
 // turns slowly where the solid is round, or nowhere exceeds 1.
-lanes_int classify_rounded(__global const SurfaceBounds* s, __global const ExpressionOp* ops, Cube cube,
-                           const lanes_float* u, const float* width) {
+static lanes_int classify_rounded(__global const SurfaceBounds* s, __global const ExpressionOp* ops,
+                                  Cube cube, const lanes_float* u, const float* width) {
     __global const rounded_number* data = (__global const rounded_number*)(ops + s->first_op);
     const lanes_float rounding = 4.0f * RELATIVE * (fabs(u[0]) + fabs(u[1]) + fabs(u[2]) + s->form[3]);
     const lanes_float slack = s->error[0] + s->error[1] + s->error[2] + 2.0f * rounding;
@@ -116,7 +116,8 @@ lanes_int classify_rounded(__global const SurfaceBounds* s, __global const Expre
     }
 }
 
-lanes_int classify_surface(__global const SurfaceBounds* s, __global const ExpressionOp* ops, Cube cube) {
+static lanes_int classify_surface(__global const SurfaceBounds* s, __global const ExpressionOp* ops,
+                                  Cube cube) {
     lanes_float u[3];
     float width[3];
     if (s->kind == kSurfacePatch) return (lanes_int)(0);  // is in the tape only where it passes (spatial.h)

@@ -23,17 +23,17 @@
 #define MOST_TAPE_WORDS 0xc0000000u  // of all tapes: counting ends here, before it wraps
 
 // What a spatial word is in child c: 0, 1 or kUnknown.
-int spatial_state(uint entry, uint word) {
+static int spatial_state(uint entry, uint word) {
     return entry > kSpatialIn ? kUnknown : (int)(entry ^ tape_negated(word));
 }
 
 // Number of words that stand for an undecided spatial word in a child: the child's node, or its formula.
-uint expanded_words(__global const uint* spatial, uint entry) {
+static uint expanded_words(__global const uint* spatial, uint entry) {
     return entry & kSpatialFormula ? spatial[entry & ~kSpatialFormula] : 1u;
 }
 
 // Word k of them.
-uint expanded_word(__global const uint* spatial, uint entry, uint word, uint k) {
+static uint expanded_word(__global const uint* spatial, uint entry, uint word, uint k) {
     if (entry & kSpatialFormula) {
         const uint copied = spatial[(entry & ~kSpatialFormula) + 1 + k];
         return tape_negated(word) ? negate_word(copied) : copied;
@@ -42,7 +42,7 @@ uint expanded_word(__global const uint* spatial, uint entry, uint word, uint k) 
 }
 
 // Bit k: lane k of `yes`; bit 8 + k: lane k of `also`. A lane is set where its condition holds.
-uint lane_bits(lanes_int yes, lanes_int also) {
+static uint lane_bits(lanes_int yes, lanes_int also) {
 #if LANES == 8
     const int8 bits =
         (yes & (int8)(1, 2, 4, 8, 16, 32, 64, 128)) | (also & ((int8)(1, 2, 4, 8, 16, 32, 64, 128) << 8));
@@ -58,7 +58,7 @@ uint lane_bits(lanes_int yes, lanes_int also) {
 // kept? Each entry of `masks` held the lanes where the value is unknown, and from bit 8 on those where the
 // word is to stay if it is needed; then it holds those where it stays. Returns the lanes that keep some
 // words, but not all.
-uint find_kept(__global const uint* tape, uint length, __global ushort* masks) {
+static uint find_kept(__global const uint* tape, uint length, __global ushort* masks) {
     uint needed[kTapeStack];
     int top = 0;
     uint some = 0;
@@ -87,15 +87,15 @@ uint find_kept(__global const uint* tape, uint length, __global ushort* masks) {
 
 // The word that is kept for a lane: a select whose rest is known takes that as a constant. `rests` holds what
 // is known of it, for each lane; kMaxRegions + 1: unknown.
-uint kept_word(uint word, __global const ushort* rests, int lane) {
+static uint kept_word(uint word, __global const ushort* rests, int lane) {
     if (tape_operation(word) != kTapeSelect || rests[lane] > kMaxRegions) return word;
     return make_operation(kTapeSelectConst, tape_region(word), (int)rests[lane]);
 }
 
 // Writes what a child keeps of its parent's tape.
-void copy_kept(__global const uint* tape, uint length, __global const uint* spatial,
-               __global const ushort* masks, __global const ushort* rests, int lane, int c,
-               __global uint* out) {
+static void copy_kept(__global const uint* tape, uint length, __global const uint* spatial,
+                      __global const ushort* masks, __global const ushort* rests, int lane, int c,
+                      __global uint* out) {
     for (uint i = 0; i < length; ++i) {
         const uint word = tape[i];
         if (((masks[i] >> lane) & 1) == 0) continue;
@@ -110,8 +110,8 @@ void copy_kept(__global const uint* tape, uint length, __global const uint* spat
 }
 
 // Place of a tape among those made for siblings, or NOTHING.
-uint find_tape(__global const uint* tapes, const uint* offsets, const uint* lengths, uint count,
-               const uint* tape, uint length) {
+static uint find_tape(__global const uint* tapes, const uint* offsets, const uint* lengths, uint count,
+                      const uint* tape, uint length) {
     for (uint k = 0; k < count; ++k) {
         uint i = 0;
         if (lengths[k] != length) continue;

@@ -21,14 +21,14 @@ typedef struct Pruning {
     uint words;
 } Pruning;
 
-void push_value(Pruning* p, int value) {
+static void push_value(Pruning* p, int value) {
     ++p->top;
     p->value[p->top] = value;
     p->begin[p->top] = p->words;
 }
 
 // Takes an operation. Returns the word to keep at place p->words, or NOTHING.
-uint take_operation(Pruning* p, uint word) {
+static uint take_operation(Pruning* p, uint word) {
     const uint operation = tape_operation(word);
     uint kept = NOTHING;
     int combined;
@@ -56,7 +56,7 @@ uint take_operation(Pruning* p, uint word) {
 // Drops the surfaces on which a short tape does not depend (both cofactors equal), such as the common plane
 // of two flush solids. Works in place. Returns the new length; 0 if the tape is constant, whose value then is
 // in `constant_value`.
-uint reduce(uint* tape, uint length, int* constant_value) {
+static uint reduce(uint* tape, uint length, int* constant_value) {
     // Bit a: what the surface is in choice a.
     const uint inside[MAX_REDUCED] = {0xaaaaaaaau, 0xccccccccu, 0xf0f0f0f0u, 0xff00ff00u, 0xffff0000u};
     uint surfaces[MAX_REDUCED];

@@ -12,10 +12,10 @@
 #pragma OPENCL EXTENSION cl_khr_fp64 : enable
 #pragma OPENCL FP_CONTRACT OFF
 
-#define MORTISE_TABLE __constant
+#define MORTISE_TABLE static __constant
 #define MORTISE_GLOBAL __global const
-#define MORTISE_FUNCTION
-#define MORTISE_NOINLINE __attribute__((noinline))  // large and called from many places: compile time
+#define MORTISE_FUNCTION static
+#define MORTISE_NOINLINE static __attribute__((noinline))  // large and called from many places: compile time
 #define MORTISE_DEFAULT(value)
 
 typedef char i8;

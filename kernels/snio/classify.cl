@@ -18,7 +18,7 @@
 #define kLargestBulge 0.1
 
 // Value of a tape whose literals are all of one surface, with that surface's sign given.
-int evaluate_tape(__global const uint* tape, uint length, uint inside) {
+static int evaluate_tape(__global const uint* tape, uint length, uint inside) {
     int value[kTapeStack];
     int top = -1;
     for (uint i = 0; i < length; ++i) {
@@ -41,7 +41,7 @@ int evaluate_tape(__global const uint* tape, uint length, uint inside) {
 
 // Whether the certificate meshes face f whole (corners agree) or cut by one chord, with corners in `zero` on
 // the surface.
-int face_is_simple(uint inside, uint zero, int f) {
+static int face_is_simple(uint inside, uint zero, int f) {
     int zeros = 0;
     int changes = 0;
     int signs[8];
@@ -63,8 +63,8 @@ int face_is_simple(uint inside, uint zero, int f) {
 }
 
 // Whether the surface is within kLargestBulge of a point, to first order.
-int is_close(__global const Surface* surface, __global const ExpressionOp* ops, const double* at,
-             double cell) {
+static int is_close(__global const Surface* surface, __global const ExpressionOp* ops, const double* at,
+                    double cell) {
     const SurfaceSample sample = surface_sample(surface, ops, at[0], at[1], at[2]);
     double square = 0;
     for (int j = 0; j < 3; ++j) square += sample.gradient[j] * sample.gradient[j];
@@ -172,7 +172,7 @@ MORTISE_KERNEL void leave_to_certificate(__global const uint* leaves, __global S
 }
 
 // Whether the surface is active in an NIO leaf.
-int depends_on(__global const uint* tapes, const TreeNode node, uint surface) {
+static int depends_on(__global const uint* tapes, const TreeNode node, uint surface) {
     for (uint i = 0; i < node.tape_length; ++i) {
         const uint word = tapes[node.tape_offset + i];
         if (tape_operation(word) == kTapeLiteral && tape_surface(word) == surface) return 1;
@@ -205,9 +205,9 @@ MORTISE_KERNEL void mark_exposed(TREE_PARAMETERS, __global uint* promoted, uint 
 
 // Whether a candidate's face fits what lies beyond: a cut face needs the surface there, a whole one the same
 // side.
-int face_fits(const Tree* tree, __global const TreeNode* nio, __global const uint* tapes,
-              __global const SnioCandidate* candidates, const SnioCandidate candidate, ulong code, int level,
-              int f) {
+static int face_fits(const Tree* tree, __global const TreeNode* nio, __global const uint* tapes,
+                     __global const SnioCandidate* candidates, const SnioCandidate candidate, ulong code,
+                     int level, int f) {
     const int axis = f >> 1;
     int direction[3] = {0, 0, 0};
     uint corners = 0;

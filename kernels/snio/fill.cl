@@ -4,8 +4,8 @@
 
 // Neighbour of a leaf across a face: what it means for facets on that face.
 //   0: no volume there, and no certificate; 1: volume, or the certificate, which lists facets itself.
-int has_volume(const Tree* tree, __global const SnioCandidate* candidates, __global const uchar* moved,
-               int level, ulong morton, int f) {
+static int has_volume(const Tree* tree, __global const SnioCandidate* candidates, __global const uchar* moved,
+                      int level, ulong morton, int f) {
     int direction[3] = {0, 0, 0};
     Leaf beyond;
     direction[f / 2] = (f & 1) ? 1 : -1;

@@ -11,10 +11,10 @@
 #include "shared/tree.h"
 
 // Whether leaves share the points of a surface.
-int is_shared(__global const Surface* surface) { return surface->kind == kSurfaceExpression; }
+static int is_shared(__global const Surface* surface) { return surface->kind == kSurfaceExpression; }
 
 // Whether a leaf has the point as well: a simple one of the same size and surface.
-int has_point(__global const SnioCandidate* candidates, uint surface, int level, const Leaf leaf) {
+static int has_point(__global const SnioCandidate* candidates, uint surface, int level, const Leaf leaf) {
     return leaf.kind == kLeafNio && leaf.level == level &&
            (candidates[leaf.index].flags & kCandidateSimple) != 0 &&
            candidates[leaf.index].surface == surface;
@@ -22,8 +22,8 @@ int has_point(__global const SnioCandidate* candidates, uint surface, int level,
 
 // Place (leaf_at_vertex) around the leaf's corner c of the first leaf that has this vertex; `own`: none is
 // before this one.
-uint first_at_corner(const Tree* tree, __global const SnioCandidate* candidates, uint surface, ulong code,
-                     int level, uint c, uint* first) {
+static uint first_at_corner(const Tree* tree, __global const SnioCandidate* candidates, uint surface,
+                            ulong code, int level, uint c, uint* first) {
     const uint edge = leaf_edge(tree, level);
     for (uint d = 0; d < 7 - c; ++d) {
         const Leaf leaf = leaf_at_corner(tree, code, edge, c, d);
@@ -35,8 +35,8 @@ uint first_at_corner(const Tree* tree, __global const SnioCandidate* candidates,
 }
 
 // The same for edge e and the leaves of leaf_at_edge.
-uint first_at_edge(const Tree* tree, __global const SnioCandidate* candidates, uint surface, ulong code,
-                   int level, uint e, uint* first) {
+static uint first_at_edge(const Tree* tree, __global const SnioCandidate* candidates, uint surface,
+                          ulong code, int level, uint e, uint* first) {
     const uint edge = leaf_edge(tree, level);
     const uint low = kEdgeCorners[e][0];
     const uint x = gather_bits(code) + (low & 1) * edge;

@@ -187,8 +187,8 @@ MORTISE_KERNEL void test_subsets(__global const SnioPoints* points, __global Sni
 
 // Whether every corner that a safe leaf needs moves: all leaves around it are safe, and need nothing else.
 // These then find the same.
-int has_needed(const Tree* tree, __global const TreeNode* nio, __global const SnioCandidate* candidates,
-               uint index) {
+static int has_needed(const Tree* tree, __global const TreeNode* nio,
+                      __global const SnioCandidate* candidates, uint index) {
     const uint needed = candidates[index].needed;
     const ulong own = nio[index].morton;
     const uint edge = leaf_edge(tree, leaf_level(tree, own));

@@ -341,6 +341,38 @@ TEST_CASE("programs come from the cache folder, and a damaged one does not matte
     CHECK(entries().size() == 4);
 }
 
+TEST_CASE("programs that are loaded ahead are those of the cache folder; others are built when asked for") {
+    ScratchFolder cache;
+    const Variable folder("MORTISE_CACHE", cache.path());
+    Example example;
+    const std::string defines = "-DOFFSET=0";
+    const std::vector<ProgramName> programs = {{"none.cl", ""}, {"example.cl", defines}};
+    const auto run = [&](bool ahead) {
+        Device device("", example.options);
+        if (ahead) device.load_ahead(programs);
+        Buffer buffer = device.upload(std::vector<double>{1.5});
+        device.launch(device.kernel("example.cl", "scale", defines), 1, buffer, 2.0);
+        CHECK(device.download<double>(buffer, 1)[0] == 3.0);
+        if (ahead) device.load_ahead(programs);  // once more: nothing left to do
+        CHECK(contains(device_error([&] { device.kernel("none.cl", "none"); }), "none.cl"));
+    };
+    SUBCASE("not there yet") { run(true); }
+    SUBCASE("there") {
+        run(false);
+        run(true);
+    }
+    SUBCASE("there, but damaged") {
+        run(false);
+        for (const auto& entry : std::filesystem::directory_iterator(cache.path()))
+            std::ofstream(entry.path(), std::ios::binary) << "not a program";
+        run(true);
+    }
+    SUBCASE("a device that goes away meanwhile") {
+        run(false);
+        for (int again = 0; again < 20; ++again) Device("", example.options).load_ahead(programs);
+    }
+}
+
 TEST_CASE("MORTISE_KERNELS replaces the embedded kernels") {
     Example example;
     const Variable folder("MORTISE_KERNELS", example.folder.path());

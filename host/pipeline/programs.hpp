@@ -1,0 +1,21 @@
+// The programs of kernels/ that most runs need.
+#pragma once
+
+#include <vector>
+
+#include "host/device/device.hpp"
+
+namespace mortise::pipeline {
+
+/// By the time that PoCL takes to compile them, longest first.
+inline const std::vector<device::ProgramName> kUsualPrograms = {
+    {"snio/snap.cl", ""},     {"assembly/number.cl", ""}, {"snio/fill.cl", ""},
+    {"snio/classify.cl", ""}, {"octree/descend.cl", ""},  {"snio/points.cl", ""},
+    {"probe.cl", ""},         {"octree/leaves.cl", ""},   {"scan.cl", "-DSUM=uint"}};
+
+/// Those of them that a run asks for after it has begun its octree, in that order.
+inline const std::vector<device::ProgramName> kLaterPrograms = {
+    {"scan.cl", "-DSUM=uint"}, {"octree/leaves.cl", ""}, {"snio/classify.cl", ""},  {"snio/points.cl", ""},
+    {"snio/snap.cl", ""},      {"snio/fill.cl", ""},     {"assembly/number.cl", ""}};
+
+}  // namespace mortise::pipeline
