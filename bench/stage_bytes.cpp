@@ -68,11 +68,11 @@ StageBytes stage_bytes(const octree::Octree& tree, const cnio::Extraction& extra
     const double tapes = bytes_of(tree.tapes);
 
     StageBytes bytes;
-    // descend: nodes, tapes; children, states, tapes, two counts. gather_children: the first two and the
-    // counts' scans; nodes, IN nodes.
-    bytes.descent = parents * kNode + tapes + undecided * kNode + cells * kWord + tapes +
-                    2 * parents * kWord + undecided * kNode + cells * kWord + 2 * parents * kWord +
-                    undecided * kNode + in_nodes;
+    // descend: nodes, tapes; children, tapes, two counts. gather_children: nodes, children and the counts'
+    // scans; nodes, IN nodes.
+    constexpr double child = sizeof(ChildNode);
+    bytes.descent = parents * kNode + tapes + cells * child + tapes + 2 * parents * kWord + parents * kNode +
+                    cells * child + 2 * parents * kWord + undecided * kNode + in_nodes;
     // classify: node, tape; candidate, points. mark_vertices: node, candidate; near, promoted bits.
     // test_subsets: candidate, points; candidate. decide: node, candidate; moved.
     bytes.entities = found * (kNode + kCandidate + kPoints) + leaf_tapes + found * (kNode + kCandidate + 1) +

@@ -53,6 +53,9 @@ MORTISE_KERNEL void layout(__global uint* out, uint items) {
     OFFSET(TreeNode, morton)
     OFFSET(TreeNode, tape_offset)
     OFFSET(TreeNode, tape_length)
+    SIZE(ChildNode);
+    OFFSET(ChildNode, place)
+    OFFSET(ChildNode, tape_length)
     SIZE(InNode);
     OFFSET(InNode, morton)
     OFFSET(InNode, level)

@@ -84,6 +84,9 @@ class Block {
 
     void run(const BlockOptions& options);
 
+    /// Whether refine() may do something.
+    bool may_refine() const;
+
     /// After run(): makes elements smaller where they are poor, if that helps. False if nothing was done.
     bool refine();
 

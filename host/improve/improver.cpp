@@ -55,6 +55,7 @@ bool run_carefully(Block& block, const Load& load, BlockOptions options) {
 template <class Load>
 std::optional<Block::Result> run_and_refine(Block& block, const Load& load, const BlockOptions& options) {
     if (!run_carefully(block, load, options)) return std::nullopt;
+    if (!block.may_refine()) return block.result();
     const Block before = block;
     if (!block.refine()) return block.result();
     Block::Result unrefined = before.result();

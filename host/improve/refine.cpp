@@ -302,10 +302,14 @@ bool Block::relieve(const Cluster& cluster, const std::vector<std::uint32_t>& me
     return false;
 }
 
+bool Block::may_refine() const {
+    if (!options_.look_ahead || !options_.change_boundary) return false;
+    const std::size_t poor = count_below(kGoodQuality);
+    return poor > 0 && poor <= kMostPoor + original_.size() / 16;
+}
+
 bool Block::refine() {
-    if (!options_.look_ahead || !options_.change_boundary ||
-        count_below(kGoodQuality) > kMostPoor + original_.size() / 16)
-        return false;
+    if (!may_refine()) return false;
     std::vector<Cluster> clusters = find_clusters();
     const auto alive = static_cast<std::uint64_t>(std::count(alive_.begin(), alive_.end(), 1));
     last_evaluation_ = evaluated_ + kLeastEvaluations + kMostEvaluations * alive;

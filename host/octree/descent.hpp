@@ -78,8 +78,7 @@ class Descent {
   private:
     void split(int level, const Buffer& ops) {
         evaluated_ = count_;
-        Buffer children = device_.allocate(8 * count_ * sizeof(TreeNode));
-        Buffer states = device_.allocate(8 * count_ * sizeof(std::int32_t));
+        Buffer children = device_.allocate(8 * count_ * sizeof(ChildNode));
         Buffer unknown = device_.allocate((count_ + 1) * sizeof(std::uint32_t));
         Buffer in = device_.allocate((count_ + 1) * sizeof(std::uint32_t));
         reserve(used_words_ + kWordsPerNode * count_ + std::min(2 * added_words_, kMostAhead));
@@ -89,7 +88,7 @@ class Descent {
             device_.upload(used_, before, 2);
             for (std::size_t first = 0; first < count_; first += batch) {
                 device_.launch(descend_, std::min(batch, count_ - first), nodes_, tapes_, bounds_, ops,
-                               spatial_, children, states, unknown, in, used_, scratch_,
+                               spatial_, children, unknown, in, used_, scratch_,
                                static_cast<std::uint32_t>(capacity_), static_cast<std::uint32_t>(first),
                                static_cast<std::uint32_t>(longest_), static_cast<std::int32_t>(level));
             }
@@ -111,7 +110,7 @@ class Descent {
         const std::uint64_t new_in = device_.exclusive_scan_u32(in, in, count_);
         Buffer next = device_.allocate(next_count * sizeof(TreeNode));
         grow(in_nodes_, in_count_ * sizeof(InNode), (in_count_ + new_in) * sizeof(InNode));
-        device_.launch(gather_, count_, children, states, unknown, in, next, in_nodes_,
+        device_.launch(gather_, count_, nodes_, children, unknown, in, next, in_nodes_,
                        static_cast<std::uint32_t>(in_count_), static_cast<std::int32_t>(level));
         device_.finish();
         in_count_ += new_in;

@@ -4,8 +4,8 @@
 //
 // Reads   parents[first_item + i], tapes (words of the parents), surfaces, ops, spatial
 //         (kernels/shared/spatial.h).
-// Writes  children[8i + c], states[8i + c] for parent i, unknown_counts[i], in_counts[i], new words of tapes;
-//         used[0], words of all tapes, and used[1], words of the longest tape of an undecided child;
+// Writes  children[8i + c] for parent i, unknown_counts[i], in_counts[i], new words of tapes; used[0], words
+//         of all tapes, and used[1], words of the longest tape of an undecided child;
 //         scratch: for each work-item 1 + LANES values for each of slot_words words; no tape has more.
 // One work-item handles one parent; its eight children are the lanes of one vector on CPUs (LANES 8) and a
 // loop on GPUs (LANES 1). Guarantees: a child is IN or OUT only if its closed cube is, whatever the rounding;
@@ -123,7 +123,7 @@ static uint find_tape(__global const uint* tapes, const uint* offsets, const uin
 
 MORTISE_KERNEL void descend(__global const TreeNode* parents, __global uint* tapes,
                             __global const SurfaceBounds* surfaces, __global const ExpressionOp* ops,
-                            __global const uint* spatial, __global TreeNode* children, __global int* states,
+                            __global const uint* spatial, __global ChildNode* children,
                             __global uint* unknown_counts, __global uint* in_counts, __global uint* used,
                             __global ushort* scratch, uint capacity, uint first_item, uint slot_words,
                             int level, uint items) {
@@ -245,9 +245,8 @@ MORTISE_KERNEL void descend(__global const TreeNode* parents, __global uint* tap
                 const int c = round + lane;
                 uint words = lengths[lane];
                 int value = values[lane];
-                TreeNode child;
-                child.morton = (parent.morton << 3) | (ulong)c;
-                child.tape_offset = parent.tape_offset;
+                ChildNode child;
+                child.place = parent.tape_offset;
                 child.tape_length = parent.tape_length;
                 // An unchanged tape was reduced when it was made; the root's is written anew.
                 if (value == kUnknown &&
@@ -277,17 +276,19 @@ MORTISE_KERNEL void descend(__global const TreeNode* parents, __global uint* tap
                         }
                     }
                     if (offset != NOTHING) {
-                        child.tape_offset = offset;
+                        child.place = offset;
                         child.tape_length = words;
                     }
                 }
                 if (value == kUnknown) {
                     ++unknown;
                     longest = max(longest, child.tape_length);
+                } else {
+                    child.place = (uint)value;
+                    child.tape_length = 0;
                 }
                 in += value > 0;
                 children[8 * item + c] = child;
-                states[8 * item + c] = value;
             }
         }
         unknown_counts[item] = unknown;
@@ -298,24 +299,29 @@ MORTISE_KERNEL void descend(__global const TreeNode* parents, __global uint* tap
 
 // Packs the children of a level in Morton order: unknown ones into `next`, IN ones behind `in_base` of
 // `in_nodes`. One work-item handles one parent; offsets come from exclusive scans of its counts.
-MORTISE_KERNEL void gather_children(__global const TreeNode* children, __global const int* states,
+MORTISE_KERNEL void gather_children(__global const TreeNode* parents, __global const ChildNode* children,
                                     __global const uint* unknown_offsets, __global const uint* in_offsets,
                                     __global TreeNode* next, __global InNode* in_nodes, uint in_base,
                                     int level, uint items) {
     const uint item = get_global_id(0);
     if (item >= items) return;
     {
+        const ulong first_child = parents[item].morton << 3;
         uint at_unknown = unknown_offsets[item];
         uint at_in = in_base + in_offsets[item];
         for (int c = 0; c < 8; ++c) {
-            const int state = states[8 * item + c];
-            if (state == kUnknown) {
-                next[at_unknown++] = children[8 * item + c];
-            } else if (state > 0) {
+            const ChildNode child = children[8 * item + c];
+            if (child.tape_length != 0) {
+                TreeNode node;
+                node.morton = first_child | (ulong)c;
+                node.tape_offset = child.place;
+                node.tape_length = child.tape_length;
+                next[at_unknown++] = node;
+            } else if (child.place != 0) {
                 InNode node;
-                node.morton = children[8 * item + c].morton;
+                node.morton = first_child | (ulong)c;
                 node.level = (uint)level;
-                node.region = (uint)state;
+                node.region = child.place;
                 in_nodes[at_in++] = node;
             }
         }

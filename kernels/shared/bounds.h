@@ -23,6 +23,12 @@ typedef struct TreeNode {
     u32 tape_length;
 } TreeNode;
 
+// A child of a node: the place and length of its pruned tape, or its region (0: OUT) and 0.
+typedef struct ChildNode {
+    u32 place;
+    u32 tape_length;
+} ChildNode;
+
 // A node that lies in one region: Morton code at its level.
 typedef struct InNode {
     u64 morton;
