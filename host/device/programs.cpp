@@ -35,8 +35,9 @@ const compute::program& Device::Implementation::program(const std::string& file,
     if (known != programs.end()) return known->second;
     std::optional<compute::program> loaded;
     if (const auto coming = ahead.find(key); coming != ahead.end()) {
-        loaded = coming->second.get();
+        auto result = std::move(coming->second);
         ahead.erase(coming);
+        loaded = result.get();
     }
     return programs.emplace(key, loaded ? *loaded : build(file, defines)).first->second;
 }
@@ -86,40 +87,27 @@ void Device::build(const ProgramName& program) { implementation_->program(progra
 void Device::load_ahead(const std::vector<ProgramName>& programs) {
     Implementation& self = *implementation_;
     if (self.loader.joinable()) return;
-    struct Promise {
-        ProgramName name;
-        std::promise<std::optional<compute::program>> program;
-    };
-    std::vector<Promise> promises;
+    std::vector<std::packaged_task<std::optional<compute::program>()>> tasks;
     for (const ProgramName& name : programs) {
-        if (self.programs.count(key_of(name.file, name.defines)) == 0) promises.push_back({name, {}});
+        const std::string key = key_of(name.file, name.defines);
+        if (self.programs.count(key) != 0) continue;
+        tasks.emplace_back(
+            [&self, name] { return self.load(self.source_of(name.file), self.flags_of(name.defines)); });
+        self.ahead[key] = tasks.back().get_future();
     }
-    if (promises.empty()) return;
-    std::map<std::string, std::future<std::optional<compute::program>>> ahead;
-    for (Promise& promise : promises)
-        ahead[key_of(promise.name.file, promise.name.defines)] = promise.program.get_future();
+    if (tasks.empty()) return;
     try {
-        self.loader = std::thread([&self, list = std::move(promises)]() mutable {
-            for (Promise& promise : list) {
-                std::optional<compute::program> loaded;
-                try {
-                    loaded =
-                        self.load(self.source_of(promise.name.file), self.flags_of(promise.name.defines));
-                } catch (const std::exception&) {
-                    // Who asks for the program builds it, and says why that fails.
-                }
-                promise.program.set_value(std::move(loaded));
-            }
+        self.loader = std::thread([list = std::move(tasks)]() mutable {
+            for (auto& task : list) task();
         });
     } catch (const std::system_error&) {
-        return;  // no thread to be had: programs are loaded when they are asked for
+        self.ahead.clear();  // no thread to be had: programs are loaded when they are asked for
     }
-    self.ahead = std::move(ahead);
 }
 
 Kernel Device::kernel(const std::string& file, const std::string& entry, const std::string& defines) {
     Implementation& self = *implementation_;
-    Kernel& kernel = self.kernels[file + "\n" + defines + "\n" + entry];
+    Kernel& kernel = self.kernels[key_of(file, defines) + "\n" + entry];
     if (kernel.implementation_) return kernel;
     const compute::program& program = self.program(file, defines);
     auto made = std::make_shared<Kernel::Implementation>();

@@ -84,10 +84,10 @@ class Block {
 
     void run(const BlockOptions& options);
 
-    /// Whether refine() may do something.
+    /// After run(): whether refine() is to be tried.
     bool may_refine() const;
 
-    /// After run(): makes elements smaller where they are poor, if that helps. False if nothing was done.
+    /// Makes elements smaller where they are poor, if that helps. False if nothing was done.
     bool refine();
 
     /// Instead of run(): lets nodes of slivers leave their surfaces. False if nothing was done.

@@ -309,7 +309,6 @@ bool Block::may_refine() const {
 }
 
 bool Block::refine() {
-    if (!may_refine()) return false;
     std::vector<Cluster> clusters = find_clusters();
     const auto alive = static_cast<std::uint64_t>(std::count(alive_.begin(), alive_.end(), 1));
     last_evaluation_ = evaluated_ + kLeastEvaluations + kMostEvaluations * alive;

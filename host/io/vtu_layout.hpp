@@ -1,7 +1,6 @@
 // What a .vtu holds and in which order, whether the mesh lies in memory or comes in parts.
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -32,22 +31,11 @@ struct TypeRuns {
     std::array<std::uint64_t, kElementTypes + 1> elements{}, nodes{};
 };
 
-/// Whether VTK numbers the nodes of elements of type t as we do.
-inline bool has_vtk_order(std::size_t t) {
-    const std::array<int, 8>& order = kElementTable[t].vtk.nodes;
-    return std::is_sorted(order.begin(), order.end());
-}
-
 /// Writes entries [first, last) of the connectivity of a block of type t, from local node numbers to VTK's.
 template <class Index>
 void vtk_connectivity(const ElementBlock& block, std::size_t t, std::size_t first, std::size_t last,
                       Index* out) {
     const std::array<int, 8>& order = kElementTable[t].vtk.nodes;
-    if (has_vtk_order(t)) {
-        std::transform(block.nodes.data() + first, block.nodes.data() + last, out,
-                       [](NodeId node) { return static_cast<Index>(node); });
-        return;
-    }
     const std::size_t per_element = nodes_per_element(t);
     std::size_t local = first % per_element;
     for (std::size_t i = first - local; i < last; i += per_element, local = 0) {

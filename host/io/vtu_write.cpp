@@ -31,6 +31,12 @@ void split_by_type(const std::array<std::uint64_t, kElementTypes + 1>& runs, std
     }
 }
 
+/// Whether VTK numbers the nodes of elements of type t as we do.
+bool has_vtk_order(std::size_t t) {
+    const std::array<int, 8>& order = kElementTable[t].vtk.nodes;
+    return std::is_sorted(order.begin(), order.end());
+}
+
 template <class Index>
 ByteSource connectivity_source(const Mesh& mesh, const TypeRuns& runs) {
     const ByteSource made =

@@ -7,7 +7,7 @@
 
 namespace mortise::pipeline {
 
-/// By the time that PoCL takes to compile them, longest first.
+/// By the time that PoCL takes to compile them, longest first. A test compares them with what a run builds.
 inline const std::vector<device::ProgramName> kUsualPrograms = {
     {"snio/snap.cl", ""},     {"assembly/number.cl", ""}, {"snio/fill.cl", ""},
     {"snio/classify.cl", ""}, {"octree/descend.cl", ""},  {"snio/points.cl", ""},
