@@ -2,6 +2,7 @@
 #include <array>
 #include <chrono>
 #include <cstdio>
+#include <cstring>
 
 #include "bench/models.hpp"
 #include "bench/process.hpp"
@@ -11,14 +12,17 @@
 namespace mortise::bench {
 namespace {
 
-/// FNV-1a over the values of one array, however it is cut.
+/// FNV-1a over the values of one array, each a step, however it is cut.
 class Checksum {
   public:
     template <class T>
     void add(const std::vector<T>& values) {
-        const auto* bytes = reinterpret_cast<const unsigned char*>(values.data());
-        for (std::size_t i = 0; i < values.size() * sizeof(T); ++i)
-            value_ = (value_ ^ bytes[i]) * 0x100000001b3u;
+        for (const T& value : values) {
+            std::uint64_t bits = 0;
+            std::memcpy(&bits, &value, sizeof value);
+            value_ = (value_ ^ bits) * 0x100000001b3u;
+            value_ ^= value_ >> 32;  // high bits of a number must reach low ones
+        }
     }
     std::uint64_t value() const { return value_; }
 

@@ -30,7 +30,8 @@ class Classifier {
         if (snap_ != 0 || on_device_.local_formulas) promote();
         if (!templates) return all_complex();
         if (on_device_.local_formulas) drop_misfits();  // promoted leaves, too
-        device_.launch(device_.kernel("snio/snap.cl", "test_subsets"), count(), points_, candidates_, snap_);
+        device_.launch(device_.kernel("snio/snap.cl", "test_subsets"), rows(), points_, candidates_, snap_,
+                       static_cast<std::uint32_t>(count()));
         moved_ = device_.allocate(count() * sizeof(std::uint8_t));
         launch("snio/snap.cl", "decide", count(), on_device_.nio, candidates_, moved_);
         return fill();
@@ -38,6 +39,12 @@ class Classifier {
 
   private:
     std::size_t count() const { return tree_.nio.size(); }
+
+    /// Work-items of kernels that handle leaves in a row (kernels/snio/alike.h).
+    std::size_t rows() const {
+        const std::size_t leaves = device_.lanes() == 8 ? kLeavesInRow : 1;
+        return (count() + leaves - 1) / leaves;
+    }
 
     template <class... Arguments>
     void launch(const char* file, const char* entry, std::size_t items, const Arguments&... arguments) {
@@ -117,7 +124,7 @@ class Classifier {
         Buffer used = device_.allocate(count() * sizeof(std::uint32_t));
         Buffer counts = device_.allocate(kElementTypes * count() * sizeof(std::uint32_t));
         Buffer facets = device_.allocate(count() * sizeof(std::uint32_t));
-        launch("snio/fill.cl", "fill", count(), on_device_.nio, candidates_, moved_, points_, leaves, used,
+        launch("snio/fill.cl", "fill", rows(), on_device_.nio, candidates_, moved_, points_, leaves, used,
                counts, facets, static_cast<std::uint32_t>(count()), snap_);
         result.leaves = device_.download<SnioLeaf>(leaves, count());
         result.used = device_.download<std::uint32_t>(used, count());

@@ -4,6 +4,9 @@
 
 #include "lattice.h"
 
+// Leaves that one work-item handles where the device is a CPU (snio/alike.h).
+#define kLeavesInRow 64
+
 #define kPatternCnio 256  // SnioLeaf::pattern of a leaf that the certificate meshes
 
 // SnioLeaf::method.

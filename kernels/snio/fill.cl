@@ -1,6 +1,7 @@
 // Chooses the template of each SNIO leaf, now that it is known which vertices move.
 #include "shared/bounds.h"
 #include "shared/leaf_template.h"
+#include "snio/alike.h"
 
 // Neighbour of a leaf across a face: what it means for facets on that face.
 //   0: no volume there, and no certificate; 1: volume, or the certificate, which lists facets itself.
@@ -20,18 +21,97 @@ static int has_volume(const Tree* tree, __global const SnioCandidate* candidates
     }
 }
 
+// The template of a leaf with inside and outside corners, once for all that look like it.
+typedef struct Choice {
+    LeafTemplate found;
+    int interior[3];  // in lattice units
+} Choice;
+
+static void choose(__global const SnioPoints* points, const Look look, uint facing, int snap,
+                   Choice* choice) {
+    const uint inside = look.states & 0xff;
+    const uint on = (look.states >> 8) & 0xff;
+    double p[kCellNodes][3];
+    leaf_positions(points, look.corners, look.cuts, p);
+    choose_template(inside, on, p, facing, !snap, &choice->found);
+    for (int j = 0; j < 3; ++j) {
+        choice->interior[j] = 0;
+        if (choice->found.method == kMethodRow && kTemplateRows[inside].interior_mean != 0)
+            choice->interior[j] = (int)rint(p[kCellInteriorNode][j] * kCellUnits);
+        if (choice->found.method == kMethodCone && choice->found.cone.apex == kCellInteriorNode)
+            choice->interior[j] = (int)rint(choice->found.cone.point[j] * kCellUnits);
+    }
+}
+
+// Elements of a leaf with a chosen template; the mask of its nodes and its facets, but for those on faces of
+// the cell, are in *mask and *facets.
+static void take(const Choice* choice, uint inside, SnioLeaf* leaf, uint* elements, uint* mask,
+                 uint* facets) {
+    const CellBoundary* boundary = &choice->found.boundary;
+    const Cone* cone = &choice->found.cone;
+    leaf->method = (uchar)choice->found.method;
+    for (int j = 0; j < 3; ++j) leaf->point[j] = choice->interior[j];
+    if (leaf->method == kMethodRow) {
+        const TemplateRow row = kTemplateRows[inside];
+        *mask = row.corners | ((uint)row.cuts << 8) |
+                (row.interior_mean != 0 ? 1u << kInteriorNodeBit : 0u);
+        for (int t = 0; t < 4; ++t) elements[t] = row.elements[t];
+        *facets = row.facets;
+        return;
+    }
+    *mask = boundary->nodes;
+    for (int f = 0; f < 6; ++f) {
+        leaf->faces |= (ushort)(boundary->mesh[f] << (2 * f));
+        if ((leaf->boundary >> f) & 1) *facets += boundary->mesh[f] == kFaceWhole ? 1 : 2;
+    }
+    if (leaf->method == kMethodHexahedron) {
+        elements[0] = 1;
+        return;
+    }
+    leaf->apex = (uchar)cone->apex;
+    leaf->facet_count = (uchar)cone->facet_count;
+    *facets += cone->facet_count;
+    for (uint i = 0; i < cone->facet_count; ++i) leaf->facets[i] = cone->facets[i];
+    if (leaf->method == kMethodWedge) {
+        elements[1] = 1;
+        return;
+    }
+    {
+        int off_loop = 1;
+        if (cone->apex == kCellInteriorNode) *mask |= 1u << kInteriorNodeBit;
+        for (int f = 0; f < 6; ++f) {
+            for (int i = 0; i < 3; ++i) {
+                uchar facet[4];
+                const int size = face_facet(boundary, f, i, facet);
+                if (size == 0) break;
+                if (!facet_holds(facet, size, (int)cone->apex)) ++elements[size == 4 ? 2 : 3];
+            }
+        }
+        for (int i = 0; i < boundary->loop_size; ++i) {
+            if (boundary->loop[i] == cone->apex) off_loop = 0;
+        }
+        for (uint i = 0; i < cone->facet_count && off_loop; ++i) {
+            const uint facet = cone->facets[i];
+            ++elements[((facet >> 12) & 15) != ((facet >> 8) & 15) ? 2 : 3];
+        }
+    }
+}
+
 // Reads the tree, nio, candidates, moved, points; writes leaves[i], used[i] (the node mask of
 // shared/tree.h), counts[t * stride + i] elements of type t and facet_counts[i], all zero for CNIO leaves.
-// One work-item handles one leaf.
+// One work-item handles LEAVES leaves.
 MORTISE_KERNEL void fill(TREE_PARAMETERS, __global const TreeNode* nio,
                          __global const SnioCandidate* candidates, __global const uchar* moved,
                          __global const SnioPoints* points, __global SnioLeaf* leaves, __global uint* used,
                          __global uint* counts, __global uint* facet_counts, uint stride, int snap,
                          uint items) {
-    const uint item = get_global_id(0);
-    if (item >= items) return;
-    {
-        const Tree tree = TREE_OF_PARAMETERS;
+    const uint first = LEAVES * get_global_id(0);
+    const Tree tree = TREE_OF_PARAMETERS;
+    Seen seen[PLACES];
+    Choice choices[PLACES];
+    if (get_global_id(0) >= items) return;
+    for (uint i = 0; i < PLACES; ++i) seen[i].leaf = NO_LEAF;
+    for (uint item = first; item < first + LEAVES && item < stride; ++item) {
         const SnioCandidate candidate = candidates[item];
         const ulong morton = nio[item].morton;
         const int level = leaf_level(&tree, morton);
@@ -84,64 +164,19 @@ MORTISE_KERNEL void fill(TREE_PARAMETERS, __global const TreeNode* nio,
         } else if (inside == 0) {
             leaf.boundary = 0;
         } else {
-            double p[kCellNodes][3];
-            LeafTemplate found;
-            leaf_positions(points + item, displaced, cut_edges(inside, on), p);
-            choose_template(inside, on, p, facing, !snap, &found);
-            leaf.method = (uchar)found.method;
-            if (found.method == kMethodRow) {
-                const TemplateRow row = kTemplateRows[inside];
-                mask = row.corners | ((uint)row.cuts << 8) |
-                       (row.interior_mean != 0 ? 1u << kInteriorNodeBit : 0u);
-                for (int t = 0; t < 4; ++t) elements[t] = row.elements[t];
-                facets = row.facets;
-                for (int j = 0; j < 3; ++j) {
-                    if (row.interior_mean != 0)
-                        leaf.point[j] = (int)rint(p[kCellInteriorNode][j] * kCellUnits);
-                }
-            } else {
-                mask = found.boundary.nodes;
-                for (int f = 0; f < 6; ++f) {
-                    leaf.faces |= (ushort)(found.boundary.mesh[f] << (2 * f));
-                    if ((leaf.boundary >> f) & 1) facets += found.boundary.mesh[f] == kFaceWhole ? 1 : 2;
-                }
-                if (found.method == kMethodHexahedron) {
-                    elements[0] = 1;
-                } else if (found.method == kMethodWedge) {
-                    leaf.apex = (uchar)found.cone.apex;
-                    leaf.facet_count = 1;
-                    leaf.facets[0] = found.cone.facets[0];
-                    elements[1] = 1;
-                    facets += 1;
-                } else {
-                    int off_loop = 1;
-                    leaf.apex = (uchar)found.cone.apex;
-                    leaf.facet_count = (uchar)found.cone.facet_count;
-                    facets += found.cone.facet_count;
-                    if (found.cone.apex == kCellInteriorNode) {
-                        mask |= 1u << kInteriorNodeBit;
-                        for (int j = 0; j < 3; ++j)
-                            leaf.point[j] = (int)rint(found.cone.point[j] * kCellUnits);
-                    }
-                    for (int f = 0; f < 6; ++f) {
-                        for (int i = 0; i < 3; ++i) {
-                            uchar facet[4];
-                            const int size = face_facet(&found.boundary, f, i, facet);
-                            if (size == 0) break;
-                            if (!facet_holds(facet, size, (int)found.cone.apex))
-                                ++elements[size == 4 ? 2 : 3];
-                        }
-                    }
-                    for (int i = 0; i < found.boundary.loop_size; ++i) {
-                        if (found.boundary.loop[i] == found.cone.apex) off_loop = 0;
-                    }
-                    for (uint i = 0; i < found.cone.facet_count; ++i) {
-                        const uint facet = found.cone.facets[i];
-                        leaf.facets[i] = (ushort)facet;
-                        if (off_loop) ++elements[((facet >> 12) & 15) != ((facet >> 8) & 15) ? 2 : 3];
-                    }
-                }
+            Look look;
+            uint at;
+            look.states = inside | (on << 8);
+            look.others = facing;
+            look.corners = displaced;
+            look.cuts = cut_edges(inside, on);
+            at = place_of_look(look, points + item);
+            if (!looks_like(look, points + item, seen + at, points)) {
+                seen[at].leaf = item;
+                seen[at].look = look;
+                choose(points + item, look, facing, snap, choices + at);
             }
+            take(choices + at, inside, &leaf, elements, &mask, &facets);
         }
         leaves[item] = leaf;
         used[item] = mask;

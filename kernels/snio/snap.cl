@@ -10,8 +10,7 @@
 // a template like them.
 #include "shared/bounds.h"
 #include "shared/corner_choices.h"
-
-#define NO_LEAF 0xffffffffu
+#include "snio/alike.h"
 
 // Takes those corners out of `near` that may not move for what the leaves around them are, and marks IN
 // leaves to be promoted. A vertex between leaves of different levels does not move.
@@ -140,48 +139,66 @@ MORTISE_KERNEL void promote_leaves(TREE_PARAMETERS, __global const uint* new_nio
     }
 }
 
-// Whether a leaf has a template as it is (kCandidateSimple stays), and whichever of its near corners move,
-// all that it needs among them (kCandidateSafe). Reads points; reads and writes candidates. One work-item
-// handles one leaf.
-MORTISE_KERNEL void test_subsets(__global const SnioPoints* points, __global SnioCandidate* candidates,
-                                 int snap, uint items) {
-    const uint item = get_global_id(0);
-    if (item >= items) return;
-    {
-        const SnioCandidate candidate = candidates[item];
-        const uint near = candidate.near;
-        const uint needed = candidate.needed;
-        const uint others = near & ~needed;
-        double p[kCellNodes][3];
-        double moved[8][3];
-        CornerChoices choices;
-        uint subset = needed;
-        int valid = 1;
-        if ((candidate.flags & kCandidateSimple) == 0 || (needed & ~near) != 0) return;
-        leaf_positions(points + item, near, cut_edges(candidate.inside, candidate.zero), p);
+// Flags of a simple leaf: kCandidateSimple if it has a template as it is, kCandidateSafe if it has one
+// whichever of its near corners move, all that it needs among them.
+static uchar tested_flags(__global const SnioPoints* points, const SnioCandidate candidate, uint cuts,
+                          int snap) {
+    const uint near = candidate.near;
+    const uint needed = candidate.needed;
+    const uint others = near & ~needed;
+    double p[kCellNodes][3];
+    double moved[8][3];
+    CornerChoices choices;
+    uint subset = needed;
+    leaf_positions(points, near, cuts, p);
+    for (uint c = 0; c < 8; ++c) {
+        for (int j = 0; j < 3; ++j) moved[c][j] = p[c][j];
+    }
+    for (uint f = 0; f < 6; ++f) choices.known[f] = 0;
+    choices.apex = kNoApex;
+    // All subsets of `near` that hold `needed`, the smallest one first.
+    do {
+        const uint on = candidate.zero | subset;
+        int valid;
         for (uint c = 0; c < 8; ++c) {
-            for (int j = 0; j < 3; ++j) moved[c][j] = p[c][j];
+            const int is_moved = (subset >> c) & 1;
+            p[c][0] = is_moved ? moved[c][0] : (double)(c & 1);
+            p[c][1] = is_moved ? moved[c][1] : (double)((c >> 1) & 1);
+            p[c][2] = is_moved ? moved[c][2] : (double)(c >> 2);
         }
-        for (uint f = 0; f < 6; ++f) choices.known[f] = 0;
-        choices.apex = kNoApex;
-        // All subsets of `near` that hold `needed`, the smallest one first.
-        do {
-            const uint on = candidate.zero | subset;
-            for (uint c = 0; c < 8; ++c) {
-                const int is_moved = (subset >> c) & 1;
-                p[c][0] = is_moved ? moved[c][0] : (double)(c & 1);
-                p[c][1] = is_moved ? moved[c][1] : (double)((c >> 1) & 1);
-                p[c][2] = is_moved ? moved[c][2] : (double)(c >> 2);
-            }
-            valid = has_template(candidate.inside & ~on, on, subset, p, !snap, &choices) ||
-                    (subset == 0 && (candidate.flags & kCandidatePromoted) != 0);
-            if (subset == 0 && !valid) {
-                candidates[item].flags = candidate.flags & ~kCandidateSimple;
-                return;
-            }
-            subset = needed | (((subset & others) - others) & others);
-        } while (valid && subset != needed);
-        if (valid) candidates[item].flags = candidate.flags | kCandidateSafe;
+        valid = has_template(candidate.inside & ~on, on, subset, p, !snap, &choices) ||
+                (subset == 0 && (candidate.flags & kCandidatePromoted) != 0);
+        if (!valid) return subset == 0 ? candidate.flags & ~kCandidateSimple : candidate.flags;
+        subset = needed | (((subset & others) - others) & others);
+    } while (subset != needed);
+    return candidate.flags | kCandidateSafe;
+}
+
+// Tests all simple leaves. Reads points; reads and writes candidates. One work-item handles LEAVES leaves.
+MORTISE_KERNEL void test_subsets(__global const SnioPoints* points, __global SnioCandidate* candidates,
+                                 int snap, uint leaves, uint items) {
+    const uint first = LEAVES * get_global_id(0);
+    Seen seen[PLACES];
+    uchar flags[PLACES];
+    if (get_global_id(0) >= items) return;
+    for (uint i = 0; i < PLACES; ++i) seen[i].leaf = NO_LEAF;
+    for (uint leaf = first; leaf < first + LEAVES && leaf < leaves; ++leaf) {
+        const SnioCandidate candidate = candidates[leaf];
+        Look look;
+        uint at;
+        if ((candidate.flags & kCandidateSimple) == 0 || (candidate.needed & ~candidate.near) != 0) continue;
+        look.states = candidate.inside | ((uint)candidate.zero << 8) | ((uint)candidate.near << 16) |
+                      ((uint)candidate.needed << 24);
+        look.others = candidate.flags;
+        look.corners = candidate.near;
+        look.cuts = cut_edges(candidate.inside, candidate.zero);
+        at = place_of_look(look, points + leaf);
+        if (!looks_like(look, points + leaf, seen + at, points)) {
+            seen[at].leaf = leaf;
+            seen[at].look = look;
+            flags[at] = tested_flags(points + leaf, candidate, look.cuts, snap);
+        }
+        candidates[leaf].flags = flags[at];
     }
 }
 

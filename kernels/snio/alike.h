@@ -1,0 +1,68 @@
+// Leaves in which the surface lies alike: along a plane of the grid's directions, or along the axis of an
+// extrusion, where models have most of their boundary. What one of them has found the others take.
+//
+// On a CPU a work-item handles LEAVES leaves in a row, and remembers PLACES of them by a hash of what the
+// result depends on. On a GPU it has one.
+#ifndef MORTISE_SNIO_ALIKE_H
+#define MORTISE_SNIO_ALIKE_H
+
+#include "shared/snio.h"
+
+#if LANES == 8
+#define LEAVES kLeavesInRow
+#define PLACES 16
+#else
+#define LEAVES 1
+#define PLACES 1
+#endif
+#define NO_LEAF 0xffffffffu
+
+// What a result depends on: states of the corners and whatever else has 32 bits each, displacements of
+// `corners`, roots on `cuts`.
+typedef struct Look {
+    uint states;
+    uint others;
+    uint corners;
+    uint cuts;
+} Look;
+
+// One that is remembered.
+typedef struct Seen {
+    uint leaf;  // NO_LEAF: none
+    Look look;
+} Seen;
+
+static uint lowest_bit(uint bits) { return popcount((bits & -bits) - 1u); }
+
+static uint place_of_look(const Look look, __global const SnioPoints* points) {
+    uint hash = look.states ^ (look.others * 0x9e3779b9u);
+    for (uint rest = look.corners; rest != 0; rest &= rest - 1) {
+        __global const int* moved = points->moved[lowest_bit(rest)];
+        hash = (hash ^ (uint)moved[0] ^ ((uint)moved[1] << 11) ^ ((uint)moved[2] << 22)) * 0x85ebca6bu;
+    }
+    for (uint rest = look.cuts; rest != 0; rest &= rest - 1)
+        hash = (hash ^ (uint)points->root[lowest_bit(rest)]) * 0xc2b2ae35u;
+    return (hash ^ (hash >> 15)) % PLACES;
+}
+
+// Whether a leaf looks like one that is remembered.
+static int looks_like(const Look look, __global const SnioPoints* points, const Seen* seen,
+                      __global const SnioPoints* all) {
+    __global const SnioPoints* known = all + seen->leaf;
+    if (seen->leaf == NO_LEAF || seen->look.states != look.states || seen->look.others != look.others ||
+        seen->look.corners != look.corners || seen->look.cuts != look.cuts)
+        return 0;
+    for (uint rest = look.corners; rest != 0; rest &= rest - 1) {
+        const uint c = lowest_bit(rest);
+        for (int j = 0; j < 3; ++j) {
+            if (points->moved[c][j] != known->moved[c][j]) return 0;
+        }
+    }
+    for (uint rest = look.cuts; rest != 0; rest &= rest - 1) {
+        const uint e = lowest_bit(rest);
+        if (points->root[e] != known->root[e]) return 0;
+    }
+    return 1;
+}
+
+#endif
