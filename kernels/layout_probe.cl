@@ -4,6 +4,7 @@
 // evaluate: surfaces at points and along segments; the bits must equal the host's (shared/platform.h).
 #include "shared/bounds.h"
 #include "shared/expression_bounds.h"
+#include "shared/face_plan.h"
 #include "shared/lattice.h"
 #include "shared/reposition.h"
 #include "shared/snio.h"
@@ -60,6 +61,29 @@ MORTISE_KERNEL void layout(__global uint* out, uint items) {
     OFFSET(InNode, morton)
     OFFSET(InNode, level)
     OFFSET(InNode, region)
+    SIZE(LoopEdges);
+    OFFSET(LoopEdges, corners)
+    OFFSET(LoopEdges, count)
+    OFFSET(LoopEdges, from)
+    OFFSET(LoopEdges, to)
+    OFFSET(LoopEdges, other)
+    SIZE(FaceMeshPlan);
+    OFFSET(FaceMeshPlan, no_apex)
+    OFFSET(FaceMeshPlan, count)
+    OFFSET(FaceMeshPlan, padding)
+    OFFSET(FaceMeshPlan, facet)
+    OFFSET(FaceMeshPlan, corner)
+    SIZE(FacePlan);
+    OFFSET(FacePlan, nodes)
+    OFFSET(FacePlan, count)
+    OFFSET(FacePlan, node)
+    OFFSET(FacePlan, padding)
+    OFFSET(FacePlan, edges)
+    OFFSET(FacePlan, mesh)
+    SIZE(FacePlans);
+    OFFSET(FacePlans, states)
+    OFFSET(FacePlans, corners)
+    OFFSET(FacePlans, plan)
     SIZE(SnioLeaf);
     OFFSET(SnioLeaf, surface)
     OFFSET(SnioLeaf, pattern)

@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "host/snio/face_plans.hpp"
+
 namespace mortise::snio {
 namespace {
 
@@ -30,8 +32,10 @@ class Classifier {
         if (snap_ != 0 || on_device_.local_formulas) promote();
         if (!templates) return all_complex();
         if (on_device_.local_formulas) drop_misfits();  // promoted leaves, too
-        device_.launch(device_.kernel("snio/snap.cl", "test_subsets"), rows(), points_, candidates_, snap_,
-                       static_cast<std::uint32_t>(count()));
+        Buffer plans = device_.allocate(sizeof(FacePlans));
+        device_.upload(plans, &face_plans(), 1);
+        device_.launch(device_.kernel("snio/snap.cl", "test_subsets"), rows(), points_, candidates_, plans,
+                       snap_, static_cast<std::uint32_t>(count()));
         moved_ = device_.allocate(count() * sizeof(std::uint8_t));
         launch("snio/snap.cl", "decide", count(), on_device_.nio, candidates_, moved_);
         return fill();

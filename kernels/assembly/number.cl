@@ -67,7 +67,7 @@ MORTISE_KERNEL void own_nodes(TREE_PARAMETERS, __global const uint* used, __glob
             inner = inner_cells(&block);
         }
         while (rest != 0) {
-            const uint bit = popcount((rest & -rest) - 1u);
+            const uint bit = mortise_lowest_bit(rest);
             const int is_in = (in >> bit) & 1;
             uint mask = 0x80;
             if (((inner >> bit) & 1) == 0) {
@@ -111,7 +111,7 @@ MORTISE_KERNEL void place_nodes(TREE_PARAMETERS, __global const SnioLeaf* leaves
         uint nio = nio_rank[word];
         uint rank = in_rank[word] + nio;
         for (; rest != 0; rest &= rest - 1, ++rank) {
-            const uint bit = popcount((rest & -rest) - 1u);
+            const uint bit = mortise_lowest_bit(rest);
             const int is_in = (in >> bit) & 1;
             const ulong morton = word_code(&tree, word) | bit;
             const int level = (int)(leaf_mark(&tree, rank) & kMarkLevel);
@@ -193,6 +193,9 @@ static uint corner_id(const Tree* tree, __global const uint* used, __global cons
     return node_id(tree, owned, base, foreign, range, owner, bit);
 }
 
+typedef uint2 Pair __attribute__((aligned(4)));
+#define PAIR_AT(low, offset) (*(const Pair*)((low) + (offset)))
+
 // Numbers of the last corners of IN cells in a block and of those behind it, x first; index 0 is behind.
 static void block_ids(const Tree* tree, const TreeBlock* block, __global const uint* base, PieceRange range,
                       uint* ids) {
@@ -244,7 +247,7 @@ MORTISE_KERNEL void write_hexahedra(TREE_PARAMETERS, __global const uint* used, 
             if (inner != 0) block_ids(&tree, &block, base, range, ids);
         }
         for (; rest != 0; rest &= rest - 1, ++rank) {
-            const uint bit = popcount((rest & -rest) - 1u);
+            const uint bit = mortise_lowest_bit(rest);
             const ulong morton = word_code(&tree, word) | bit;
             const uint nio = nio_rank[word] + popcount(nio_bits[word] & ((1u << bit) - 1u));
             const uint mark = leaf_mark(&tree, nio + rank);
@@ -255,11 +258,13 @@ MORTISE_KERNEL void write_hexahedra(TREE_PARAMETERS, __global const uint* used, 
             __global uint* out =
                 hexahedra + 8 * (ulong)(rank - range.first_in + hexahedron_offsets[nio - range.first_nio]);
             if ((inner >> bit) & 1) {
+                // Pairs along x: from single numbers compilers make a gather instruction, which is slow.
                 const uint* low = ids + ((z & 1) * 5 + (y & 3)) * 5 + (x & 3);
-                for (uint i = 0; i < 8; ++i) {
-                    const uint c = kHexahedronCorner[i];
-                    out[i] = low[(c & 1) + 5 * ((c >> 1) & 1) + 25 * (c >> 2)];
-                }
+                const uint2 a = PAIR_AT(low, 0);
+                const uint2 b = PAIR_AT(low, 5);
+                const uint2 c = PAIR_AT(low, 25);
+                const uint2 d = PAIR_AT(low, 30);
+                vstore8((uint8)(a.x, a.y, b.y, b.x, c.x, c.y, d.y, d.x), 0, out);
                 continue;
             }
             for (uint i = 0; i < 8; ++i) {

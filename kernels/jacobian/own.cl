@@ -12,20 +12,22 @@
 #include "shared/corners.h"
 
 #if WIDTH == 8
-// Straight into lanes: an array of lanes, written one by one and read as a whole, waits for the last of them.
-#define LANES_OF(c)                                                                                     \
-    (double8)(points[n.s0 + c], points[n.s1 + c], points[n.s2 + c], points[n.s3 + c], points[n.s4 + c], \
-              points[n.s5 + c], points[n.s6 + c], points[n.s7 + c])
+// Pairs of coordinates, put into lanes in registers. From single ones compilers make gather instructions, which
+// take three times as long on some processors; an array of lanes, written one by one and read as a whole, waits
+// for the last of them.
+typedef double2 Pair __attribute__((aligned(8)));
+#define PAIRS(k)                                                                                        \
+    __global const double* const at##k = points + 3 * (ulong)nodes[(ulong)count * min(first + k, last)]; \
+    const double2 xy##k = *(__global const Pair*)at##k;                                                  \
+    const double2 yz##k = *(__global const Pair*)(at##k + 1);
+#define IN_LANES(a, b, c, d, e, f, g, h, i) (double8)(a.i, b.i, c.i, d.i, e.i, f.i, g.i, h.i)
 static Points gather(__global const double* points, __global const uint* nodes, uint count, uint first,
                      uint last) {
-    const ulong8 lane = (ulong8)(0, 1, 2, 3, 4, 5, 6, 7);
-    const ulong8 at = min((ulong8)first + lane, (ulong8)last) * (ulong)count;
-    const ulong8 n = 3 * (ulong8)(nodes[at.s0], nodes[at.s1], nodes[at.s2], nodes[at.s3], nodes[at.s4],
-                                  nodes[at.s5], nodes[at.s6], nodes[at.s7]);
     Points gathered;
-    gathered.x = LANES_OF(0);
-    gathered.y = LANES_OF(1);
-    gathered.z = LANES_OF(2);
+    PAIRS(0) PAIRS(1) PAIRS(2) PAIRS(3) PAIRS(4) PAIRS(5) PAIRS(6) PAIRS(7)
+    gathered.x = IN_LANES(xy0, xy1, xy2, xy3, xy4, xy5, xy6, xy7, x);
+    gathered.y = IN_LANES(xy0, xy1, xy2, xy3, xy4, xy5, xy6, xy7, y);
+    gathered.z = IN_LANES(yz0, yz1, yz2, yz3, yz4, yz5, yz6, yz7, y);
     return gathered;
 }
 #else
@@ -45,7 +47,18 @@ static Points gather(__global const double* points, __global const uint* nodes, 
     smallest = smaller(smallest, corner_value(difference(p##first, p##node), difference(p##second, p##node), \
                                               difference(p##third, p##node)));
 
-#define SCALED_JACOBIANS(entry, NODES, CORNERS)                                          \
+// Whether all elements are boxes along the axes, as most hexahedra are: their values round to 1.
+#if WIDTH == 8
+#define ALL(condition) all(condition)
+#else
+#define ALL(condition) (condition)
+#endif
+#define FLAT(c, i, j, k, l) ((p##i.c == p##j.c) & (p##i.c == p##k.c) & (p##i.c == p##l.c))
+#define HEXAHEDRA_ARE_BOXES                                                                               \
+    ALL(FLAT(x, 0, 3, 4, 7) & FLAT(x, 1, 2, 5, 6) & (p0.x < p1.x) & FLAT(y, 0, 1, 4, 5) &                 \
+        FLAT(y, 3, 2, 7, 6) & (p0.y < p3.y) & FLAT(z, 0, 1, 2, 3) & FLAT(z, 4, 5, 6, 7) & (p0.z < p4.z))
+
+#define SCALED_JACOBIANS(entry, NODES, ARE_ONE, CORNERS)                                 \
     MORTISE_KERNEL void entry(__global const double* points, __global const uint* nodes, \
                               __global float* values, uint elements, uint items) {       \
         const uint item = get_global_id(0);                                              \
@@ -53,7 +66,9 @@ static Points gather(__global const double* points, __global const uint* nodes, 
         const uint first = WIDTH * item;                                                 \
         lanes_double smallest = 1;                                                       \
         NODES                                                                            \
-        CORNERS(CORNER)                                                                  \
+        if (!(ARE_ONE)) {                                                                \
+            CORNERS(CORNER)                                                              \
+        }                                                                                \
         store(root(smallest), values + first, elements - first);                         \
     }
 
@@ -72,7 +87,7 @@ static void store(lanes_double results, __global float* values, uint left) {
 #define NODES_6(count) NODES_5(count) NODE(5, count)
 #define NODES_8(count) NODES_6(count) NODE(6, count) NODE(7, count)
 
-SCALED_JACOBIANS(hexahedron_jacobians, NODES_8(8), MORTISE_HEXAHEDRON_CORNERS)
-SCALED_JACOBIANS(wedge_jacobians, NODES_6(6), MORTISE_WEDGE_CORNERS)
-SCALED_JACOBIANS(pyramid_jacobians, NODES_5(5), MORTISE_PYRAMID_CORNERS)
-SCALED_JACOBIANS(tetrahedron_jacobians, NODES_4(4), MORTISE_TETRAHEDRON_CORNERS)
+SCALED_JACOBIANS(hexahedron_jacobians, NODES_8(8), HEXAHEDRA_ARE_BOXES, MORTISE_HEXAHEDRON_CORNERS)
+SCALED_JACOBIANS(wedge_jacobians, NODES_6(6), 0, MORTISE_WEDGE_CORNERS)
+SCALED_JACOBIANS(pyramid_jacobians, NODES_5(5), 0, MORTISE_PYRAMID_CORNERS)
+SCALED_JACOBIANS(tetrahedron_jacobians, NODES_4(4), 0, MORTISE_TETRAHEDRON_CORNERS)

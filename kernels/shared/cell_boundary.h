@@ -51,18 +51,8 @@ typedef struct CellBoundary {
 
 MORTISE_FUNCTION int frame_points_outward(int f) { return (f / 2 != 1) == ((f & 1) != 0); }
 
-// Faces of the cell that a node lies on.
-MORTISE_FUNCTION u32 node_faces(int code) {
-    u32 faces = 0;
-    if (code >= kCellInteriorNode) return 0;
-    {
-        const int low = code < 8 ? code : kEdgeCorners[code - 8][0];
-        for (int axis = 0; axis < 3; ++axis) {
-            if (code < 8 || axis != (code - 8) / 4) faces |= 1u << (2 * axis + ((low >> axis) & 1));
-        }
-    }
-    return faces;
-}
+// Faces of the cell that each node lies on; none for the interior node.
+MORTISE_TABLE u8 kNodeFaces[kCellNodes] = {0x15, 0x16, 0x19, 0x1a, 0x25, 0x26, 0x29, 0x2a, 0x14, 0x18, 0x24, 0x28, 0x11, 0x12, 0x21, 0x22, 0x05, 0x06, 0x09, 0x0a, 0x00};
 
 // Inside part of face f as a polygon in the order of the face's frame; returns its size, 0 to 5, or -1 where
 // two opposite I face two opposite O.
@@ -277,7 +267,7 @@ MORTISE_FUNCTION void find_loop_edges(u32 inside, int f, const u8* node, int cou
         if (a < 8) edges->corners |= 1u << a;
         if ((a < 8 && ((inside >> a) & 1)) || (c < 8 && ((inside >> c) & 1))) continue;
         if (a < 8 && c < 8 && (difference & (difference - 1)) == 0) {
-            const u32 faces = node_faces(a) & node_faces(c) & ~(1u << f);
+            const u32 faces = (u32)kNodeFaces[a] & kNodeFaces[c] & ~(1u << f);
             other = 0;
             while (((faces >> other) & 1) == 0) ++other;
         }
@@ -288,18 +278,18 @@ MORTISE_FUNCTION void find_loop_edges(u32 inside, int f, const u8* node, int cou
 }
 
 // The loop of Γ from the edges of the six faces; returns its size as CellBoundary::loop_size.
-MORTISE_FUNCTION int link_loop(const LoopEdges* const* face, u8* loop) {
+MORTISE_FUNCTION int link_loop(const LoopEdges* face, u8* loop) {
     u8 next[kCellInteriorNode];
     u32 has_next = 0;
     int edges = 0;
     for (int f = 0; f < 6; ++f) {
-        for (int i = 0; i < face[f]->count; ++i) {
-            const int from = face[f]->from[i];
-            const int to = face[f]->to[i];
-            const int other = face[f]->other[i];
+        for (int i = 0; i < face[f].count; ++i) {
+            const int from = face[f].from[i];
+            const int to = face[f].to[i];
+            const int other = face[f].other[i];
             if (other != kNoFace) {
                 const u32 both = (1u << from) | (1u << to);
-                if ((face[other]->corners & both) == both) continue;
+                if ((face[other].corners & both) == both) continue;
             }
             if ((has_next >> from) & 1) return -1;
             has_next |= 1u << from;
@@ -327,7 +317,6 @@ MORTISE_FUNCTION int link_loop(const LoopEdges* const* face, u8* loop) {
 // Outlines of all faces and the loop of Γ; face meshes are left to the caller, who knows positions.
 MORTISE_FUNCTION void make_outline(u32 inside, u32 on, CellBoundary* b) {
     LoopEdges edges[6];
-    const LoopEdges* all[6];
     b->nodes = 0;
     for (int f = 0; f < 6; ++f) {
         const int count = face_outline(inside, on, f, b->node[f]);
@@ -339,9 +328,8 @@ MORTISE_FUNCTION void make_outline(u32 inside, u32 on, CellBoundary* b) {
         b->count[f] = (u8)count;
         for (int i = 0; i < count; ++i) b->nodes |= 1u << b->node[f][i];
         find_loop_edges(inside, f, b->node[f], count, edges + f);
-        all[f] = edges + f;
     }
-    b->loop_size = link_loop(all, b->loop);
+    b->loop_size = link_loop(edges, b->loop);
 }
 
 // Axis of the wedge that a cell's inside part is: two opposite triangular faces alike, two faces whole

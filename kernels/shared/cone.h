@@ -19,6 +19,8 @@
 #define kObtuseScale (1.0 / 0.116977778440511)  // 1 / sin² 160°
 // An element counts as positive if the triple product of three edges is above this times their lengths.
 #define kLeastRelativeVolume 1e-9
+// Above that whatever the lengths, which are below 3 between nodes of a cell.
+#define kClearVolume 1e-6
 // Better than this is not distinguished.
 #define kGoodQuality 4.0
 // A cone from an interior node is tried only below this.
@@ -109,7 +111,7 @@ MORTISE_FUNCTION double divide_surface(const u8* loop, int n, const double (*p)[
     double best[kLargestLoop][kLargestLoop];
     u8 choice[kLargestLoop][kLargestLoop];
     u32 faces[kLargestLoop];
-    for (int i = 0; i < n; ++i) faces[i] = node_faces(loop[i]) & facing;
+    for (int i = 0; i < n; ++i) faces[i] = kNodeFaces[loop[i]] & facing;
     for (int i = 0; i + 1 < n; ++i) best[i][i + 1] = kGoodQuality;
     for (int length = 2; length < n; ++length) {
         for (int i = 0; i + length < n; ++i) {
@@ -201,7 +203,7 @@ MORTISE_FUNCTION double make_cone(const CellBoundary* b, const double (*p)[3], i
         for (int i = 1; i + 1 < b->loop_size; ++i) {
             const int k = (place + i) % b->loop_size;
             const int l = (place + i + 1) % b->loop_size;
-            if ((node_faces(apex) & node_faces(b->loop[k]) & node_faces(b->loop[l]) & facing) != 0) return -1;
+            if ((kNodeFaces[apex] & kNodeFaces[b->loop[k]] & kNodeFaces[b->loop[l]] & facing) != 0) return -1;
             cone->facets[cone->facet_count++] = (u16)(place | (k << 4) | (l << 8) | (l << 12));
         }
     } else if (b->loop_size > 0) {
@@ -214,13 +216,19 @@ MORTISE_FUNCTION double make_cone(const CellBoundary* b, const double (*p)[3], i
 // The mean of some nodes.
 MORTISE_FUNCTION void place_interior_node(u32 nodes, double (*p)[3]) {
     double count = 0;
-    for (int j = 0; j < 3; ++j) p[kCellInteriorNode][j] = 0;
-    for (int i = 0; i < kCellInteriorNode; ++i) {
-        if (((nodes >> i) & 1) == 0) continue;
-        for (int j = 0; j < 3; ++j) p[kCellInteriorNode][j] += p[i][j];
+    double x = 0;
+    double y = 0;
+    double z = 0;
+    for (u32 rest = nodes; rest != 0; rest &= rest - 1) {
+        const double* at = p[mortise_lowest_bit(rest)];
+        x += at[0];
+        y += at[1];
+        z += at[2];
         count += 1;
     }
-    for (int j = 0; j < 3; ++j) p[kCellInteriorNode][j] /= count;
+    p[kCellInteriorNode][0] = x / count;
+    p[kCellInteriorNode][1] = y / count;
+    p[kCellInteriorNode][2] = z / count;
 }
 
 MORTISE_FUNCTION int is_positive_corner(const double* o, const double* a, const double* b, const double* c) {
@@ -234,6 +242,7 @@ MORTISE_FUNCTION int is_positive_corner(const double* o, const double* a, const 
     const double wy = c[1] - o[1];
     const double wz = c[2] - o[2];
     const double volume = ux * (vy * wz - vz * wy) + uy * (vz * wx - vx * wz) + uz * (vx * wy - vy * wx);
+    if (volume > kClearVolume) return 1;
     return volume > 0 &&
            volume * volume > kLeastRelativeVolume * kLeastRelativeVolume *
                                  ((ux * ux + uy * uy + uz * uz) * (vx * vx + vy * vy + vz * vz) *

@@ -74,10 +74,10 @@ MORTISE_FUNCTION double row_element_quality(const double (*p)[3], int type, cons
 
 // Places the interior node of a row of the table.
 MORTISE_FUNCTION void place_row_node(const TemplateRow* row, double (*p)[3]) {
-    for (int j = 0; j < 3; ++j) {
-        double sum = 0;
-        for (int i = 0; i < kCellInteriorNode; ++i) sum += (row->interior_mean >> i) & 1 ? p[i][j] : 0;
-        p[kCellInteriorNode][j] = row->interior_mean != 0 ? sum / (double)count_bits(row->interior_mean) : 0;
+    if (row->interior_mean != 0) {
+        place_interior_node(row->interior_mean, p);
+    } else {
+        for (int j = 0; j < 3; ++j) p[kCellInteriorNode][j] = 0;
     }
 }
 

@@ -27,6 +27,7 @@ typedef uint u32;
 typedef long i64;
 typedef ulong u64;
 
+#define mortise_lowest_bit(x) popcount(((x) & -(x)) - 1u)  // its place; x is an u32, not 0
 #define mortise_sqrt(x) sqrt(x)
 #define mortise_fabs(x) fabs(x)
 #define mortise_rint(x) rint(x)
@@ -52,6 +53,7 @@ using u32 = std::uint32_t;
 using i64 = std::int64_t;
 using u64 = std::uint64_t;
 
+#define mortise_lowest_bit(x) static_cast<u32>(__builtin_ctz(x))
 #define mortise_sqrt(x) std::sqrt(x)
 #define mortise_fabs(x) std::fabs(x)
 #define mortise_rint(x) std::rint(x)

@@ -32,16 +32,14 @@ typedef struct Seen {
     Look look;
 } Seen;
 
-static uint lowest_bit(uint bits) { return popcount((bits & -bits) - 1u); }
-
 static uint place_of_look(const Look look, __global const SnioPoints* points) {
     uint hash = look.states ^ (look.others * 0x9e3779b9u);
     for (uint rest = look.corners; rest != 0; rest &= rest - 1) {
-        __global const int* moved = points->moved[lowest_bit(rest)];
+        __global const int* moved = points->moved[mortise_lowest_bit(rest)];
         hash = (hash ^ (uint)moved[0] ^ ((uint)moved[1] << 11) ^ ((uint)moved[2] << 22)) * 0x85ebca6bu;
     }
     for (uint rest = look.cuts; rest != 0; rest &= rest - 1)
-        hash = (hash ^ (uint)points->root[lowest_bit(rest)]) * 0xc2b2ae35u;
+        hash = (hash ^ (uint)points->root[mortise_lowest_bit(rest)]) * 0xc2b2ae35u;
     return (hash ^ (hash >> 15)) % PLACES;
 }
 
@@ -53,13 +51,13 @@ static int looks_like(const Look look, __global const SnioPoints* points, const 
         seen->look.corners != look.corners || seen->look.cuts != look.cuts)
         return 0;
     for (uint rest = look.corners; rest != 0; rest &= rest - 1) {
-        const uint c = lowest_bit(rest);
+        const uint c = mortise_lowest_bit(rest);
         for (int j = 0; j < 3; ++j) {
             if (points->moved[c][j] != known->moved[c][j]) return 0;
         }
     }
     for (uint rest = look.cuts; rest != 0; rest &= rest - 1) {
-        const uint e = lowest_bit(rest);
+        const uint e = mortise_lowest_bit(rest);
         if (points->root[e] != known->root[e]) return 0;
     }
     return 1;

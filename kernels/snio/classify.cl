@@ -191,7 +191,7 @@ MORTISE_KERNEL void mark_exposed(TREE_PARAMETERS, __global uint* promoted, uint 
     {
         const Tree tree = TREE_OF_PARAMETERS;
         for (uint rest = in_bits[word]; rest != 0; rest &= rest - 1) {
-            const uint bit = popcount((rest & -rest) - 1u);
+            const uint bit = mortise_lowest_bit(rest);
             const ulong code = word_code(&tree, word) | bit;
             const int level = leaf_level(&tree, code);
             for (int f = 0; f < 6; ++f) {

@@ -85,7 +85,7 @@ MORTISE_KERNEL void promote_leaves(TREE_PARAMETERS, __global const uint* new_nio
         const Tree tree = TREE_OF_PARAMETERS;
         uint to = new_nio_rank[word];
         for (uint rest = new_nio_bits[word]; rest != 0; rest &= rest - 1, ++to) {
-            const uint bit = popcount((rest & -rest) - 1u);
+            const uint bit = mortise_lowest_bit(rest);
             const ulong own = word_code(&tree, word) | bit;
             TreeNode node;
             SnioCandidate candidate;
@@ -141,8 +141,8 @@ MORTISE_KERNEL void promote_leaves(TREE_PARAMETERS, __global const uint* new_nio
 
 // Flags of a simple leaf: kCandidateSimple if it has a template as it is, kCandidateSafe if it has one
 // whichever of its near corners move, all that it needs among them.
-static uchar tested_flags(__global const SnioPoints* points, const SnioCandidate candidate, uint cuts,
-                          int snap) {
+static uchar tested_flags(__global const SnioPoints* points, const SnioCandidate candidate,
+                          __global const FacePlans* plans, uint cuts, int snap) {
     const uint near = candidate.near;
     const uint needed = candidate.needed;
     const uint others = near & ~needed;
@@ -166,7 +166,7 @@ static uchar tested_flags(__global const SnioPoints* points, const SnioCandidate
             p[c][1] = is_moved ? moved[c][1] : (double)((c >> 1) & 1);
             p[c][2] = is_moved ? moved[c][2] : (double)(c >> 2);
         }
-        valid = has_template(candidate.inside & ~on, on, subset, p, !snap, &choices) ||
+        valid = has_template(plans, candidate.inside & ~on, on, subset, p, !snap, &choices) ||
                 (subset == 0 && (candidate.flags & kCandidatePromoted) != 0);
         if (!valid) return subset == 0 ? candidate.flags & ~kCandidateSimple : candidate.flags;
         subset = needed | (((subset & others) - others) & others);
@@ -174,9 +174,10 @@ static uchar tested_flags(__global const SnioPoints* points, const SnioCandidate
     return candidate.flags | kCandidateSafe;
 }
 
-// Tests all simple leaves. Reads points; reads and writes candidates. One work-item handles LEAVES leaves.
+// Tests all simple leaves. Reads points, plans; reads and writes candidates. One work-item handles LEAVES
+// leaves.
 MORTISE_KERNEL void test_subsets(__global const SnioPoints* points, __global SnioCandidate* candidates,
-                                 int snap, uint leaves, uint items) {
+                                 __global const FacePlans* plans, int snap, uint leaves, uint items) {
     const uint first = LEAVES * get_global_id(0);
     Seen seen[PLACES];
     uchar flags[PLACES];
@@ -196,7 +197,7 @@ MORTISE_KERNEL void test_subsets(__global const SnioPoints* points, __global Sni
         if (!looks_like(look, points + leaf, seen + at, points)) {
             seen[at].leaf = leaf;
             seen[at].look = look;
-            flags[at] = tested_flags(points + leaf, candidate, look.cuts, snap);
+            flags[at] = tested_flags(points + leaf, candidate, plans, look.cuts, snap);
         }
         candidates[leaf].flags = flags[at];
     }

@@ -9,6 +9,7 @@
 #include "host/device/device.hpp"
 #include "kernels/shared/bounds.h"
 #include "kernels/shared/expression_bounds.h"
+#include "kernels/shared/face_plan.h"
 #include "kernels/shared/reposition.h"
 #include "kernels/shared/snio.h"
 #include "kernels/shared/template_table.h"
@@ -68,6 +69,29 @@ const std::vector<Entry> kLayout = {SIZE(Surface),
                                     OFFSET(InNode, morton),
                                     OFFSET(InNode, level),
                                     OFFSET(InNode, region),
+                                    SIZE(LoopEdges),
+                                    OFFSET(LoopEdges, corners),
+                                    OFFSET(LoopEdges, count),
+                                    OFFSET(LoopEdges, from),
+                                    OFFSET(LoopEdges, to),
+                                    OFFSET(LoopEdges, other),
+                                    SIZE(FaceMeshPlan),
+                                    OFFSET(FaceMeshPlan, no_apex),
+                                    OFFSET(FaceMeshPlan, count),
+                                    OFFSET(FaceMeshPlan, padding),
+                                    OFFSET(FaceMeshPlan, facet),
+                                    OFFSET(FaceMeshPlan, corner),
+                                    SIZE(FacePlan),
+                                    OFFSET(FacePlan, nodes),
+                                    OFFSET(FacePlan, count),
+                                    OFFSET(FacePlan, node),
+                                    OFFSET(FacePlan, padding),
+                                    OFFSET(FacePlan, edges),
+                                    OFFSET(FacePlan, mesh),
+                                    SIZE(FacePlans),
+                                    OFFSET(FacePlans, states),
+                                    OFFSET(FacePlans, corners),
+                                    OFFSET(FacePlans, plan),
                                     SIZE(SnioLeaf),
                                     OFFSET(SnioLeaf, surface),
                                     OFFSET(SnioLeaf, pattern),

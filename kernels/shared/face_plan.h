@@ -1,0 +1,75 @@
+// What the states of a face's four corners tell of it, whatever their positions: its polygon, its share of
+// Γ's loop, and the facets of each mesh that the polygon may have. The host makes all of them once
+// (host/snio/face_plans.cpp) from the functions of cell_boundary.h and cone.h.
+#ifndef MORTISE_SHARED_FACE_PLAN_H
+#define MORTISE_SHARED_FACE_PLAN_H
+
+#include "cone.h"
+
+#define kFaceStates 81  // of four corners, three each
+#define kFaceMeshes 3   // kFaceWhole, kFaceSplit02, kFaceSplit13; an empty face has the first, without facets
+#define kMostFaceCorners 4
+#define kNoPolygon 255
+
+// A mesh of a face: where a facet's edges meet that an apex sees. One corner of each triangle, four of a
+// quadrilateral.
+typedef struct FaceMeshPlan {
+    u32 no_apex;  // forbidden_apexes
+    u8 count;     // of corners
+    u8 padding[3];
+    u32 facet[kMostFaceCorners];        // the set of nodes of the corner's facet
+    u8 corner[kMostFaceCorners][4];     // its node, the next and the one before; the last is not used
+} FaceMeshPlan;
+
+typedef struct FacePlan {
+    u32 nodes;  // of the polygon: the set of them
+    u8 count;   // and in order; kNoPolygon: two opposite I face two opposite O
+    u8 node[5];
+    u8 padding[2];
+    LoopEdges edges;
+    FaceMeshPlan mesh[kFaceMeshes];
+} FacePlan;
+
+typedef struct FacePlans {
+    u64 states[256];  // of a set of corners: byte f is the sum of 3^i over corners i of face f's frame
+    u32 corners[256];  // the same: bits 4 f to 4 f + 3 are the corners of face f's frame
+    FacePlan plan[6][kFaceStates];  // state: sum of I corners + 2 (sum of N corners)
+} FacePlans;
+
+MORTISE_FUNCTION void make_face_mesh_plan(const u8* node, int count, int mesh, int f, FaceMeshPlan* plan) {
+    plan->no_apex = forbidden_apexes(node, count, mesh);
+    plan->count = 0;
+    for (int i = 0;; ++i) {
+        u8 facet[4];
+        const int size = polygon_facet(node, count, mesh, f, i, facet);
+        u32 set = 0;
+        if (size == 0) return;
+        for (int k = 0; k < size; ++k) set |= 1u << facet[k];
+        for (int k = 0; k < (size == 4 ? 4 : 1); ++k) {
+            u8* corner = plan->corner[plan->count];
+            plan->facet[plan->count++] = set;
+            corner[0] = facet[k];
+            corner[1] = facet[k + 1 < size ? k + 1 : 0];
+            corner[2] = facet[k > 0 ? k - 1 : size - 1];
+        }
+    }
+}
+
+// Of face f, for sets of the cell's corners; only those of the face matter.
+MORTISE_FUNCTION void make_face_plan(u32 inside, u32 on, int f, FacePlan* plan) {
+    u8 node[5];
+    const int count = face_outline(inside, on, f, node);
+    plan->count = (u8)(count < 0 ? kNoPolygon : count);
+    if (count < 0) return;
+    for (int i = 0; i < count; ++i) {
+        plan->node[i] = node[i];
+        plan->nodes |= 1u << node[i];
+    }
+    find_loop_edges(inside, f, node, count, &plan->edges);
+    make_face_mesh_plan(node, count, count > 0 ? kFaceWhole : kFaceEmpty, f, &plan->mesh[0]);
+    if (count < 4) return;
+    make_face_mesh_plan(node, count, kFaceSplit02, f, &plan->mesh[1]);
+    make_face_mesh_plan(node, count, kFaceSplit13, f, &plan->mesh[2]);
+}
+
+#endif
