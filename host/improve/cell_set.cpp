@@ -1,5 +1,7 @@
 #include "host/improve/cell_set.hpp"
 
+#include <cstdlib>
+
 namespace mortise::improve {
 
 CellSet::CellSet(int level, const LeafGrid* leaves) : leaves_(leaves) {
@@ -25,13 +27,18 @@ void CellSet::mark_near(const std::array<std::int64_t, 3>& at) {
     constexpr std::int64_t kBricks = kReach / kBrick;
     std::int64_t low[3], high[3];
     for (std::size_t j = 0; j < 3; ++j) {
-        low[j] = std::max<std::int64_t>(centre[j] - kBricks, 0);
-        high[j] = std::min(centre[j] + kBricks, bricks_ - 1);
+        low[j] = std::max<std::int64_t>(centre[j] - kBricks - 1, 0);
+        high[j] = std::min(centre[j] + kBricks + 1, bricks_ - 1);
     }
+    const auto is_within = [&](std::int64_t x, std::size_t j) { return std::abs(x - centre[j]) <= kBricks; };
     for (std::int64_t z = low[2]; z <= high[2]; ++z) {
         for (std::int64_t y = low[1]; y <= high[1]; ++y) {
-            const auto row = near_.begin() + static_cast<std::ptrdiff_t>(brick(0, y, z));
-            std::fill(row + low[0], row + high[0] + 1, std::uint8_t{1});
+            const bool is_near_row = is_within(y, 1) && is_within(z, 2);
+            std::uint8_t* const row = near_.data() + brick(0, y, z);
+            for (std::int64_t x = low[0]; x <= high[0]; ++x) {
+                const bool is_near = is_near_row && is_within(x, 0);
+                row[x] = static_cast<std::uint8_t>(row[x] | kBeside | (is_near ? kNear : 0));
+            }
         }
     }
 }
@@ -41,7 +48,7 @@ std::vector<std::uint64_t> CellSet::near_bricks() const {
     for (std::int64_t z = 1; z < bricks_; ++z) {
         for (std::int64_t y = 1; y < bricks_; ++y) {
             for (std::int64_t x = 1; x < bricks_; ++x) {
-                if (near_[brick(x, y, z)] == 0) continue;
+                if ((near_[brick(x, y, z)] & kNear) == 0) continue;
                 codes.push_back(
                     morton_encode(static_cast<u32>(x - 1), static_cast<u32>(y - 1), static_cast<u32>(z - 1)));
             }

@@ -32,10 +32,9 @@ class CellSet {
         return static_cast<CellId>((at[2] * size_ + at[1]) * size_ + at[0]);
     }
     /// Uniform trees: false only if all cells of the set are at least kReach cells from p.
-    bool is_near(const Point& p) const {
-        const auto at = brick_at(place(p));
-        return near_[brick(at[0], at[1], at[2])] != 0;
-    }
+    bool is_near(const Point& p) const { return (near_at(p) & kNear) != 0; }
+    /// Uniform trees: false only if is_near() is, for all points within kNearby cells of p along each axis.
+    bool is_nearby(const Point& p) const { return near_at(p) != 0; }
     /// Uniform trees: Morton codes, ascending, of the bricks in the root box that hold such points: cubes of
     /// 2^kBrickLevels cells along an edge.
     std::vector<std::uint64_t> near_bricks() const;
@@ -72,6 +71,7 @@ class CellSet {
 
     static constexpr std::int64_t kReach = 8;
     static constexpr int kBrickLevels = 2;
+    static constexpr std::int64_t kNearby = std::int64_t{1} << kBrickLevels;
 
   private:
     static constexpr std::int64_t kBrick = std::int64_t{1} << kBrickLevels;  ///< edge of the bricks of near_
@@ -100,6 +100,10 @@ class CellSet {
     std::size_t brick(std::int64_t x, std::int64_t y, std::int64_t z) const {
         return static_cast<std::size_t>((z * bricks_ + y) * bricks_ + x);
     }
+    std::uint8_t near_at(const Point& p) const {
+        const auto at = brick_at(place(p));
+        return near_[brick(at[0], at[1], at[2])];
+    }
     void mark_near(const std::array<std::int64_t, 3>& at);
     CellId index_graded(const Point& p, CellId hint) const;
     bool test_outside(CellId i) const;
@@ -107,7 +111,9 @@ class CellSet {
 
     const LeafGrid* leaves_;
     std::vector<std::uint64_t> bits_;
-    // Uniform trees: cells along an edge; bricks near cells of the set, and bricks that hold some.
+    static constexpr std::uint8_t kNear = 1, kBeside = 2;
+    // Uniform trees: cells along an edge; bricks near cells of the set, or beside such ones; bricks that hold
+    // some.
     std::int64_t size_ = 0;
     std::int64_t bricks_ = 0;
     std::vector<std::uint8_t> near_;

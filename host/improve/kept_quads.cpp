@@ -27,14 +27,21 @@ struct QuadUse {
 
 }  // namespace
 
-std::vector<QuadKey> outer_quads(const Mesh& mesh) {
+std::vector<QuadKey> outer_quads(const Mesh& mesh, const CellFrame& frame, const CellSet& cells,
+                                 int threads) {
     const FacetBlock& facets = mesh.facets;
+    std::vector<std::vector<QuadKey>> found(chunk_count(facets.size(), kChunk));
+    parallel_chunks(facets.size(), kChunk, threads, [&](std::size_t begin, std::size_t end, int) {
+        for (std::size_t i = begin; i < end; ++i) {
+            const NodeId* node = facets.nodes.data() + 4 * i;
+            if (node[2] == node[3] || facets.outside[i] != 0) continue;
+            if (cells.is_graded() || cells.is_near(in_cells(mesh, frame, *node)))
+                found[begin / kChunk].push_back(quad_key(node));
+        }
+    });
     std::vector<QuadKey> quads;
-    for (std::size_t i = 0; i < facets.size(); ++i) {
-        const NodeId* node = facets.nodes.data() + 4 * i;
-        if (node[2] != node[3] && facets.outside[i] == 0) quads.push_back(quad_key(node));
-    }
-    std::sort(quads.begin(), quads.end());
+    append_lists(found, threads, quads);
+    parallel_sort(quads, threads);
     return quads;
 }
 

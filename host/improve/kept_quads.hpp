@@ -20,8 +20,8 @@ struct ElementRef {
     std::uint8_t kept;  ///< bit f: the quadrilateral face f stays whole
 };
 
-/// The quadrilateral facets of the outer boundary, ascending.
-std::vector<QuadKey> outer_quads(const Mesh& mesh);
+/// The quadrilateral facets of the outer boundary, ascending; of a uniform tree those near the set.
+std::vector<QuadKey> outer_quads(const Mesh& mesh, const CellFrame& frame, const CellSet& cells, int threads);
 
 /// Those on held surfaces (Options::held; null: none), ascending.
 std::vector<QuadKey> held_quads(const Mesh& mesh, const std::vector<std::uint8_t>* held);

@@ -134,7 +134,12 @@ void find_cells(const Mesh& mesh, const CellFrame& frame, const CellSet& cells, 
             for (std::size_t i = begin; i < end; ++i) {
                 if (t == 0 && !cells.is_graded() && i % kRow == 0)
                     cubes_are_far = are_cubes_far(mesh, frame, bricks, i, std::min(end, i + kRow));
-                if (cubes_are_far && is_cube(mesh.elements[type], t, i)) continue;
+                const bool is_one_cube = is_cube(mesh.elements[type], t, i);
+                if (is_one_cube && cubes_are_far) continue;
+                // No element reaches kNearby cells.
+                if (!is_one_cube && !cells.is_graded() &&
+                    !cells.is_nearby(in_cells(mesh, frame, *element(mesh, t, i).node)))
+                    continue;
                 const Point place = place_of(mesh, frame, t, i);
                 if (!cells.is_graded() && !cells.is_near(place)) continue;
                 at = cells.index(place, at);

@@ -56,7 +56,7 @@ class Opener {
         for (const CellId cell : poor) options_.is_wide ? cells_.set_two_rings(cell) : cells_.set_ring(cell);
         if (!cells_.is_graded()) find_cells(mesh_, frame_, cells_, threads_, places_);
         if (options_.leaves_cubes) leave_cubes(poor);
-        outer_quads_ = outer_quads(mesh_);
+        outer_quads_ = outer_quads(mesh_, frame_, cells_, threads_);
         held_quads_ = held_quads(mesh_, options_.held);
         place_.assign(mesh_.node_count(), kNone);
         for (int round = 0; round < kGrowths; ++round) {
