@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "host/common/wide.hpp"
 #include "host/improve/quality_formula.hpp"
 
 namespace mortise::improve {
@@ -27,13 +28,6 @@ using Lanes = double __attribute__((vector_size(8 * sizeof(double))));
 }
 
 }  // namespace
-
-// Wider registers where the machine has them; the bits are the same, since nothing is fused.
-#if defined(__x86_64__) && defined(__gnu_linux__)
-#define MORTISE_WIDE __attribute__((target_clones("default", "avx2", "avx512f")))
-#else
-#define MORTISE_WIDE
-#endif
 
 MORTISE_WIDE void StarViews::evaluate(Group& group, const Point& p, double rounding) {
     OppositeFace<Lanes> face;
