@@ -1,6 +1,7 @@
 #include "host/assembly/assembly.hpp"
 
 #include <algorithm>
+#include <functional>
 #include <string>
 
 #include "host/assembly/facets.hpp"
@@ -127,14 +128,21 @@ class Assembler {
     }
 
     void make_room() {
-        resize_large(mesh_.points, 3 * nodes_, input_.threads, 3 * (nodes_ / kSpareNodes));
+        // The largest arrays, each of which one thread fills with zeros.
+        std::vector<std::function<void()>> resizes;
+        const auto grow = [&](auto& values, std::size_t count, std::size_t spare = 0) {
+            touch_large(values, count, input_.threads, spare);
+            resizes.emplace_back([&values, count] { values.resize(count); });
+        };
+        grow(mesh_.points, 3 * nodes_, 3 * (nodes_ / kSpareNodes));
         for (std::size_t t = 0; t < kElementTypes; ++t) {
             ElementBlock& block = mesh_.elements[t];
-            resize_large(block.nodes, totals_[t] * static_cast<std::size_t>(kElementNodes[t]),
-                         input_.threads);
-            resize_large(block.region, totals_[t], input_.threads);
-            resize_large(block.kind, totals_[t], input_.threads);
+            grow(block.nodes, totals_[t] * static_cast<std::size_t>(kElementNodes[t]));
+            grow(block.region, totals_[t]);
+            grow(block.kind, totals_[t]);
         }
+        parallel_chunks(resizes.size(), 1, input_.threads,
+                        [&](std::size_t i, std::size_t, int) { resizes[i](); });
         snio_facet_nodes_.resize(4 * snio_facets_);
         points_ = device_.wrap(mesh_.points.data(), mesh_.points.size() * sizeof(double));
         for (std::size_t t = 0; t < kElementTypes; ++t) {

@@ -9,11 +9,11 @@
 
 namespace mortise {
 
-/// values.resize(count) for a vector that grows, several times as fast from some megabytes on: the system
-/// hands out memory page by page, at the first write to each, and here all threads share these first writes.
-/// `spare`: values that may be added later without moving the array; they cost no memory until then.
+/// First writes to the memory that a vector is about to grow into, by all threads: the system hands it out
+/// page by page, and zeroes each, at the first write. `spare`: values that may be added later without moving the
+/// array; they cost no memory until then.
 template <class T>
-void resize_large(std::vector<T>& values, std::size_t count, int threads, std::size_t spare = 0) {
+void touch_large(std::vector<T>& values, std::size_t count, int threads, std::size_t spare = 0) {
     constexpr std::size_t kPage = 4096;
     constexpr std::size_t kChunk = 256;  // pages
     values.reserve(count + spare);
@@ -23,6 +23,12 @@ void resize_large(std::vector<T>& values, std::size_t count, int threads, std::s
     parallel_chunks(pages, kChunk, threads, [&](std::size_t begin, std::size_t end, int) {
         for (std::size_t page = begin; page < end; ++page) bytes[page * kPage] = 0;
     });
+}
+
+/// values.resize(count) for a vector that grows, several times as fast from some megabytes on.
+template <class T>
+void resize_large(std::vector<T>& values, std::size_t count, int threads, std::size_t spare = 0) {
+    touch_large(values, count, threads, spare);
     values.resize(count);
 }
 

@@ -110,20 +110,26 @@ MORTISE_KERNEL void place_nodes(TREE_PARAMETERS, __global const SnioLeaf* leaves
         uint rest = in | nio_bits[word];
         uint nio = nio_rank[word];
         uint rank = in_rank[word] + nio;
+        const ulong code = word_code(&tree, word);
+        const uint low_x = gather_bits(code);
+        const uint low_y = gather_bits(code >> 1);
+        const uint low_z = gather_bits(code >> 2);
         for (; rest != 0; rest &= rest - 1, ++rank) {
             const uint bit = mortise_lowest_bit(rest);
             const int is_in = (in >> bit) & 1;
-            const ulong morton = word_code(&tree, word) | bit;
             const int level = (int)(leaf_mark(&tree, rank) & kMarkLevel);
-            const uint edge = leaf_edge(&tree, level);
-            const uint x = gather_bits(morton) / edge;
-            const uint y = gather_bits(morton >> 1) / edge;
-            const uint z = gather_bits(morton >> 2) / edge;
+            const uint x = (low_x + block_x(bit)) >> (shape.level - level);
+            const uint y = (low_y + block_y(bit)) >> (shape.level - level);
+            const uint z = (low_z + block_z(bit)) >> (shape.level - level);
             const double cell = 1.0 / (double)(1u << level);
             const double unit = cell / (double)kCellUnits;
             const uint mask = owned[rank - range.first_in - range.first_nio];
             uint id = base[rank - range.first_in - range.first_nio];
             SnioLeaf leaf;
+            if (is_in && mask == 0x80) {  // nearly all of them
+                store_point(points, id, origin_side, (x + 1) * cell, (y + 1) * cell, (z + 1) * cell);
+                continue;
+            }
             leaf.pattern = kPatternCnio;
             leaf.displaced = 0;
             if (!is_in) leaf = leaves[nio++ - range.first_nio];
@@ -233,6 +239,7 @@ MORTISE_KERNEL void write_hexahedra(TREE_PARAMETERS, __global const uint* used, 
     if (get_global_id(0) >= items) return;
     {
         const Tree tree = TREE_OF_PARAMETERS;
+        const ulong code = word_code(&tree, word);
         uint rest = in_bits[word];
         uint rank = in_rank[word];
         uint inner = 0;
@@ -248,18 +255,12 @@ MORTISE_KERNEL void write_hexahedra(TREE_PARAMETERS, __global const uint* used, 
         }
         for (; rest != 0; rest &= rest - 1, ++rank) {
             const uint bit = mortise_lowest_bit(rest);
-            const ulong morton = word_code(&tree, word) | bit;
             const uint nio = nio_rank[word] + popcount(nio_bits[word] & ((1u << bit) - 1u));
-            const uint mark = leaf_mark(&tree, nio + rank);
-            const uint edge = leaf_edge(&tree, (int)(mark & kMarkLevel));
-            const uint x = gather_bits(morton);
-            const uint y = gather_bits(morton >> 1);
-            const uint z = gather_bits(morton >> 2);
             __global uint* out =
                 hexahedra + 8 * (ulong)(rank - range.first_in + hexahedron_offsets[nio - range.first_nio]);
             if ((inner >> bit) & 1) {
                 // Pairs along x: from single numbers compilers make a gather instruction, which is slow.
-                const uint* low = ids + ((z & 1) * 5 + (y & 3)) * 5 + (x & 3);
+                const uint* low = ids + (block_z(bit) * 5 + block_y(bit)) * 5 + block_x(bit);
                 const uint2 a = PAIR_AT(low, 0);
                 const uint2 b = PAIR_AT(low, 5);
                 const uint2 c = PAIR_AT(low, 25);
@@ -267,9 +268,17 @@ MORTISE_KERNEL void write_hexahedra(TREE_PARAMETERS, __global const uint* used, 
                 vstore8((uint8)(a.x, a.y, b.y, b.x, c.x, c.y, d.y, d.x), 0, out);
                 continue;
             }
-            for (uint i = 0; i < 8; ++i) {
-                const uint c = kHexahedronCorner[i];
-                out[i] = corner_id(&tree, used, owned, base, foreign, range, morton, mark, x, y, z, edge, c);
+            {
+                const uint mark = leaf_mark(&tree, nio + rank);
+                const uint edge = leaf_edge(&tree, (int)(mark & kMarkLevel));
+                const uint x = gather_bits(code) + block_x(bit);
+                const uint y = gather_bits(code >> 1) + block_y(bit);
+                const uint z = gather_bits(code >> 2) + block_z(bit);
+                for (uint i = 0; i < 8; ++i) {
+                    const uint c = kHexahedronCorner[i];
+                    out[i] = corner_id(&tree, used, owned, base, foreign, range, code | bit, mark, x, y, z,
+                                       edge, c);
+                }
             }
         }
     }

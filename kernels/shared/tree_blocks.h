@@ -50,6 +50,12 @@ MORTISE_FUNCTION u32 inner_cells(const TreeBlock* block) {
     return inner;
 }
 
+// The cell at a place of a word, within the word's block: the inverse of place_in_block along each axis. In any
+// tree it is what the place adds to the coordinates of the word's code.
+MORTISE_FUNCTION u32 block_x(u32 place) { return (place & 1) | ((place >> 2) & 2); }
+MORTISE_FUNCTION u32 block_y(u32 place) { return ((place >> 1) & 1) | ((place >> 3) & 2); }
+MORTISE_FUNCTION u32 block_z(u32 place) { return (place >> 2) & 1; }
+
 // Place in its word of the cell at (x, y, z) of a block.
 MORTISE_FUNCTION u32 place_in_block(u32 x, u32 y, u32 z) {
     return (x & 1) | ((y & 1) << 1) | (z << 2) | ((x & 2) << 2) | ((y & 2) << 3);

@@ -9,6 +9,7 @@
 #include "shared/snap.h"
 #include "shared/snio.h"
 #include "shared/tree.h"
+#include "snio/snap_lanes.h"
 
 // Whether leaves share the points of a surface.
 static int is_shared(__global const Surface* surface) { return surface->kind == kSurfaceExpression; }
@@ -82,8 +83,14 @@ MORTISE_KERNEL void find_points(TREE_PARAMETERS, __global const TreeNode* nio,
         const uint cuts = cut_edges(candidate.inside, candidate.zero);
         uint found = 0;
         uint first;
+        int by_lanes = 0;
         if ((candidate.flags & kCandidateSimple) == 0) return;
-        for (uint c = 0; c < 8 && snap; ++c) {
+#if LANES == 8
+        by_lanes = surface->kind == kSurfacePlane || surface->kind == kSurfaceQuadric;
+        if (by_lanes && snap)
+            found = snap_corners(surface, x, y, z, cell, ~(uint)candidate.zero & 0xff, points[item].moved);
+#endif
+        for (uint c = 0; c < 8 && snap && !by_lanes; ++c) {
             double corner[3];
             int displacement[3];
             if ((candidate.zero >> c) & 1) continue;
