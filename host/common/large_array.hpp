@@ -10,8 +10,8 @@
 namespace mortise {
 
 /// First writes to the memory that a vector is about to grow into, by all threads: the system hands it out
-/// page by page, and zeroes each, at the first write. `spare`: values that may be added later without moving the
-/// array; they cost no memory until then.
+/// page by page, and zeroes each, at the first write. `spare`: values that may be added later without moving
+/// the array; they cost no memory until then.
 template <class T>
 void touch_large(std::vector<T>& values, std::size_t count, int threads, std::size_t spare = 0) {
     constexpr std::size_t kPage = 4096;

@@ -12,11 +12,11 @@
 #include "shared/corners.h"
 
 #if WIDTH == 8
-// Pairs of coordinates, put into lanes in registers. From single ones compilers make gather instructions, which
-// take three times as long on some processors; an array of lanes, written one by one and read as a whole, waits
-// for the last of them.
+// Pairs of coordinates, put into lanes in registers. From single ones compilers make gather instructions,
+// which take three times as long on some processors; an array of lanes, written one by one and read as a
+// whole, waits for the last of them.
 typedef double2 Pair __attribute__((aligned(8)));
-#define PAIRS(k)                                                                                        \
+#define PAIRS(k)                                                                                         \
     __global const double* const at##k = points + 3 * (ulong)nodes[(ulong)count * min(first + k, last)]; \
     const double2 xy##k = *(__global const Pair*)at##k;                                                  \
     const double2 yz##k = *(__global const Pair*)(at##k + 1);
@@ -24,8 +24,9 @@ typedef double2 Pair __attribute__((aligned(8)));
 static Points gather(__global const double* points, __global const uint* nodes, uint count, uint first,
                      uint last) {
     Points gathered;
-    PAIRS(0) PAIRS(1) PAIRS(2) PAIRS(3) PAIRS(4) PAIRS(5) PAIRS(6) PAIRS(7)
-    gathered.x = IN_LANES(xy0, xy1, xy2, xy3, xy4, xy5, xy6, xy7, x);
+    PAIRS(0)
+    PAIRS(1) PAIRS(2) PAIRS(3) PAIRS(4) PAIRS(5) PAIRS(6) PAIRS(7)
+        gathered.x = IN_LANES(xy0, xy1, xy2, xy3, xy4, xy5, xy6, xy7, x);
     gathered.y = IN_LANES(xy0, xy1, xy2, xy3, xy4, xy5, xy6, xy7, y);
     gathered.z = IN_LANES(yz0, yz1, yz2, yz3, yz4, yz5, yz6, yz7, y);
     return gathered;
@@ -54,8 +55,8 @@ static Points gather(__global const double* points, __global const uint* nodes, 
 #define ALL(condition) (condition)
 #endif
 #define FLAT(c, i, j, k, l) ((p##i.c == p##j.c) & (p##i.c == p##k.c) & (p##i.c == p##l.c))
-#define HEXAHEDRA_ARE_BOXES                                                                               \
-    ALL(FLAT(x, 0, 3, 4, 7) & FLAT(x, 1, 2, 5, 6) & (p0.x < p1.x) & FLAT(y, 0, 1, 4, 5) &                 \
+#define HEXAHEDRA_ARE_BOXES                                                               \
+    ALL(FLAT(x, 0, 3, 4, 7) & FLAT(x, 1, 2, 5, 6) & (p0.x < p1.x) & FLAT(y, 0, 1, 4, 5) & \
         FLAT(y, 3, 2, 7, 6) & (p0.y < p3.y) & FLAT(z, 0, 1, 2, 3) & FLAT(z, 4, 5, 6, 7) & (p0.z < p4.z))
 
 #define SCALED_JACOBIANS(entry, NODES, ARE_ONE, CORNERS)                                 \

@@ -52,7 +52,8 @@ typedef struct CellBoundary {
 MORTISE_FUNCTION int frame_points_outward(int f) { return (f / 2 != 1) == ((f & 1) != 0); }
 
 // Faces of the cell that each node lies on; none for the interior node.
-MORTISE_TABLE u8 kNodeFaces[kCellNodes] = {0x15, 0x16, 0x19, 0x1a, 0x25, 0x26, 0x29, 0x2a, 0x14, 0x18, 0x24, 0x28, 0x11, 0x12, 0x21, 0x22, 0x05, 0x06, 0x09, 0x0a, 0x00};
+MORTISE_TABLE u8 kNodeFaces[kCellNodes] = {0x15, 0x16, 0x19, 0x1a, 0x25, 0x26, 0x29, 0x2a, 0x14, 0x18, 0x24,
+                                           0x28, 0x11, 0x12, 0x21, 0x22, 0x05, 0x06, 0x09, 0x0a, 0x00};
 
 // Inside part of face f as a polygon in the order of the face's frame; returns its size, 0 to 5, or -1 where
 // two opposite I face two opposite O.
@@ -214,7 +215,7 @@ MORTISE_FUNCTION int polygon_facet(const u8* n, int count, int mesh, int f, int 
         facet[1] = n[(apex + 1 + i) % 5];
         facet[2] = n[(apex + 2 + i) % 5];
     } else if (mesh == kFaceWhole) {
-        if (i >= 1) return 0;
+        if (i >= 1 || count < 3) return 0;
         size = count;
         for (int k = 0; k < count; ++k) facet[k] = n[k];
     } else {

@@ -1,6 +1,6 @@
 // Whether a leaf has a template, for all choices of its corners that may move. A face depends on its own four
-// corners only: on their states, for which its plan is known, and on their positions, which decide between the
-// plan's meshes, once for each choice of these corners.
+// corners only: on their states, for which its plan is known, and on their positions, which decide between
+// the plan's meshes, once for each choice of these corners.
 #ifndef MORTISE_SHARED_CORNER_CHOICES_H
 #define MORTISE_SHARED_CORNER_CHOICES_H
 
@@ -75,8 +75,7 @@ MORTISE_FUNCTION int has_cone(const FaceChoice* face, const u8* loop, int n, dou
         while (apexes != 0) {
             int valid = 1;
             if (apex == kCellInteriorNode) place_interior_node(nodes, p);
-            for (int f = 0; f < 6 && valid; ++f)
-                valid = sees_face(face[f].mesh, (const double(*)[3])p, apex);
+            for (int f = 0; f < 6 && valid; ++f) valid = sees_face(face[f].mesh, (const double(*)[3])p, apex);
             if (valid && sees_surface(loop, n, (const double(*)[3])p, (int)apex)) {
                 *last_apex = apex;
                 return 1;

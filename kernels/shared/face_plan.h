@@ -17,8 +17,8 @@ typedef struct FaceMeshPlan {
     u32 no_apex;  // forbidden_apexes
     u8 count;     // of corners
     u8 padding[3];
-    u32 facet[kMostFaceCorners];        // the set of nodes of the corner's facet
-    u8 corner[kMostFaceCorners][4];     // its node, the next and the one before; the last is not used
+    u32 facet[kMostFaceCorners];     // the set of nodes of the corner's facet
+    u8 corner[kMostFaceCorners][4];  // its node, the next and the one before; the last is not used
 } FaceMeshPlan;
 
 typedef struct FacePlan {
@@ -31,7 +31,7 @@ typedef struct FacePlan {
 } FacePlan;
 
 typedef struct FacePlans {
-    u64 states[256];  // of a set of corners: byte f is the sum of 3^i over corners i of face f's frame
+    u64 states[256];   // of a set of corners: byte f is the sum of 3^i over corners i of face f's frame
     u32 corners[256];  // the same: bits 4 f to 4 f + 3 are the corners of face f's frame
     FacePlan plan[6][kFaceStates];  // state: sum of I corners + 2 (sum of N corners)
 } FacePlans;

@@ -50,8 +50,8 @@ MORTISE_FUNCTION u32 inner_cells(const TreeBlock* block) {
     return inner;
 }
 
-// The cell at a place of a word, within the word's block: the inverse of place_in_block along each axis. In any
-// tree it is what the place adds to the coordinates of the word's code.
+// The cell at a place of a word, within the word's block: the inverse of place_in_block along each axis. In
+// any tree it is what the place adds to the coordinates of the word's code.
 MORTISE_FUNCTION u32 block_x(u32 place) { return (place & 1) | ((place >> 2) & 2); }
 MORTISE_FUNCTION u32 block_y(u32 place) { return ((place >> 1) & 1) | ((place >> 3) & 2); }
 MORTISE_FUNCTION u32 block_z(u32 place) { return (place >> 2) & 1; }

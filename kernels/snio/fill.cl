@@ -53,8 +53,7 @@ static void take(const Choice* choice, uint inside, SnioLeaf* leaf, uint* elemen
     for (int j = 0; j < 3; ++j) leaf->point[j] = choice->interior[j];
     if (leaf->method == kMethodRow) {
         const TemplateRow row = kTemplateRows[inside];
-        *mask = row.corners | ((uint)row.cuts << 8) |
-                (row.interior_mean != 0 ? 1u << kInteriorNodeBit : 0u);
+        *mask = row.corners | ((uint)row.cuts << 8) | (row.interior_mean != 0 ? 1u << kInteriorNodeBit : 0u);
         for (int t = 0; t < 4; ++t) elements[t] = row.elements[t];
         *facets = row.facets;
         return;

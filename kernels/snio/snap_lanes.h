@@ -1,5 +1,5 @@
-// snap_displacement (shared/snap.h) for the eight corners of a leaf at a time, on planes and quadrics: the same
-// operations in the same order, lane by lane, and so the same bits.
+// snap_displacement (shared/snap.h) for the eight corners of a leaf at a time, on planes and quadrics: the
+// same operations in the same order, lane by lane, and so the same bits.
 #ifndef MORTISE_SNIO_SNAP_LANES_H
 #define MORTISE_SNIO_SNAP_LANES_H
 
@@ -39,7 +39,8 @@ static double8 squared_lanes(const double8* v) {
     return square;
 }
 
-// Displacements, in lattice units, of those of a leaf's `corners` that have one: the set of these is returned.
+// Displacements, in lattice units, of those of a leaf's `corners` that have one: the set of these is
+// returned.
 static uint snap_corners(__global const Surface* s, double x, double y, double z, double cell, uint corners,
                          __global int (*moved)[3]) {
     const double8 first[3] = {x + (double8)(0, 1, 0, 1, 0, 1, 0, 1) * cell,

@@ -1,5 +1,8 @@
 // Every kind of damage is seen, and under its own name.
+#include <algorithm>
+#include <array>
 #include <limits>
+#include <random>
 
 #include <doctest/doctest.h>
 
@@ -129,6 +132,36 @@ TEST_CASE("faces that do not fit together are seen by one sum") {
         mesh.facets.inside.push_back(mesh.facets.inside[i]);
         mesh.facets.outside.push_back(0);
         CHECK_FALSE(quality::faces_are_paired(mesh, 1));
+    }
+}
+
+TEST_CASE("faces of hexahedra count the same as facets, whatever their nodes' numbers") {
+    std::mt19937 random(11);
+    for (int round = 0; round < 2000; ++round) {
+        Mesh mesh;
+        ElementBlock& hexahedra = mesh.block(ElementType::kHexahedron);
+        const int count = round % 3 + 1;
+        for (int i = 0; i < count; ++i) {
+            std::array<NodeId, 8> nodes{};  // all different: neighbours, or anywhere
+            for (NodeId k = 0; k < 8; ++k) nodes[k] = round % 2 == 0 ? k << 29 | random() >> 3 : ~k;
+            std::shuffle(nodes.begin(), nodes.end(), random);
+            hexahedra.nodes.insert(hexahedra.nodes.end(), nodes.begin(), nodes.end());
+        }
+        hexahedra.region.resize(static_cast<std::size_t>(count));
+        hexahedra.kind.resize(static_cast<std::size_t>(count));
+        FacetBlock facets;
+        for (int i = 0; i < count; ++i) {
+            for (const LocalFace& face : kHexahedronFaces) {
+                const auto turn = random() % 4;
+                for (std::size_t k = 0; k < 4; ++k)
+                    facets.nodes.push_back(
+                        hexahedra.nodes[static_cast<std::size_t>(8 * i + face[(k + turn) % 4])]);
+                facets.surface.push_back(0);
+                facets.inside.push_back(1);
+                facets.outside.push_back(0);
+            }
+        }
+        CHECK(quality::sum_of_faces(mesh, 1) == quality::sum_of_outer_facets(facets, 1));
     }
 }
 

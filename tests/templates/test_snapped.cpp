@@ -8,8 +8,8 @@
 #include <map>
 #include <set>
 
-#include "host/templates/measure.hpp"
 #include "host/snio/face_plans.hpp"
+#include "host/templates/measure.hpp"
 #include "kernels/shared/corner_choices.h"
 #include "kernels/shared/snap.h"
 #include "tests/templates/table_access.hpp"
@@ -314,8 +314,10 @@ TEST_CASE("planes: every subset of the near corners has a valid template") {
                     std::copy(positions[n].begin(), positions[n].end(), p[n]);
                 }
                 CornerChoices forgotten{};
-                const int found = ::has_template(&mortise::snio::face_plans(), inside, on, on, p, 0, &choices);
-                if (found != ::has_template(&mortise::snio::face_plans(), inside, on, on, p, 0, &forgotten)) ++bad;
+                const int found =
+                    ::has_template(&mortise::snio::face_plans(), inside, on, on, p, 0, &choices);
+                if (found != ::has_template(&mortise::snio::face_plans(), inside, on, on, p, 0, &forgotten))
+                    ++bad;
                 if (found == 0) {
                     ++missing;
                 } else {
