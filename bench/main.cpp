@@ -156,6 +156,8 @@ void add_options(CLI::App& app, Arguments& arguments) {
         ->capture_default_str();
     app.add_flag("--lattice", arguments.settings.with_lattice,
                  "section mesh: also 10 x 10 x 10 cells of struts, once; takes minutes");
+    app.add_flag("--billion", arguments.settings.with_billion,
+                 "section stream: also 10^9 elements, twice; takes a quarter of an hour");
     app.add_flag("!--no-peers", arguments.settings.with_peers, "other meshers count as not installed");
     app.add_option("--peer-seconds", arguments.settings.peer_seconds,
                    "another mesher that would take longer for one mesh makes a coarser one")
@@ -166,6 +168,8 @@ void add_options(CLI::App& app, Arguments& arguments) {
         ->check(CLI::Range(1, 1000))
         ->capture_default_str();
     app.add_option("--cgal", arguments.settings.cgal_program, "the program made from bench/cgal_mesh.cpp")
+        ->check(CLI::ExistingFile);
+    app.add_option("--quartet", arguments.settings.quartet_program, "the program of Quartet, if you have it")
         ->check(CLI::ExistingFile);
     app.add_option("--python-netgen", arguments.settings.python_netgen,
                    "a Python that may have Netgen's module")

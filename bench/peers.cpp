@@ -1,4 +1,4 @@
-// Runs Gmsh, Netgen, CGAL and TetGen; see peers.hpp.
+// Runs Gmsh, Netgen, CGAL, TetGen and Quartet; see peers.hpp.
 #include "bench/peers.hpp"
 
 #include <cstdio>
@@ -174,6 +174,67 @@ Peer tetgen(const Settings& settings, const path& folder) {
         }};
 }
 
+/// A surface as Quartet reads it, from TetGen's .smesh (edges.hpp); both number points from 1.
+void write_obj(const path& smesh, const path& obj) {
+    std::ifstream in(smesh);
+    std::ofstream out(obj);
+    out.precision(9);
+    std::size_t points = 0, facets = 0, skip = 0;
+    std::string line;
+    in >> points;
+    std::getline(in, line);
+    for (std::size_t i = 0; i < points && in; ++i) {
+        double x = 0, y = 0, z = 0;
+        in >> skip >> x >> y >> z;
+        std::getline(in, line);
+        out << "v " << x << " " << y << " " << z << "\n";
+    }
+    in >> facets;
+    std::getline(in, line);
+    for (std::size_t i = 0; i < facets && in; ++i) {
+        std::size_t a = 0, b = 0, c = 0;
+        in >> skip >> a >> b >> c;
+        std::getline(in, line);
+        out << "f " << a << " " << b << " " << c << "\n";
+    }
+    if (!in || !out.flush()) refuse("quartet", "got no surface: " + smesh.string() + " cannot be read");
+}
+
+/// Quartet's .tet file.
+Mesh read_quartet(const path& file) {
+    Mesh mesh;
+    std::ifstream in(file);
+    std::string word;
+    std::size_t points = 0, elements = 0;
+    in >> word >> points >> elements;
+    mesh.points.resize(3 * points);
+    for (double& x : mesh.points) in >> x;
+    ElementBlock& block = mesh.block(ElementType::kTetrahedron);
+    block.nodes.resize(4 * elements);
+    block.region.assign(elements, 1);
+    for (NodeId& node : block.nodes) in >> node;
+    bool whole = word == "tet" && in;
+    for (const NodeId node : block.nodes) whole = whole && node < mesh.node_count();
+    if (!whole) refuse("quartet", "wrote no .tet file that can be read");
+    return mesh;
+}
+
+Peer quartet(const Settings& settings, const path& folder) {
+    return {"Quartet, 1 thread",
+            "isosurface stuffing alone; the distance field, from the surface of Mortise's tetrahedra, is not "
+            "counted; edges are rounded",
+            [&settings, folder](const PeerJob& job) {
+                const path surface = folder / "quartet.obj", file = folder / "quartet.tet";
+                write_obj(job.surface, surface);
+                const std::string output = run_peer(settings, {settings.quartet_program, surface.string(),
+                                                               digits(job.size), file.string()})
+                                               .output;
+                const double seconds =
+                    expect(number_after(output, "mesh generation took "), "quartet", "mesh generation took");
+                return describe(read_quartet(file), seconds, "quartet");
+            }};
+}
+
 bool runs(const std::vector<std::string>& arguments) {
     const bool is_there = arguments[0].find('/') == std::string::npos ? is_on_path(arguments[0])
                                                                       : std::filesystem::exists(arguments[0]);
@@ -219,6 +280,11 @@ std::vector<Peer> find_peers(const Settings& settings, const path& folder, nlohm
         peers.push_back(tetgen(settings, folder));
     } else {
         skip("TetGen", "no tetgen (Debian: tetgen)");
+    }
+    if (wanted && !settings.quartet_program.empty()) {
+        peers.push_back(quartet(settings, folder));
+    } else {
+        skip("Quartet", "no program (--quartet; github.com/crawforddoran/quartet, no Debian package)");
     }
     return peers;
 }

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <set>
+#include <vector>
 
 #include "bench/print.hpp"
 #include "bench/sections.hpp"
@@ -27,15 +28,23 @@ json stream_section(const Settings& settings) {
                  {"elements", "M/s"},
                  {"checksum", ""}});
     json result = json::array();
-    for (const char* model : {"halves", "sphere"}) {
+    struct Case {
+        const char* model;
+        int level;
+        std::size_t megabytes[2];
+    };
+    std::vector<Case> cases = {{"halves", settings.level(8), {600, 1200}},
+                               {"sphere", settings.level(8), {600, 1200}}};
+    if (settings.with_billion) cases.push_back({"halves", 10, {4000, 3000}});
+    for (const Case& chosen : cases) {
         std::set<std::string> checksums;
-        for (const std::size_t megabytes : {600u, 1200u}) {
+        for (const std::size_t megabytes : chosen.megabytes) {
             Task task;
             task.kind = "stream";
-            task.model = model;
-            task.level = settings.level(8);
+            task.model = chosen.model;
+            task.level = chosen.level;
             task.threads = settings.threads;
-            task.repeats = std::min(settings.repeats, 2);
+            task.repeats = chosen.level > 9 ? 1 : std::min(settings.repeats, 2);
             task.bytes = megabytes * 1'000'000;
             announce("stream, " + task.model);
             json measured = measure_in_child(task);
@@ -55,7 +64,8 @@ json stream_section(const Settings& settings) {
             result.push_back(measured);
         }
         if (checksums.size() > 1)
-            throw Error(ExitCode::kMeshing, std::string(model) + ": the budget of memory changed the mesh");
+            throw Error(ExitCode::kMeshing,
+                        std::string(chosen.model) + ": the budget of memory changed the mesh");
     }
     table.print();
     return result;

@@ -67,6 +67,7 @@ json octree_section(const Settings& settings) {
                  {"reference", "Mcells/s"},
                  {"spread", ""},
                  {"kernels /", "reference"},
+                 {count_of_threads(settings.threads) + " /", "reference"},
                  {"cost a cell", "to 30's"},
                  {"tree, bytes", "/undecided"}});
     std::string device;
@@ -100,6 +101,11 @@ json octree_section(const Settings& settings) {
         const Samples reference = collect(measured.at("runs"), "reference_seconds");
         const double kernel_rate = cells / kernels.median();
         const double reference_rate = measured.at("reference_cells").get<double>() / reference.median();
+        task.threads = settings.threads;
+        announce("octree, " + title + ", " + count_of_threads(settings.threads));
+        const json shared = measure_in_child(task);
+        const Samples shared_kernels = collect(shared.at("runs"), "kernel_seconds");
+        const double shared_rate = shared.at("cells").get<double>() / shared_kernels.median();
         if (task.model == "random:30") cost_at_30 = 1 / kernel_rate;
         const double cost = cost_at_30 > 0 ? 1 / (kernel_rate * cost_at_30) : 0;
         const double tree_bytes =
@@ -108,11 +114,12 @@ json octree_section(const Settings& settings) {
                    grouped(measured.at("reference_cells")), short_number(1e-6 * kernel_rate),
                    percent(kernels.spread()), short_number(1e-6 * cells / stage.median()),
                    percent(stage.spread()), short_number(1e-6 * reference_rate), percent(reference.spread()),
-                   fixed(kernel_rate / reference_rate, 2), cost > 0 ? fixed(cost, 2) : "",
-                   short_number(tree_bytes)});
+                   fixed(kernel_rate / reference_rate, 2), fixed(shared_rate / reference_rate, 2),
+                   cost > 0 ? fixed(cost, 2) : "", short_number(tree_bytes)});
         if (cost > 0) measured["cell_cost_to_random_30"] = cost;
         measured["tree_bytes_per_undecided_cell"] = tree_bytes;
         measured["kernels_to_reference"] = kernel_rate / reference_rate;
+        measured["all_threads_to_reference"] = shared_rate / reference_rate;
         measured.erase("runs");
         measured["model"] = task.model;
         measured["level"] = task.level;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 #include "host/common/index_set.hpp"
 #include "host/common/large_array.hpp"
@@ -23,20 +24,44 @@ bool is_kind(const Mesh& mesh, const ElementNumber& e, ElementKind kind) {
     return mesh.elements[e.type].kind[e.index] == static_cast<std::uint8_t>(kind);
 }
 
-/// What look(list, element) adds to lists for all elements, in their order.
+/// What look(list, type, begin, end) adds to lists for runs of all elements, in their order.
 template <class Item, class Look>
-std::vector<Item> collect(const Mesh& mesh, int threads, const Look& look) {
+std::vector<Item> collect_runs(const Mesh& mesh, int threads, const Look& look) {
     std::vector<Item> all;
     for (std::uint32_t t = 0; t < kElementTypes; ++t) {
         const std::size_t count = mesh.elements[t].size();
         std::vector<std::vector<Item>> found(chunk_count(count, kChunk));
         parallel_chunks(count, kChunk, threads, [&](std::size_t begin, std::size_t end, int) {
-            for (std::size_t i = begin; i < end; ++i)
-                look(found[begin / kChunk], ElementNumber{t, static_cast<std::uint32_t>(i)});
+            look(found[begin / kChunk], t, begin, end);
         });
         append_lists(found, threads, all);
     }
     return all;
+}
+
+/// What look(list, element) adds to lists for all elements, in their order.
+template <class Item, class Look>
+std::vector<Item> collect(const Mesh& mesh, int threads, const Look& look) {
+    return collect_runs<Item>(mesh, threads,
+                              [&](auto& list, std::uint32_t type, std::size_t begin, std::size_t end) {
+                                  for (std::size_t i = begin; i < end; ++i)
+                                      look(list, ElementNumber{type, static_cast<std::uint32_t>(i)});
+                              });
+}
+
+/// The same for those of one kind, which may be few.
+template <class Item, class Look>
+std::vector<Item> collect(const Mesh& mesh, ElementKind kind, int threads, const Look& look) {
+    return collect_runs<Item>(
+        mesh, threads, [&](auto& list, std::uint32_t type, std::size_t begin, std::size_t end) {
+            const std::uint8_t* const kinds = mesh.elements[type].kind.data();
+            for (std::size_t i = begin; i < end; ++i) {
+                const void* const next = std::memchr(kinds + i, static_cast<int>(kind), end - i);
+                if (next == nullptr) return;
+                i = static_cast<std::size_t>(static_cast<const std::uint8_t*>(next) - kinds);
+                look(list, ElementNumber{type, static_cast<std::uint32_t>(i)});
+            }
+        });
 }
 
 /// An element or a facet at a movable node, both by their places.
@@ -191,7 +216,7 @@ void Frame::to_lattice(const Mesh& mesh, NodeId node, double* local) const {
     constexpr double kRounder = 6755399441055744.0;  // 1.5 × 2^52: rounds as std::rint, without a call
     const double* const point = mesh.points.data() + 3 * std::size_t{node};
     for (std::size_t j = 0; j < 3; ++j)
-        local[j] = ((point[j] - origin[j]) * steps + kRounder - kRounder) / scale.units;
+        local[j] = ((point[j] - origin[j]) * steps + kRounder - kRounder) * per_unit;
 }
 
 void Frame::to_model(const double* local, double* model) const {
@@ -208,6 +233,7 @@ Frame make_frame(const tape::BoundModel& model, const Options& options) {
     const double shortest = kRepositionShortestEdge * frame.scale.cell;
     frame.scale.shortest = options.is_uniform() ? shortest * shortest : 0;
     frame.scale.units = std::ldexp(1.0, kCellUnitBits + options.level);
+    frame.per_unit = 1 / frame.scale.units;
     return frame;
 }
 
@@ -221,18 +247,19 @@ bool is_poor(const Mesh& mesh, const Frame& frame, const ElementNumber& e) {
 PoorElements find_poor(const Mesh& mesh, const Frame& frame, int threads) {
     PoorElements result;
     std::vector<ElementNumber> poor =
-        collect<ElementNumber>(mesh, threads, [&](auto& list, const ElementNumber& e) {
-            if (is_kind(mesh, e, ElementKind::kSnio) && is_poor(mesh, frame, e)) list.push_back(e);
+        collect<ElementNumber>(mesh, ElementKind::kSnio, threads, [&](auto& list, const ElementNumber& e) {
+            if (is_poor(mesh, frame, e)) list.push_back(e);
         });
     if (poor.empty()) return result;
     const IndexSet around = nodes_of(mesh, poor);
     std::vector<std::uint8_t> is_complex(around.size(), 0);
-    for (const NodeId node : collect<NodeId>(mesh, threads, [&](auto&list, const ElementNumber&e) {
-             if (!is_kind(mesh, e, ElementKind::kCnio)) return;
-             for (std::size_t k = 0; k < e.count(); ++k) {
-                 if (around.holds(e.nodes(mesh)[k])) list.push_back(e.nodes(mesh)[k]);
-             }
-         })) {
+    const auto complex_nodes =
+        collect<NodeId>(mesh, ElementKind::kCnio, threads, [&](auto& list, const ElementNumber& e) {
+            for (std::size_t k = 0; k < e.count(); ++k) {
+                if (around.holds(e.nodes(mesh)[k])) list.push_back(e.nodes(mesh)[k]);
+            }
+        });
+    for (const NodeId node : complex_nodes) {
         is_complex[around.place(node)] = 1;
     }
     for (const ElementNumber& e : poor) {

@@ -17,6 +17,7 @@ struct Frame {
     double steps;  ///< of the lattice in a model unit
     int level;
     RepositionScale scale;
+    double per_unit;  ///< 1 / scale.units, a power of two
 
     void to_lattice(const Mesh& mesh, NodeId node, double* local) const;
     void to_model(const double* local, double* model) const;

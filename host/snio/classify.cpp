@@ -61,16 +61,16 @@ class Classifier {
         launch("snio/points.cl", "find_points", count(), on_device_.nio, on_device_.surfaces, on_device_.ops,
                candidates_, points_, near, snap_);
         if (on_device_.ops.bytes() == 0) return;  // no formulas
-        launch("snio/points.cl", "share_points", count(), on_device_.nio, on_device_.surfaces, candidates_,
+        launch("snio/share_points.cl", "share_points", count(), on_device_.nio, on_device_.surfaces, candidates_,
                points_, near, snap_);
     }
 
     /// Leaves that do not fit their neighbours go to the certificate.
     void drop_misfits() {
         Buffer misfit = device_.allocate(count() * sizeof(std::uint8_t));
-        launch("snio/classify.cl", "find_misfits", count(), on_device_.nio, on_device_.tapes, candidates_,
+        launch("snio/misfits.cl", "find_misfits", count(), on_device_.nio, on_device_.tapes, candidates_,
                misfit);
-        device_.launch(device_.kernel("snio/classify.cl", "drop_misfits"), count(), misfit, candidates_);
+        device_.launch(device_.kernel("snio/misfits.cl", "drop_misfits"), count(), misfit, candidates_);
     }
 
     /// IN leaves with a corner on the surface join the NIO leaves, here and on the device.
@@ -81,7 +81,7 @@ class Classifier {
         Buffer promoted = device_.allocate(bytes);
         device_.fill_zero(promoted);
         launch("snio/snap.cl", "mark_vertices", count(), on_device_.nio, candidates_, near, promoted);
-        if (on_device_.local_formulas) launch("snio/classify.cl", "mark_exposed", words, promoted);
+        if (on_device_.local_formulas) launch("snio/misfits.cl", "mark_exposed", words, promoted);
         Buffer in_bits = device_.allocate(bytes);
         Buffer nio_bits = device_.allocate(bytes);
         Buffer in_rank;

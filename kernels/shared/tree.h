@@ -213,14 +213,29 @@ MORTISE_FUNCTION u64 code_at(const Tree* tree, u32 x, u32 y, u32 z) {
     return x < size && y < size && z < size ? morton_encode(x, y, z) : kNoOwner;
 }
 
+// The cell of a uniform tree beside `code`, one step at most along each axis; kNoOwner beyond the root box.
+// The code's bits of one axis count down alone if the others' are zero, and up if they are one.
+MORTISE_FUNCTION u64 cell_beside(const Tree* tree, u64 code, i32 x, i32 y, i32 z) {
+    const i32 step[3] = {x, y, z};
+    for (u32 a = 0; a < 3; ++a) {
+        const u64 bits = (0x1249249249249249UL << a) & ((1UL << (3 * tree->shape.level)) - 1);
+        const u64 own = code & bits;
+        if (step[a] == 0) continue;
+        if (own == (step[a] < 0 ? 0 : bits)) return kNoOwner;
+        code = (code & ~bits) | ((step[a] < 0 ? own - (1UL << a) : (own | ~bits) + (1UL << a)) & bits);
+    }
+    return code;
+}
+
 // The leaf that holds the first cell of the place beside a leaf: the place has the leaf's own size and lies
 // one step along each axis of `direction`. In a graded tree that leaf may be larger, or one of several
 // smaller ones.
 MORTISE_FUNCTION Leaf leaf_beside(const Tree* tree, u64 code, i32 level, const i32* direction) {
     const u32 edge = leaf_edge(tree, level);
-    const u64 other = code_at(tree, gather_bits(code) + edge * (u32)direction[0],
-                              gather_bits(code >> 1) + edge * (u32)direction[1],
-                              gather_bits(code >> 2) + edge * (u32)direction[2]);
+    const u64 other = tree->shape.graded ? code_at(tree, gather_bits(code) + edge * (u32)direction[0],
+                                                   gather_bits(code >> 1) + edge * (u32)direction[1],
+                                                   gather_bits(code >> 2) + edge * (u32)direction[2])
+                                         : cell_beside(tree, code, direction[0], direction[1], direction[2]);
     return other != kNoOwner ? leaf_at(tree, other) : no_leaf(level);
 }
 
@@ -239,6 +254,12 @@ MORTISE_FUNCTION u32 leaf_uses(MORTISE_GLOBAL u32* used, const Leaf leaf, u32 bi
 
 // Leaf d of those around corner c of a cell of `edge` finest cells; `code` is the cell's first finest cell.
 MORTISE_FUNCTION Leaf leaf_at_corner(const Tree* tree, u64 code, u32 edge, u32 c, u32 d) {
+    if (!tree->shape.graded) {
+        const u64 other =
+            cell_beside(tree, code, (i32)((c & 1) + (d & 1)) - 1, (i32)(((c >> 1) & 1) + ((d >> 1) & 1)) - 1,
+                        (i32)((c >> 2) + (d >> 2)) - 1);
+        return other != kNoOwner ? leaf_at(tree, other) : no_leaf(tree->shape.level);
+    }
     return leaf_at_vertex(tree, gather_bits(code) + (c & 1) * edge,
                           gather_bits(code >> 1) + ((c >> 1) & 1) * edge,
                           gather_bits(code >> 2) + (c >> 2) * edge, d);
@@ -264,7 +285,7 @@ MORTISE_FUNCTION u64 vertex_owner(const Tree* tree, MORTISE_GLOBAL u32* used, u3
 }
 
 // The cell of a uniform tree one step back from `code` along the axes whose bits are set; kNoOwner beyond the
-// root box. The code's bits of one axis count down alone if the others' are zero.
+// root box.
 MORTISE_FUNCTION u64 cell_behind(u64 code, u32 axes) {
     for (u32 a = 0; a < 3; ++a) {
         const u64 bits = 0x1249249249249249UL << a;

@@ -9,52 +9,8 @@
 #include "shared/snap.h"
 #include "shared/snio.h"
 #include "shared/tree.h"
+#include "snio/shared_points.h"
 #include "snio/snap_lanes.h"
-
-// Whether leaves share the points of a surface.
-static int is_shared(__global const Surface* surface) { return surface->kind == kSurfaceExpression; }
-
-// Whether a leaf has the point as well: a simple one of the same size and surface.
-static int has_point(__global const SnioCandidate* candidates, uint surface, int level, const Leaf leaf) {
-    return leaf.kind == kLeafNio && leaf.level == level &&
-           (candidates[leaf.index].flags & kCandidateSimple) != 0 &&
-           candidates[leaf.index].surface == surface;
-}
-
-// Place (leaf_at_vertex) around the leaf's corner c of the first leaf that has this vertex; `own`: none is
-// before this one.
-static uint first_at_corner(const Tree* tree, __global const SnioCandidate* candidates, uint surface,
-                            ulong code, int level, uint c, uint* first) {
-    const uint edge = leaf_edge(tree, level);
-    for (uint d = 0; d < 7 - c; ++d) {
-        const Leaf leaf = leaf_at_corner(tree, code, edge, c, d);
-        if (!has_point(candidates, surface, level, leaf)) continue;
-        *first = leaf.index;
-        return d;
-    }
-    return 7 - c;
-}
-
-// The same for edge e and the leaves of leaf_at_edge.
-static uint first_at_edge(const Tree* tree, __global const SnioCandidate* candidates, uint surface,
-                          ulong code, int level, uint e, uint* first) {
-    const uint edge = leaf_edge(tree, level);
-    const uint low = kEdgeCorners[e][0];
-    const uint x = gather_bits(code) + (low & 1) * edge;
-    const uint y = gather_bits(code >> 1) + ((low >> 1) & 1) * edge;
-    const uint z = gather_bits(code >> 2) + (low >> 2) * edge;
-    for (uint d = 0; d < 3 - (e & 3); ++d) {
-        const ulong there = code_at_edge(tree, level, e >> 2, x, y, z, d);
-        if (there == kNoOwner) continue;
-        {
-            const Leaf leaf = leaf_at(tree, there);
-            if (!has_point(candidates, surface, level, leaf)) continue;
-            *first = leaf.index;
-            return d;
-        }
-    }
-    return 3 - (e & 3);
-}
 
 // Finds the points that no leaf before this one has.
 //
@@ -122,46 +78,5 @@ MORTISE_KERNEL void find_points(TREE_PARAMETERS, __global const TreeNode* nio,
             for (int j = 0; j < 3; ++j) b[j] = a[j] + (e / 4 == (uint)j ? cell : 0);
             points[item].root[e] = edge_root(surface, ops, a, b);
         }
-    }
-}
-
-// Takes the points of shared surfaces that a leaf before this one has found.
-//
-// Reads   the tree, nio, surfaces, near; of candidates and points what find_points has left.
-// Writes  candidates[i].near, and the rest of points[i], of simple leaves.
-// One work-item handles one leaf.
-MORTISE_KERNEL void share_points(TREE_PARAMETERS, __global const TreeNode* nio,
-                                 __global const Surface* surfaces, __global SnioCandidate* candidates,
-                                 __global SnioPoints* points, __global const uchar* near, int snap,
-                                 uint items) {
-    const uint item = get_global_id(0);
-    if (item >= items) return;
-    {
-        const Tree tree = TREE_OF_PARAMETERS;
-        const uint surface = candidates[item].surface;
-        if ((candidates[item].flags & kCandidateSimple) == 0 || !is_shared(surfaces + surface)) return;
-        const uint zero = candidates[item].zero;
-        const uint cuts = cut_edges(candidates[item].inside, zero);
-        const ulong code = nio[item].morton;
-        const int level = leaf_level(&tree, code);
-        uint all = near[item];
-        uint first = 0;
-        for (uint c = 0; c < 8 && snap; ++c) {
-            if ((zero >> c) & 1) continue;
-            {
-                const uint d = first_at_corner(&tree, candidates, surface, code, level, c, &first);
-                if (d == 7 - c || ((near[first] >> (7 - d)) & 1) == 0) continue;
-                all |= 1u << c;
-                for (int j = 0; j < 3; ++j) points[item].moved[c][j] = points[first].moved[7 - d][j];
-            }
-        }
-        for (uint e = 0; e < 12; ++e) {
-            if (((cuts >> e) & 1) == 0) continue;
-            {
-                const uint d = first_at_edge(&tree, candidates, surface, code, level, e, &first);
-                if (d != 3 - (e & 3)) points[item].root[e] = points[first].root[(e & ~3u) + 3 - d];
-            }
-        }
-        candidates[item].near = (uchar)all;
     }
 }
