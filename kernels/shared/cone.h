@@ -176,28 +176,48 @@ MORTISE_FUNCTION double divide_surface(const u8* loop, int n, const double (*p)[
     return best[0][n - 1];
 }
 
+#define kMostCellFacets 18
+
+// The facets of all faces.
+typedef struct CellFacets {
+    u32 count;
+    u32 nodes[kMostCellFacets];  // the set of them
+    u8 size[kMostCellFacets];
+    u8 facet[kMostCellFacets][4];
+} CellFacets;
+
+MORTISE_FUNCTION void list_facets(const CellBoundary* b, CellFacets* facets) {
+    facets->count = 0;
+    for (int f = 0; f < 6; ++f) {
+        for (int i = 0; i < 3; ++i) {
+            u8* facet = facets->facet[facets->count];
+            const int size = face_facet(b, f, i, facet);
+            u32 nodes = 0;
+            if (size == 0) break;
+            for (int k = 0; k < size; ++k) nodes |= 1u << facet[k];
+            facets->size[facets->count] = (u8)size;
+            facets->nodes[facets->count++] = nodes;
+        }
+    }
+}
+
 // The cone from one apex; kept only if its quality is above `floor`.
-MORTISE_FUNCTION double make_cone(const CellBoundary* b, const double (*p)[3], int apex, u32 facing,
-                                  double floor, Cone* cone) {
+MORTISE_FUNCTION double make_cone(const CellBoundary* b, const CellFacets* facets, const double (*p)[3],
+                                  int apex, u32 facing, double floor, Cone* cone) {
     double worst = kGoodQuality;
     int place = -1;
     cone->elements = 0;
     cone->facet_count = 0;
     cone->apex = (u32)apex;
     for (int i = 0; i < b->loop_size; ++i) place = b->loop[i] == apex ? i : place;
-    for (int f = 0; f < 6; ++f) {
-        for (int i = 0; i < 3; ++i) {
-            u8 facet[4];
-            const int size = face_facet(b, f, i, facet);
-            if (size == 0) break;
-            if (facet_holds(facet, size, apex)) continue;
-            {
-                const double q = cone_element_quality(p, facet, size, p[apex], floor);
-                if (q < worst) worst = q;
-            }
-            ++cone->elements;
-            if (!(worst > floor)) return -1;
+    for (u32 i = 0; i < facets->count; ++i) {
+        if ((facets->nodes[i] >> apex) & 1) continue;
+        {
+            const double q = cone_element_quality(p, facets->facet[i], facets->size[i], p[apex], floor);
+            if (q < worst) worst = q;
         }
+        ++cone->elements;
+        if (!(worst > floor)) return -1;
     }
     if (place >= 0) {
         for (int i = 1; i + 1 < b->loop_size; ++i) {
@@ -251,16 +271,17 @@ MORTISE_FUNCTION int is_positive_corner(const double* o, const double* a, const 
 
 // The cone from the interior node, which moves along the axes as long as the worst element gets better; the
 // steps halve.
-MORTISE_FUNCTION Cone moved_cone(const CellBoundary* b, double (*p)[3], u32 facing) {
+MORTISE_FUNCTION Cone moved_cone(const CellBoundary* b, const CellFacets* facets, double (*p)[3],
+                                 u32 facing) {
     double* at = p[kCellInteriorNode];
     Cone best;
-    best.quality = make_cone(b, (const double(*)[3])p, kCellInteriorNode, facing, 0, &best);
+    best.quality = make_cone(b, facets, (const double(*)[3])p, kCellInteriorNode, facing, 0, &best);
     for (double step = kFirstMove; step > kLastMove; step /= 2) {
         for (int k = 0; k < 6; ++k) {
             const double old = at[k >> 1];
             Cone cone;
             at[k >> 1] = old + ((k & 1) ? step : -step);
-            cone.quality = make_cone(b, (const double(*)[3])p, kCellInteriorNode, facing,
+            cone.quality = make_cone(b, facets, (const double(*)[3])p, kCellInteriorNode, facing,
                                      best.quality > 0 ? best.quality : 0, &cone);
             if (cone.quality > best.quality) {
                 best = cone;
@@ -283,6 +304,8 @@ MORTISE_FUNCTION Cone best_cone(const CellBoundary* b, double (*p)[3], u32 facin
     best.elements = 0;
     best.facet_count = 0;
     const u32 apexes = possible_apexes(b);
+    CellFacets facets;
+    list_facets(b, &facets);
     for (int j = 0; j < 3; ++j) p[kCellInteriorNode][j] = 0;
     for (int code = 0; code <= kCellInteriorNode; ++code) {
         Cone cone;
@@ -291,8 +314,8 @@ MORTISE_FUNCTION Cone best_cone(const CellBoundary* b, double (*p)[3], u32 facin
             if (best.quality >= kWorthNoNode) break;
             place_interior_node(b->nodes, p);
         }
-        cone.quality =
-            make_cone(b, (const double(*)[3])p, code, facing, best.quality > 0 ? best.quality : 0, &cone);
+        cone.quality = make_cone(b, &facets, (const double(*)[3])p, code, facing,
+                                 best.quality > 0 ? best.quality : 0, &cone);
         if (cone.quality > best.quality ||
             (cone.quality == best.quality && cone.quality > 0 && cone.elements < best.elements)) {
             best = cone;
@@ -300,7 +323,7 @@ MORTISE_FUNCTION Cone best_cone(const CellBoundary* b, double (*p)[3], u32 facin
         if (best.quality >= kGoodQuality) break;
     }
     if (best.quality > 0 && best.quality < kMeetsTargets) {
-        const Cone moved = moved_cone(b, p, facing);
+        const Cone moved = moved_cone(b, &facets, p, facing);
         if (moved.quality > best.quality) best = moved;
     }
     for (int j = 0; j < 3; ++j) best.point[j] = p[kCellInteriorNode][j];

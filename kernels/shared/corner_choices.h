@@ -7,18 +7,22 @@
 #include "face_plan.h"
 #include "leaf_template.h"
 
+// One face of a leaf for one choice of its corners.
+typedef struct FaceChoice {
+    MORTISE_GLOBAL FacePlan* plan;
+    MORTISE_GLOBAL FaceMeshPlan* mesh;  // not of a face without a polygon
+} FaceChoice;
+
 // The faces of one leaf. At first known[] is 0, and apex kNoApex.
 typedef struct CornerChoices {
     u32 known[6];  // bit k: the mesh is known for choice k of the face's corners, in the order of its frame
     u32 apex;      // of the last cone that was found
+    u32 whole;     // bit f: face f is a quadrilateral that is not split
+    u32 failed;    // bit f: face f has no polygon
     u8 mesh[6][16];
+    FaceChoice face[6];  // of the last choice, as what follows
+    LoopEdges edges[6];
 } CornerChoices;
-
-// A leaf's faces for one choice of its corners.
-typedef struct FaceChoice {
-    MORTISE_GLOBAL FacePlan* plan;
-    MORTISE_GLOBAL FaceMeshPlan* mesh;
-} FaceChoice;
 
 // Whether all elements are positive that join an apex to the facets of a face.
 MORTISE_FUNCTION int sees_face(MORTISE_GLOBAL FaceMeshPlan* mesh, const double (*p)[3], u32 apex) {
@@ -108,40 +112,52 @@ MORTISE_FUNCTION int mesh_of_plan(MORTISE_GLOBAL FacePlan* plan, u32 inside, con
     return face_mesh_of(node, plan->count, inside, p);
 }
 
-// Whether a leaf has a template for given corner states and positions p: one of several choices of corners
-// that move, of which `moved` are those among `on` that do. rows_only: leaves without corners on the surface
-// take their row, others none.
-MORTISE_FUNCTION int has_template(MORTISE_GLOBAL FacePlans* plans, u32 inside, u32 on, u32 moved,
-                                  double (*p)[3], int rows_only, CornerChoices* choices) {
+// Takes what belongs to some faces (bits of `changed`) from their plans.
+MORTISE_FUNCTION void choose_faces(MORTISE_GLOBAL FacePlans* plans, u32 inside, u32 on, u32 moved,
+                                   u32 changed, const double (*p)[3], CornerChoices* choices) {
     const u64 states = plans->states[inside] + 2 * plans->states[on];
     const u32 moved_corners = plans->corners[moved];
-    FaceChoice face[6];
-    LoopEdges edges[6];
-    u8 loop[kLargestLoop];
-    int loop_size;
-    int whole = 0;
-    if (inside == 0) return on != 0xff;
-    for (int f = 0; f < 6; ++f) {
+    for (u32 rest = changed; rest != 0; rest &= rest - 1) {
+        const u32 f = mortise_lowest_bit(rest);
         const u32 k = (moved_corners >> (4 * f)) & 15;
-        face[f].plan = &plans->plan[f][(states >> (8 * f)) & 0xff];
-        if (face[f].plan->count == kNoPolygon) return 0;
+        MORTISE_GLOBAL FacePlan* plan = &plans->plan[f][(states >> (8 * f)) & 0xff];
+        choices->whole &= ~(1u << f);
+        choices->failed &= ~(1u << f);
+        choices->face[f].plan = plan;
+        if (plan->count == kNoPolygon) {
+            choices->failed |= 1u << f;
+            continue;
+        }
         if (((choices->known[f] >> k) & 1) == 0) {
-            choices->mesh[f][k] = (u8)mesh_of_plan(face[f].plan, inside, (const double(*)[3])p);
+            choices->mesh[f][k] = (u8)mesh_of_plan(plan, inside, p);
             choices->known[f] |= 1u << k;
         }
-        face[f].mesh = &face[f].plan->mesh[choices->mesh[f][k] - kFaceWhole];
-        edges[f] = face[f].plan->edges;
-        whole += face[f].plan->count == 4 && choices->mesh[f][k] == kFaceWhole;
+        choices->face[f].mesh = &plan->mesh[choices->mesh[f][k] - kFaceWhole];
+        choices->edges[f] = plan->edges;
+        if (plan->count == 4 && choices->mesh[f][k] == kFaceWhole) choices->whole |= 1u << f;
     }
-    loop_size = link_loop(edges, loop);
+}
+
+// Whether a leaf has a template for given corner states and positions p: one of several choices of corners
+// that move, of which `moved` are those among `on` that do. `changed`: the faces that are not as in the last
+// choice. rows_only: leaves without corners on the surface take their row, others none.
+MORTISE_FUNCTION int has_template(MORTISE_GLOBAL FacePlans* plans, u32 inside, u32 on, u32 moved, u32 changed,
+                                  double (*p)[3], int rows_only, CornerChoices* choices) {
+    u8 loop[kLargestLoop];
+    int loop_size;
+    choose_faces(plans, inside, on, moved, changed, (const double(*)[3])p, choices);
+    if (inside == 0) return on != 0xff;
+    if (choices->failed != 0) return 0;
+    loop_size = link_loop(choices->edges, loop);
     if (loop_size < 0) return 0;
-    if (loop_size == 0 && whole == 6) return hexahedron_is_positive((const double(*)[3])p);
+    if (loop_size == 0 && choices->whole == 0x3f) return hexahedron_is_positive((const double(*)[3])p);
     if (on == 0) {
         const TemplateRow row = kTemplateRows[inside];
         return row.shape != 0 && row_is_positive(&row, p);
     }
     if (rows_only) return 0;
-    return has_cone(face, loop, loop_size, p, &choices->apex) || has_wedge(inside, on, (const double(*)[3])p);
+    return has_cone(choices->face, loop, loop_size, p, &choices->apex) ||
+           has_wedge(inside, on, (const double(*)[3])p);
 }
 
 #endif

@@ -143,35 +143,43 @@ MORTISE_KERNEL void promote_leaves(TREE_PARAMETERS, __global const uint* new_nio
 // whichever of its near corners move, all that it needs among them.
 static uchar tested_flags(__global const SnioPoints* points, const SnioCandidate candidate,
                           __global const FacePlans* plans, uint cuts, int snap) {
-    const uint near = candidate.near;
     const uint needed = candidate.needed;
-    const uint others = near & ~needed;
     double p[kCellNodes][3];
     double moved[8][3];
+    uint others[8];
+    uint count = 0;
     CornerChoices choices;
     uint subset = needed;
-    leaf_positions(points, near, cuts, p);
+    uint changed = 0x3f;
+    leaf_positions(points, candidate.near, cuts, p);
     for (uint c = 0; c < 8; ++c) {
-        for (int j = 0; j < 3; ++j) moved[c][j] = p[c][j];
+        const int is_moved = (needed >> c) & 1;
+        if (((candidate.near & ~needed) >> c) & 1) others[count++] = c;
+        for (int j = 0; j < 3; ++j) {
+            moved[c][j] = p[c][j];
+            if (!is_moved) p[c][j] = (double)((c >> j) & 1);
+        }
     }
     for (uint f = 0; f < 6; ++f) choices.known[f] = 0;
     choices.apex = kNoApex;
-    // All subsets of `near` that hold `needed`, the smallest one first.
-    do {
+    choices.whole = 0;
+    choices.failed = 0;
+    // All subsets of `near` that hold `needed`, this one first; each differs from the one before in one
+    // corner.
+    for (uint i = 0;;) {
         const uint on = candidate.zero | subset;
-        int valid;
-        for (uint c = 0; c < 8; ++c) {
-            const int is_moved = (subset >> c) & 1;
-            p[c][0] = is_moved ? moved[c][0] : (double)(c & 1);
-            p[c][1] = is_moved ? moved[c][1] : (double)((c >> 1) & 1);
-            p[c][2] = is_moved ? moved[c][2] : (double)(c >> 2);
-        }
-        valid = has_template(plans, candidate.inside & ~on, on, subset, p, !snap, &choices) ||
-                (subset == 0 && (candidate.flags & kCandidatePromoted) != 0);
+        const int valid =
+            has_template(plans, candidate.inside & ~on, on, subset, changed, p, !snap, &choices) ||
+            (subset == 0 && (candidate.flags & kCandidatePromoted) != 0);
         if (!valid) return subset == 0 ? candidate.flags & ~kCandidateSimple : candidate.flags;
-        subset = needed | (((subset & others) - others) & others);
-    } while (subset != needed);
-    return candidate.flags | kCandidateSafe;
+        if (++i >> count != 0) return candidate.flags | kCandidateSafe;
+        {
+            const uint c = others[mortise_lowest_bit(i)];
+            const int is_moved = ((subset ^= 1u << c) >> c) & 1;
+            for (int j = 0; j < 3; ++j) p[c][j] = is_moved ? moved[c][j] : (double)((c >> j) & 1);
+            changed = kNodeFaces[c];
+        }
+    }
 }
 
 // Tests all simple leaves. Reads points, plans; reads and writes candidates. One work-item handles LEAVES
