@@ -117,8 +117,8 @@ struct DeviceTree {
     bool local_formulas = false;  ///< tapes of neighbours may disagree (BoundModel::spatial)
 };
 
-/// On a CPU device kernels use the host's arrays from now on, instead of copies: half the memory. The tree
-/// must not change any more, and must live until the device has finished.
+/// On a CPU device kernels use the host's arrays from now on, instead of copies: half the memory. They must not
+/// change unless their buffers are replaced first, and must live until the device has finished.
 void share_memory(device::Device& device, Octree& tree, DeviceTree& on_device);
 
 /// Launches a kernel that begins with TREE_PARAMETERS.

@@ -1,5 +1,6 @@
 #include "host/snio/classify.hpp"
 
+#include <numeric>
 #include <utility>
 
 #include "host/snio/face_plans.hpp"
@@ -29,13 +30,20 @@ class Classifier {
                            leaves, candidates_);
         }
         if (on_device_.local_formulas) drop_misfits();
-        if (snap_ != 0 || on_device_.local_formulas) promote();
+        if (snap_ != 0 || on_device_.local_formulas) {
+            promote();
+        } else {
+            std::vector<std::uint32_t> places(count());
+            std::iota(places.begin(), places.end(), 0u);
+            point_of_ = device_.upload(places);
+            promoted_points_ = device_.allocate(0);
+        }
         if (!templates) return all_complex();
         if (on_device_.local_formulas) drop_misfits();  // promoted leaves, too
         Buffer plans = device_.allocate(sizeof(FacePlans));
         device_.upload(plans, &face_plans(), 1);
-        device_.launch(device_.kernel("snio/snap.cl", "test_subsets"), rows(), points_, candidates_, plans,
-                       snap_, static_cast<std::uint32_t>(count()));
+        device_.launch(device_.kernel("snio/snap.cl", "test_subsets"), rows(), points_, promoted_points_,
+                       point_of_, candidates_, plans, snap_, static_cast<std::uint32_t>(count()));
         moved_ = device_.allocate(count() * sizeof(std::uint8_t));
         launch("snio/snap.cl", "decide", count(), on_device_.nio, candidates_, moved_);
         return fill();
@@ -61,8 +69,8 @@ class Classifier {
         launch("snio/points.cl", "find_points", count(), on_device_.nio, on_device_.surfaces, on_device_.ops,
                candidates_, points_, near, snap_);
         if (on_device_.ops.bytes() == 0) return;  // no formulas
-        launch("snio/share_points.cl", "share_points", count(), on_device_.nio, on_device_.surfaces, candidates_,
-               points_, near, snap_);
+        launch("snio/share_points.cl", "share_points", count(), on_device_.nio, on_device_.surfaces,
+               candidates_, points_, near, snap_);
     }
 
     /// Leaves that do not fit their neighbours go to the certificate.
@@ -92,9 +100,10 @@ class Classifier {
         const std::uint64_t all = octree::make_rank(device_, nio_bits, words, nio_rank);
         Buffer nio = device_.allocate(all * sizeof(TreeNode));
         Buffer candidates = device_.allocate(all * sizeof(SnioCandidate));
-        Buffer points = device_.allocate(all * sizeof(SnioPoints));
+        point_of_ = device_.allocate(all * sizeof(std::uint32_t));
+        promoted_points_ = device_.allocate((all - count()) * sizeof(SnioPoints));
         launch("snio/snap.cl", "promote_leaves", words, nio_bits, nio_rank, on_device_.nio, candidates_,
-               points_, near, nio, candidates, points);
+               points_, near, nio, candidates, point_of_, promoted_points_);
         device_.finish();
         on_device_.nio = std::move(nio);
         on_device_.in_bits = std::move(in_bits);
@@ -102,7 +111,6 @@ class Classifier {
         on_device_.in_rank = std::move(in_rank);
         on_device_.nio_rank = std::move(nio_rank);
         candidates_ = std::move(candidates);
-        points_ = std::move(points);
         tree_.nio = device_.download<TreeNode>(on_device_.nio, all);
         tree_.in_bits = device_.download<std::uint32_t>(on_device_.in_bits, words);
         tree_.nio_bits = device_.download<std::uint32_t>(on_device_.nio_bits, words);
@@ -128,8 +136,8 @@ class Classifier {
         Buffer used = device_.allocate(count() * sizeof(std::uint32_t));
         Buffer counts = device_.allocate(kElementTypes * count() * sizeof(std::uint32_t));
         Buffer facets = device_.allocate(count() * sizeof(std::uint32_t));
-        launch("snio/fill.cl", "fill", rows(), on_device_.nio, candidates_, moved_, points_, leaves, used,
-               counts, facets, static_cast<std::uint32_t>(count()), snap_);
+        launch("snio/fill.cl", "fill", rows(), on_device_.nio, candidates_, moved_, points_, promoted_points_,
+               point_of_, leaves, used, counts, facets, static_cast<std::uint32_t>(count()), snap_);
         result.leaves = device_.download<SnioLeaf>(leaves, count());
         result.used = device_.download<std::uint32_t>(used, count());
         result.facets = device_.download<std::uint32_t>(facets, count());
@@ -145,7 +153,9 @@ class Classifier {
     const std::vector<std::uint32_t>& complex_;
     std::int32_t snap_;
     Buffer candidates_;
-    Buffer points_;
+    Buffer points_;           ///< of the leaves that were found first
+    Buffer promoted_points_;  ///< of the others
+    Buffer point_of_;         ///< of each leaf: where its points are
     Buffer moved_;
 };
 

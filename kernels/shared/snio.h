@@ -50,6 +50,10 @@ typedef struct SnioPoints {
     i32 root[12];     // on edge e, if it is cut, in lattice units from the edge's low corner
 } SnioPoints;
 
+// Place of a leaf's points: among those of the leaves that were found first, or with this bit among those of
+// promoted ones.
+#define kPromotedPoints 0x80000000u
+
 #define kCandidateSimple 1    // one surface, and a template for the corners as they are
 #define kCandidateSafe 2      // a template whichever of the `near` corners are moved
 #define kCandidatePromoted 4  // was an IN leaf

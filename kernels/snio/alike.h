@@ -15,7 +15,6 @@
 #define LEAVES 1
 #define PLACES 1
 #endif
-#define NO_LEAF 0xffffffffu
 
 // What a result depends on: states of the corners and whatever else has 32 bits each, displacements of
 // `corners`, roots on `cuts`.
@@ -26,10 +25,19 @@ typedef struct Look {
     uint cuts;
 } Look;
 
-// One that is remembered.
+// Points of all leaves, by their places (kPromotedPoints).
+#define POINTS_PARAMETERS                                                         \
+    __global const SnioPoints *found, __global const SnioPoints *promoted_points, \
+        __global const uint *point_of
+#define POINTS_OF(leaf)                                                                              \
+    ((point_of[leaf] & kPromotedPoints) != 0 ? promoted_points + (point_of[leaf] & ~kPromotedPoints) \
+                                             : found + point_of[leaf])
+
+// One that is remembered; known: it is one.
 typedef struct Seen {
-    uint leaf;  // NO_LEAF: none
+    __global const SnioPoints* points;
     Look look;
+    int known;
 } Seen;
 
 static uint place_of_look(const Look look, __global const SnioPoints* points) {
@@ -44,10 +52,9 @@ static uint place_of_look(const Look look, __global const SnioPoints* points) {
 }
 
 // Whether a leaf looks like one that is remembered.
-static int looks_like(const Look look, __global const SnioPoints* points, const Seen* seen,
-                      __global const SnioPoints* all) {
-    __global const SnioPoints* known = all + seen->leaf;
-    if (seen->leaf == NO_LEAF || seen->look.states != look.states || seen->look.others != look.others ||
+static int looks_like(const Look look, __global const SnioPoints* points, const Seen* seen) {
+    __global const SnioPoints* known = seen->points;
+    if (!seen->known || seen->look.states != look.states || seen->look.others != look.others ||
         seen->look.corners != look.corners || seen->look.cuts != look.cuts)
         return 0;
     for (uint rest = look.corners; rest != 0; rest &= rest - 1) {

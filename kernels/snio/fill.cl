@@ -101,7 +101,7 @@ static void take(const Choice* choice, uint inside, SnioLeaf* leaf, uint* elemen
 // One work-item handles LEAVES leaves.
 MORTISE_KERNEL void fill(TREE_PARAMETERS, __global const TreeNode* nio,
                          __global const SnioCandidate* candidates, __global const uchar* moved,
-                         __global const SnioPoints* points, __global SnioLeaf* leaves, __global uint* used,
+                         POINTS_PARAMETERS, __global SnioLeaf* leaves, __global uint* used,
                          __global uint* counts, __global uint* facet_counts, uint stride, int snap,
                          uint items) {
     const uint first = LEAVES * get_global_id(0);
@@ -109,7 +109,7 @@ MORTISE_KERNEL void fill(TREE_PARAMETERS, __global const TreeNode* nio,
     Seen seen[PLACES];
     Choice choices[PLACES];
     if (get_global_id(0) >= items) return;
-    for (uint i = 0; i < PLACES; ++i) seen[i].leaf = NO_LEAF;
+    for (uint i = 0; i < PLACES; ++i) seen[i].known = 0;
     for (uint item = first; item < first + LEAVES && item < stride; ++item) {
         const SnioCandidate candidate = candidates[item];
         const ulong morton = nio[item].morton;
@@ -163,17 +163,19 @@ MORTISE_KERNEL void fill(TREE_PARAMETERS, __global const TreeNode* nio,
         } else if (inside == 0) {
             leaf.boundary = 0;
         } else {
+            __global const SnioPoints* points = POINTS_OF(item);
             Look look;
             uint at;
             look.states = inside | (on << 8);
             look.others = facing;
             look.corners = displaced;
             look.cuts = cut_edges(inside, on);
-            at = place_of_look(look, points + item);
-            if (!looks_like(look, points + item, seen + at, points)) {
-                seen[at].leaf = item;
+            at = place_of_look(look, points);
+            if (!looks_like(look, points, seen + at)) {
+                seen[at].points = points;
                 seen[at].look = look;
-                choose(points + item, look, facing, snap, choices + at);
+                seen[at].known = 1;
+                choose(points, look, facing, snap, choices + at);
             }
             take(choices + at, inside, &leaf, elements, &mask, &facets);
         }

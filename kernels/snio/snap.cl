@@ -12,6 +12,8 @@
 #include "shared/corner_choices.h"
 #include "snio/alike.h"
 
+#define NO_SURFACE 0xffffffffu
+
 // Takes those corners out of `near` that may not move for what the leaves around them are, and marks IN
 // leaves to be promoted. A vertex between leaves of different levels does not move.
 //
@@ -70,20 +72,23 @@ MORTISE_KERNEL void promote_words(__global const uint* in_bits, __global const u
 // Leaves and candidates of the new NIO bitmap, in Morton order.
 //
 // Reads the tree as it was (its NIO bitmap and rank; IN leaves are not looked at), the new bitmap and rank,
-// the old lists and `near`; writes new_nio, new_candidates and new_points. A promoted leaf takes surface,
-// region and its corners from the old leaves around it; if these are not of one surface it is not simple, and
-// keeps its corners. One work-item handles one word.
+// the old lists and `near`; writes new_nio, new_candidates, point_of, and promoted_points of leaves that are
+// promoted: the others keep their points where they are. A promoted leaf takes surface, region and its
+// corners from the old leaves around it; if these are not of one surface it is not simple, and keeps its
+// corners. One work-item handles one word.
 MORTISE_KERNEL void promote_leaves(TREE_PARAMETERS, __global const uint* new_nio_bits,
                                    __global const uint* new_nio_rank, __global const TreeNode* nio,
                                    __global const SnioCandidate* candidates,
                                    __global const SnioPoints* points, __global const uchar* near,
                                    __global TreeNode* new_nio, __global SnioCandidate* new_candidates,
-                                   __global SnioPoints* new_points, uint items) {
+                                   __global uint* point_of, __global SnioPoints* promoted_points,
+                                   uint items) {
     const uint word = get_global_id(0);
     if (word >= items) return;
     {
         const Tree tree = TREE_OF_PARAMETERS;
         uint to = new_nio_rank[word];
+        uint from = nio_rank[word];
         for (uint rest = new_nio_bits[word]; rest != 0; rest &= rest - 1, ++to) {
             const uint bit = mortise_lowest_bit(rest);
             const ulong own = word_code(&tree, word) | bit;
@@ -91,17 +96,18 @@ MORTISE_KERNEL void promote_leaves(TREE_PARAMETERS, __global const uint* new_nio
             SnioCandidate candidate;
             int mixed = 0;
             if ((nio_bits[word] >> bit) & 1) {
-                const uint from = count_before(&tree, nio_bits, nio_rank, own);
                 node = nio[from];
                 candidate = candidates[from];
                 candidate.near = near[from];
-                if (candidate.flags & kCandidateSimple) new_points[to] = points[from];
+                point_of[to] = from++;
             } else {
                 const uint edge = leaf_edge(&tree, leaf_level(&tree, own));
+                __global SnioPoints* own_points = promoted_points + (to - from);
+                point_of[to] = kPromotedPoints | (to - from);
                 node.morton = own;
                 node.tape_offset = 0;
                 node.tape_length = 0;
-                candidate.surface = NO_LEAF;
+                candidate.surface = NO_SURFACE;
                 candidate.region = 0;
                 candidate.inside = 0xff;
                 candidate.zero = 0;
@@ -117,7 +123,7 @@ MORTISE_KERNEL void promote_leaves(TREE_PARAMETERS, __global const uint* new_nio
                         other = candidates[leaf.index];
                         if ((other.flags & kCandidateSimple) == 0) continue;
                         if ((((other.zero | near[leaf.index]) >> (7 - d)) & 1) == 0) continue;
-                        if (candidate.surface == NO_LEAF) {
+                        if (candidate.surface == NO_SURFACE) {
                             candidate.surface = other.surface;
                             candidate.region = other.region;
                         }
@@ -126,7 +132,7 @@ MORTISE_KERNEL void promote_leaves(TREE_PARAMETERS, __global const uint* new_nio
                         if (((near[leaf.index] >> (7 - d)) & 1) == 0) continue;
                         candidate.near |= 1u << c;
                         for (int j = 0; j < 3; ++j) {
-                            new_points[to].moved[c][j] = points[leaf.index].moved[7 - d][j];
+                            own_points->moved[c][j] = points[leaf.index].moved[7 - d][j];
                         }
                     }
                 }
@@ -184,15 +190,16 @@ static uchar tested_flags(__global const SnioPoints* points, const SnioCandidate
 
 // Tests all simple leaves. Reads points, plans; reads and writes candidates. One work-item handles LEAVES
 // leaves.
-MORTISE_KERNEL void test_subsets(__global const SnioPoints* points, __global SnioCandidate* candidates,
+MORTISE_KERNEL void test_subsets(POINTS_PARAMETERS, __global SnioCandidate* candidates,
                                  __global const FacePlans* plans, int snap, uint leaves, uint items) {
     const uint first = LEAVES * get_global_id(0);
     Seen seen[PLACES];
     uchar flags[PLACES];
     if (get_global_id(0) >= items) return;
-    for (uint i = 0; i < PLACES; ++i) seen[i].leaf = NO_LEAF;
+    for (uint i = 0; i < PLACES; ++i) seen[i].known = 0;
     for (uint leaf = first; leaf < first + LEAVES && leaf < leaves; ++leaf) {
         const SnioCandidate candidate = candidates[leaf];
+        __global const SnioPoints* points;
         Look look;
         uint at;
         if ((candidate.flags & kCandidateSimple) == 0 || (candidate.needed & ~candidate.near) != 0) continue;
@@ -201,11 +208,13 @@ MORTISE_KERNEL void test_subsets(__global const SnioPoints* points, __global Sni
         look.others = candidate.flags;
         look.corners = candidate.near;
         look.cuts = cut_edges(candidate.inside, candidate.zero);
-        at = place_of_look(look, points + leaf);
-        if (!looks_like(look, points + leaf, seen + at, points)) {
-            seen[at].leaf = leaf;
+        points = POINTS_OF(leaf);
+        at = place_of_look(look, points);
+        if (!looks_like(look, points, seen + at)) {
+            seen[at].points = points;
             seen[at].look = look;
-            flags[at] = tested_flags(points + leaf, candidate, plans, look.cuts, snap);
+            seen[at].known = 1;
+            flags[at] = tested_flags(points, candidate, plans, look.cuts, snap);
         }
         candidates[leaf].flags = flags[at];
     }
