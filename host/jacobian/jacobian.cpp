@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "host/common/large_array.hpp"
 #include "kernels/shared/corners.h"
 #include "mortise/check.hpp"
 #include "mortise/error.hpp"
@@ -110,11 +111,12 @@ std::optional<Method> wanted_method() {
 
 Method usual_method(std::size_t elements) { return elements < kWorthLoading ? Method::kHost : Method::kOwn; }
 
-std::vector<float> scaled_jacobians(Device& device, const Mesh& mesh, Method method) {
+std::vector<float> scaled_jacobians(Device& device, const Mesh& mesh, Method method, int threads) {
     const std::size_t points_bytes = mesh.points.size() * sizeof(double);
     if (method == Method::kHost || points_bytes > device.info().max_allocation_bytes)
         return mortise::scaled_jacobians(mesh);
-    std::vector<float> values(mesh.element_count());
+    std::vector<float> values;
+    resize_large(values, mesh.element_count(), threads);
     if (values.empty()) return values;
     const Buffer points = wrap_constant(device, mesh.points.data(), mesh.points.size());
     const std::size_t chunk = method == Method::kOwn ? kOwnChunk : kProductChunk;

@@ -27,7 +27,7 @@ Method usual_method(std::size_t elements);
 
 /// Scaled Jacobian per element, in the order of mesh.elements. Node numbers must be in range. CLBlast builds
 /// its kernels, for many seconds where the driver has not kept them, at the first product of a process.
-/// Meshes whose coordinates exceed the device's largest allocation stay on the host.
-std::vector<float> scaled_jacobians(device::Device& device, const Mesh& mesh, Method method);
+/// Meshes whose coordinates exceed the device's largest allocation stay on the host. `threads` make room.
+std::vector<float> scaled_jacobians(device::Device& device, const Mesh& mesh, Method method, int threads = 0);
 
 }  // namespace mortise::jacobian

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <optional>
 
+#include "host/common/parallel.hpp"
 #include "host/common/watch.hpp"
 #include "host/features/features.hpp"
 #include "host/hanging/restore.hpp"
@@ -34,10 +35,15 @@ void describe_mesh(const tape::CompiledModel& compiled, const tape::BoundModel& 
     stages.begin("features", 0.96);
     const std::vector<std::uint32_t> facet_surface = mesh.facets.surface;
     pipeline::name_surfaces(compiled, bound, mesh);
-    out.features = features::find_features(mesh, facet_surface, bound, leaves.level);
+    features::Hinges hinges;
+    parallel_chunks(2, 1, options.threads, [&](std::size_t i, std::size_t, int) {  // most of both is serial
+        if (i == 0)
+            out.features = features::find_features(mesh, facet_surface, bound, leaves.level);
+        else
+            hinges = features::find_hinges(mesh.facets, mesh.node_count(), options.threads);
+    });
     mesh.model_dimension = out.features.model_dimension;
-    pipeline::report_hinges(features::find_hinges(mesh.facets, mesh.node_count(), options.threads),
-                            mesh.points, options, source, out);
+    pipeline::report_hinges(hinges, mesh.points, options, source, out);
     stages.end(mesh.facets.size());
     if (!options.quality) return;
     stages.begin("quality", 0.97);
@@ -208,7 +214,8 @@ Mesh Mesher::generate(const Model& model, const MeshOptions& options, MeshReport
     if (report != nullptr) {
         stages.begin("jacobians", 0.99);
         out.scaled_jacobians = jacobian::scaled_jacobians(
-            device, mesh, jacobian_method.value_or(jacobian::usual_method(mesh.element_count())));
+            device, mesh, jacobian_method.value_or(jacobian::usual_method(mesh.element_count())),
+            options.threads);
         stages.end(mesh.element_count());
     }
     pipeline::report_cells(prepared, extracted, model, options, out);

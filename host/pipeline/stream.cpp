@@ -261,7 +261,7 @@ class Streamer {
     std::vector<float> jacobians_of(const Mesh& mesh) {
         stages_.begin("jacobians", kImproved);
         std::vector<float> result = jacobian::scaled_jacobians(
-            device_, mesh, method_.value_or(jacobian::usual_method(mesh.element_count())));
+            device_, mesh, method_.value_or(jacobian::usual_method(mesh.element_count())), options_.threads);
         stages_.end(mesh.element_count());
         return result;
     }
