@@ -78,11 +78,12 @@ StageBytes stage_bytes(const octree::Octree& tree, const cnio::Extraction& extra
     bytes.entities = found * (kNode + kCandidate + kPoints) + leaf_tapes + found * (kNode + kCandidate + 1) +
                      words + leaves * (2 * kCandidate + kPoints) + leaves * (kNode + kCandidate + 1);
     // Scans of the descent (two counts a parent), bitmaps (mark_in, mark_nio on cleared words), their ranks
-    // (count and scan), promoted leaves (three bitmaps; two; ranks; old and new leaves with candidates), and
-    // the scan that numbers nodes.
+    // (count and scan), promoted leaves (three bitmaps; two; ranks; old and new leaves with candidates; the
+    // places of points, and those of promoted leaves), and the scan that numbers nodes.
     bytes.compaction = 2 * parents * kScan + in_nodes + found * kNode + 4 * words +
                        2 * (2 * words + 3 * words) + 3 * words + 2 * words + 2 * (2 * words + 3 * words) +
-                       4 * words + (found + leaves) * (kNode + kCandidate + kPoints) + meshed * kScan;
+                       4 * words + (found + leaves) * (kNode + kCandidate) + leaves * kWord +
+                       (leaves - found) * kPoints + meshed * kScan;
     // own_nodes: tree, masks, extras; owned masks, counts.
     bytes.numbering = 4 * words + 2 * leaves * kWord + 2 * meshed * kWord;
     // fill: node, candidate, moved, points; leaf, mask, counts. write_templates: node, leaf, mask, offsets,

@@ -309,9 +309,7 @@ Octree build_graded(Device& device, const tape::BoundModel& model, const Grading
                     DeviceTree* on_device) {
     DeviceTree local;
     DeviceTree& view = on_device != nullptr ? *on_device : local;
-    view.surfaces = device.upload(model.surfaces);
-    view.ops = device.upload(model.expression_ops);
-    view.local_formulas = !model.polyhedra.empty();
+    send_surfaces(device, model, view);
     return Builder(device, model, grading, threads, view).run();
 }
 

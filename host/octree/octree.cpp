@@ -44,9 +44,7 @@ Octree build(Device& device, const tape::BoundModel& model, int level, DeviceTre
     DeviceTree local;
     DeviceTree& view = on_device != nullptr ? *on_device : local;
     tree.level = level;
-    view.surfaces = device.upload(model.surfaces);
-    view.ops = device.upload(model.expression_ops);
-    view.local_formulas = !model.polyhedra.empty();
+    send_surfaces(device, model, view);
     Descent descent(device, model);
     for (int l = 1; l <= level && descent.node_count() > 0; ++l) descent.step(l, view.ops);
     tree.cells_evaluated = descent.cells_evaluated();
@@ -98,6 +96,15 @@ std::uint16_t in_region(const Octree& tree, std::uint64_t code) {
         }
     }
     return 1;
+}
+
+void send_surfaces(device::Device& device, const tape::BoundModel& model, DeviceTree& on_device) {
+    on_device.surfaces = device.upload(model.surfaces);
+    on_device.ops = device.upload(model.expression_ops);
+    on_device.has_formulas =
+        std::any_of(model.surfaces.begin(), model.surfaces.end(),
+                    [](const Surface& surface) { return surface.kind == kSurfaceExpression; });
+    on_device.local_formulas = !model.polyhedra.empty();
 }
 
 void share_memory(device::Device& device, Octree& tree, DeviceTree& on_device) {

@@ -114,11 +114,15 @@ struct DeviceTree {
     device::Buffer in_nodes;      ///< uniform trees only
     device::Buffer surfaces;      ///< Surface
     device::Buffer ops;           ///< ExpressionOp
+    bool has_formulas = false;    ///< a surface is a formula
     bool local_formulas = false;  ///< tapes of neighbours may disagree (BoundModel::spatial)
 };
 
-/// On a CPU device kernels use the host's arrays from now on, instead of copies: half the memory. They must not
-/// change unless their buffers are replaced first, and must live until the device has finished.
+/// Sends what kernels need of the model's surfaces.
+void send_surfaces(device::Device& device, const tape::BoundModel& model, DeviceTree& on_device);
+
+/// On a CPU device kernels use the host's arrays from now on, instead of copies: half the memory. They must
+/// not change unless their buffers are replaced first, and must live until the device has finished.
 void share_memory(device::Device& device, Octree& tree, DeviceTree& on_device);
 
 /// Launches a kernel that begins with TREE_PARAMETERS.

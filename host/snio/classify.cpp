@@ -68,7 +68,7 @@ class Classifier {
         const Buffer near = device_.allocate(count() * sizeof(std::uint8_t));
         launch("snio/points.cl", "find_points", count(), on_device_.nio, on_device_.surfaces, on_device_.ops,
                candidates_, points_, near, snap_);
-        if (on_device_.ops.bytes() == 0) return;  // no formulas
+        if (!on_device_.has_formulas) return;
         launch("snio/share_points.cl", "share_points", count(), on_device_.nio, on_device_.surfaces,
                candidates_, points_, near, snap_);
     }
