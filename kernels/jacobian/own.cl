@@ -25,7 +25,8 @@ static Points gather(__global const double* points, __global const uint* nodes, 
                      uint last) {
     Points gathered;
     PAIRS(0)
-    PAIRS(1) PAIRS(2) PAIRS(3) PAIRS(4) PAIRS(5) PAIRS(6) PAIRS(7)
+    PAIRS(1)
+    PAIRS(2) PAIRS(3) PAIRS(4) PAIRS(5) PAIRS(6) PAIRS(7)
         gathered.x = IN_LANES(xy0, xy1, xy2, xy3, xy4, xy5, xy6, xy7, x);
     gathered.y = IN_LANES(xy0, xy1, xy2, xy3, xy4, xy5, xy6, xy7, y);
     gathered.z = IN_LANES(yz0, yz1, yz2, yz3, yz4, yz5, yz6, yz7, y);
