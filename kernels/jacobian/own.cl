@@ -19,15 +19,20 @@ typedef double2 Pair __attribute__((aligned(8)));
 #define PAIRS(k)                                                                                         \
     __global const double* const at##k = points + 3 * (ulong)nodes[(ulong)count * min(first + k, last)]; \
     const double2 xy##k = *(__global const Pair*)at##k;                                                  \
-    const double2 yz##k = *(__global const Pair*)(at##k + 1);
+    const double2 yz##k = *(__global const Pair*)(at##k + 1)
 #define IN_LANES(a, b, c, d, e, f, g, h, i) (double8)(a.i, b.i, c.i, d.i, e.i, f.i, g.i, h.i)
 static Points gather(__global const double* points, __global const uint* nodes, uint count, uint first,
                      uint last) {
     Points gathered;
-    PAIRS(0)
-    PAIRS(1)
-    PAIRS(2) PAIRS(3) PAIRS(4) PAIRS(5) PAIRS(6) PAIRS(7)
-        gathered.x = IN_LANES(xy0, xy1, xy2, xy3, xy4, xy5, xy6, xy7, x);
+    PAIRS(0);
+    PAIRS(1);
+    PAIRS(2);
+    PAIRS(3);
+    PAIRS(4);
+    PAIRS(5);
+    PAIRS(6);
+    PAIRS(7);
+    gathered.x = IN_LANES(xy0, xy1, xy2, xy3, xy4, xy5, xy6, xy7, x);
     gathered.y = IN_LANES(xy0, xy1, xy2, xy3, xy4, xy5, xy6, xy7, y);
     gathered.z = IN_LANES(yz0, yz1, yz2, yz3, yz4, yz5, yz6, yz7, y);
     return gathered;
