@@ -201,6 +201,14 @@ void Device::finish() {
     implementation_->harvest(true);
 }
 
+KernelsEnd::~KernelsEnd() {
+    try {
+        device_.finish();
+    } catch (const Error&) {
+        // The failure has been told by whoever waited for its kernel, or nobody needs its result.
+    }
+}
+
 std::vector<KernelTime> Device::times() const {
     implementation_->harvest(true);
     std::vector<KernelTime> times;

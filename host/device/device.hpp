@@ -336,4 +336,17 @@ class Device {
     std::shared_ptr<Implementation> implementation_;
 };
 
+/// Waits for all launches when it goes: where kernels work in the host's own arrays (Device::wrap), these
+/// must outlive it, however a run ends.
+class KernelsEnd {
+  public:
+    explicit KernelsEnd(Device& device) : device_(device) {}
+    ~KernelsEnd();
+    KernelsEnd(const KernelsEnd&) = delete;
+    KernelsEnd& operator=(const KernelsEnd&) = delete;
+
+  private:
+    Device& device_;
+};
+
 }  // namespace mortise::device

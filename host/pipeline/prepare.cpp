@@ -281,6 +281,7 @@ Prepared prepare(const std::function<device::Device&()>& open_device, const Mode
     std::vector<std::uint32_t> complex = probed.leaves;
     for (const octree::LeafPole& pole : tree.leaf_poles) complex.push_back(tree.nio_index(pole.morton));
     complex.insert(complex.end(), tree.transitions.begin(), tree.transitions.end());
+    const device::KernelsEnd kernels_end(device);
     if (options.memory > 0) octree::share_memory(device, tree, result.on_device);
     result.classification =
         snio::classify(device, tree, result.on_device, options.templates, options.snap, complex);

@@ -36,18 +36,6 @@ void check_stream_options(const MeshOptions& options) {
     refuse(options.quality, "a quality report (--quality)");
 }
 
-/// Waits for all kernels when it goes: however a run ends, none may use memory that is gone.
-struct KernelsEnd {
-    device::Device& device;
-    ~KernelsEnd() {
-        try {
-            device.finish();
-        } catch (const Error&) {
-            // The failure has been told by whoever waited for its kernel, or nobody needs its result.
-        }
-    }
-};
-
 /// The nodes on facets: what features are found from. A mesh of its own, without elements.
 struct Skin {
     Mesh mesh;
@@ -320,7 +308,7 @@ void stream(const std::function<device::Device&()>& open_device, const Model& mo
                                ": periodic faces are not made to match in meshes made part by part");
     }
     refuse(prepared.tree.graded, "cells of several sizes");
-    const KernelsEnd kernels_end{open_device()};
+    const device::KernelsEnd kernels_end(open_device());
     octree::share_memory(open_device(), prepared.tree, prepared.on_device);
     malloc_trim(0);
     const std::uint64_t used = memory_now();

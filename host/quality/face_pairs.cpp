@@ -58,6 +58,23 @@ std::uint64_t signed_hash(const NodeId* node, int count) {
     return odd != 0 ? 0 - hash : hash;
 }
 
+/// Sum of signed_hash() over all faces of some elements of a type.
+std::uint64_t sum_one_by_one(ElementType type, const NodeId* nodes, std::size_t count) {
+    const LocalFaces faces = local_faces(type);
+    const auto per_element = static_cast<std::size_t>(kElementNodes[static_cast<std::size_t>(type)]);
+    std::uint64_t sum = 0;
+    for (const NodeId* element = nodes; element != nodes + per_element * count; element += per_element) {
+        for (int f = 0; f < faces.count; ++f) {
+            const LocalFace& face = faces.faces[f];
+            const int corners = face[3] < 0 ? 3 : 4;
+            NodeId node[4];
+            for (int k = 0; k < corners; ++k) node[k] = element[face[static_cast<std::size_t>(k)]];
+            sum += signed_hash(node, corners);
+        }
+    }
+    return sum;
+}
+
 #if defined(__GNUC__) && !defined(__clang__)
 using Nodes = NodeId __attribute__((vector_size(8 * sizeof(NodeId))));
 using Words = std::uint64_t __attribute__((vector_size(8 * sizeof(std::uint64_t))));
@@ -74,8 +91,7 @@ constexpr std::array<NodeId, 8> lanes_of_faces(std::size_t k) {
 constexpr std::array<NodeId, 8> kLanes[4] = {lanes_of_faces(0), lanes_of_faces(1), lanes_of_faces(2),
                                              lanes_of_faces(3)};
 
-/// Sum of signed_hash() over all faces of some hexahedra, which are most of what there is; all faces of one
-/// at a time.
+/// The same of hexahedra, which are most of what there is: all faces of one at a time.
 MORTISE_WIDE std::uint64_t sum_of_hexahedra(const NodeId* nodes, std::size_t count) {
     Nodes place[4];
     std::memcpy(place, kLanes, sizeof place);
@@ -102,23 +118,19 @@ MORTISE_WIDE std::uint64_t sum_of_hexahedra(const NodeId* nodes, std::size_t cou
     for (std::size_t lane = 0; lane < 8; ++lane) total += sum[lane];
     return total;
 }
-#else
-std::uint64_t sum_of_hexahedra(const NodeId* nodes, std::size_t count) {
-    std::uint64_t sum = 0;
-    for (std::size_t i = 0; i < count; ++i) {
-        for (const LocalFace& face : kHexahedronFaces) {
-            NodeId node[4];
-            for (std::size_t k = 0; k < 4; ++k) node[k] = nodes[8 * i + static_cast<std::size_t>(face[k])];
-            sum += signed_hash(node, 4);
-        }
-    }
-    return sum;
-}
+#define MORTISE_FACES_IN_LANES
 #endif
+
+std::uint64_t sum_of_elements(ElementType type, const NodeId* nodes, std::size_t count) {
+#ifdef MORTISE_FACES_IN_LANES
+    if (type == ElementType::kHexahedron) return sum_of_hexahedra(nodes, count);
+#endif
+    return sum_one_by_one(type, nodes, count);
+}
 
 /// Sum of part(begin, end) over the chunks of [0, count).
 template <class Part>
-std::uint64_t sum_of_parts(std::size_t count, int threads, const Part& part) {
+std::uint64_t sum_of_chunks(std::size_t count, int threads, const Part& part) {
     std::atomic<std::uint64_t> sum{0};
     parallel_chunks(count, kChunk, threads, [&](std::size_t begin, std::size_t end, int) {
         sum.fetch_add(part(begin, end), std::memory_order_relaxed);
@@ -126,48 +138,30 @@ std::uint64_t sum_of_parts(std::size_t count, int threads, const Part& part) {
     return sum;
 }
 
-/// Sum of hash(i) over all i below `count`.
-template <class Hash>
-std::uint64_t sum_of(std::size_t count, int threads, const Hash& hash) {
-    return sum_of_parts(count, threads, [&](std::size_t begin, std::size_t end) {
-        std::uint64_t part = 0;
-        for (std::size_t i = begin; i < end; ++i) part += hash(i);
-        return part;
-    });
-}
-
 }  // namespace
 
 std::uint64_t sum_of_faces(const Mesh& mesh, int threads) {
-    const ElementBlock& hexahedra = mesh.block(ElementType::kHexahedron);
-    std::uint64_t sum = sum_of_parts(hexahedra.size(), threads, [&](std::size_t begin, std::size_t end) {
-        return sum_of_hexahedra(hexahedra.nodes.data() + 8 * begin, end - begin);
-    });
-    for (std::size_t t = 1; t < kElementTypes; ++t) {
-        const LocalFaces faces = local_faces(static_cast<ElementType>(t));
+    std::uint64_t sum = 0;
+    for (std::size_t t = 0; t < kElementTypes; ++t) {
         const ElementBlock& block = mesh.elements[t];
         const auto per_element = static_cast<std::size_t>(kElementNodes[t]);
-        sum += sum_of(block.size(), threads, [&](std::size_t i) {
-            const NodeId* nodes = block.nodes.data() + per_element * i;
-            std::uint64_t part = 0;
-            for (int f = 0; f < faces.count; ++f) {
-                const LocalFace& face = faces.faces[f];
-                const int count = face[3] < 0 ? 3 : 4;
-                NodeId node[4];
-                for (int k = 0; k < count; ++k) node[k] = nodes[face[static_cast<std::size_t>(k)]];
-                part += signed_hash(node, count);
-            }
-            return part;
+        sum += sum_of_chunks(block.size(), threads, [&](std::size_t begin, std::size_t end) {
+            return sum_of_elements(static_cast<ElementType>(t), block.nodes.data() + per_element * begin,
+                                   end - begin);
         });
     }
     return sum;
 }
 
 std::uint64_t sum_of_outer_facets(const FacetBlock& facets, int threads) {
-    return sum_of(facets.size(), threads, [&](std::size_t i) {
-        if (facets.outside[i] != 0) return std::uint64_t{0};
-        const NodeId* node = facets.nodes.data() + 4 * i;
-        return signed_hash(node, node[2] == node[3] ? 3 : 4);
+    return sum_of_chunks(facets.size(), threads, [&](std::size_t begin, std::size_t end) {
+        std::uint64_t sum = 0;
+        for (std::size_t i = begin; i < end; ++i) {
+            if (facets.outside[i] != 0) continue;
+            const NodeId* node = facets.nodes.data() + 4 * i;
+            sum += signed_hash(node, node[2] == node[3] ? 3 : 4);
+        }
+        return sum;
     });
 }
 

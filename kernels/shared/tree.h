@@ -213,18 +213,35 @@ MORTISE_FUNCTION u64 code_at(const Tree* tree, u32 x, u32 y, u32 z) {
     return x < size && y < size && z < size ? morton_encode(x, y, z) : kNoOwner;
 }
 
-// The cell of a uniform tree beside `code`, one step at most along each axis; kNoOwner beyond the root box.
-// The code's bits of one axis count down alone if the others' are zero, and up if they are one.
-MORTISE_FUNCTION u64 cell_beside(const Tree* tree, u64 code, i32 x, i32 y, i32 z) {
-    const i32 step[3] = {x, y, z};
+// The cell of a uniform tree one step back from `code` along the axes whose bits are set; kNoOwner beyond the
+// root box. The code's bits of one axis count down alone if the others' are zero.
+MORTISE_FUNCTION u64 cell_behind(u64 code, u32 axes) {
     for (u32 a = 0; a < 3; ++a) {
-        const u64 bits = (0x1249249249249249UL << a) & ((1UL << (3 * tree->shape.level)) - 1);
-        const u64 own = code & bits;
-        if (step[a] == 0) continue;
-        if (own == (step[a] < 0 ? 0 : bits)) return kNoOwner;
-        code = (code & ~bits) | ((step[a] < 0 ? own - (1UL << a) : (own | ~bits) + (1UL << a)) & bits);
+        const u64 bits = 0x1249249249249249UL << a;
+        if (((axes >> a) & 1) == 0) continue;
+        if ((code & bits) == 0) return kNoOwner;
+        code = (code & ~bits) | (((code & bits) - (1UL << a)) & bits);
     }
     return code;
+}
+
+// The same a step ahead: they count up alone if the others' are one.
+MORTISE_FUNCTION u64 cell_ahead(const Tree* tree, u64 code, u32 axes) {
+    for (u32 a = 0; a < 3; ++a) {
+        const u64 bits = (0x1249249249249249UL << a) & ((1UL << (3 * tree->shape.level)) - 1);
+        if (((axes >> a) & 1) == 0) continue;
+        if ((code & bits) == bits) return kNoOwner;
+        code = (code & ~bits) | (((code | ~bits) + (1UL << a)) & bits);
+    }
+    return code;
+}
+
+// The cell of a uniform tree beside `code`, one step at most along each axis; kNoOwner beyond the root box.
+MORTISE_FUNCTION u64 cell_beside(const Tree* tree, u64 code, i32 x, i32 y, i32 z) {
+    const u32 back = (u32)(x < 0) | ((u32)(y < 0) << 1) | ((u32)(z < 0) << 2);
+    const u32 ahead = (u32)(x > 0) | ((u32)(y > 0) << 1) | ((u32)(z > 0) << 2);
+    code = cell_behind(code, back);
+    return code != kNoOwner ? cell_ahead(tree, code, ahead) : kNoOwner;
 }
 
 // The leaf that holds the first cell of the place beside a leaf: the place has the leaf's own size and lies
@@ -282,18 +299,6 @@ MORTISE_FUNCTION u64 vertex_owner(const Tree* tree, MORTISE_GLOBAL u32* used, u3
         }
     }
     return owner;
-}
-
-// The cell of a uniform tree one step back from `code` along the axes whose bits are set; kNoOwner beyond the
-// root box.
-MORTISE_FUNCTION u64 cell_behind(u64 code, u32 axes) {
-    for (u32 a = 0; a < 3; ++a) {
-        const u64 bits = 0x1249249249249249UL << a;
-        if (((axes >> a) & 1) == 0) continue;
-        if ((code & bits) == 0) return kNoOwner;
-        code = (code & ~bits) | (((code & bits) - (1UL << a)) & bits);
-    }
-    return code;
 }
 
 // Owner of corner c, which the leaf with this code and mark uses: vertex_owner, but quick where the cell

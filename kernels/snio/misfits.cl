@@ -1,5 +1,5 @@
-// Simple leaves that do not fit their neighbours, where formulas hold in one cell each (spatial.h): in models
-// of triangles alone.
+// Simple leaves that do not fit their neighbours, where formulas hold in one cell each (spatial.h): those of
+// surfaces of triangles.
 //
 // Such formulas may disagree about a common face: at the rim of an open surface, or where a cell holds too
 // many triangles. A template would not fit there; the certificate makes facets where its cell and the next
