@@ -50,7 +50,6 @@ struct Row {
 struct Own {
     Row row;
     Task task;
-    bool has_edge = true;
 };
 
 Own own_side(const Settings& settings, const char* model, int level, bool tetrahedra,
@@ -133,6 +132,7 @@ json print_ratios(const std::vector<Row>& rows, double target) {
     const Row& same = rows[0];
     const Row& tetrahedra = rows[1];
     const Row& large = rows[2];
+    const Row& large_tetrahedra = rows[3];
     json ratios = json::array();
     Table table({{"Mortise to", ""},
                  {"nodes/s", same.name.substr(9)},
@@ -140,7 +140,8 @@ json print_ratios(const std::vector<Row>& rows, double target) {
                  {"time", ""},
                  {"tetrahedra:", "tets/s"},
                  {"nodes/s", large.name.substr(9)},
-                 {"elements/s", ""}});
+                 {"elements/s", ""},
+                 {"tetrahedra:", "tets/s"}});
     for (const Row& row : rows) {
         if (!row.is_peer) continue;
         const json ratio = {
@@ -150,11 +151,13 @@ json print_ratios(const std::vector<Row>& rows, double target) {
             {"time_at_equal_edge", row.seconds_at(target) / same.seconds.median()},
             {"tetrahedra_per_second", tetrahedra.elements_per_second() / row.elements_per_second()},
             {"large_nodes_per_second", large.nodes_per_second() / row.nodes_per_second()},
-            {"large_elements_per_second", large.elements_per_second() / row.elements_per_second()}};
+            {"large_elements_per_second", large.elements_per_second() / row.elements_per_second()},
+            {"large_tetrahedra_per_second",
+             large_tetrahedra.elements_per_second() / row.elements_per_second()}};
         std::vector<std::string> cells = {row.name};
         for (const char* field :
              {"nodes_per_second", "elements_per_second", "time_at_equal_edge", "tetrahedra_per_second",
-              "large_nodes_per_second", "large_elements_per_second"})
+              "large_nodes_per_second", "large_elements_per_second", "large_tetrahedra_per_second"})
             cells.push_back(short_number(ratio.at(field)));
         table.add(cells);
         ratios.push_back(ratio);
@@ -173,7 +176,8 @@ json compare(const Settings& settings, const char* model, std::vector<Peer> peer
     announce(job.model + " beside others: Mortise's edge lengths");
     std::vector<Own> own = {own_side(settings, model, level, false, ""),
                             own_side(settings, model, level, true, job.surface.string()),
-                            own_side(settings, model, large_level, false, "")};
+                            own_side(settings, model, large_level, false, ""),
+                            own_side(settings, model, large_level, true, "")};
     const double target = own[0].row.mean_edge;
     std::vector<PeerJob> jobs;
     std::vector<Row> theirs;

@@ -4,7 +4,7 @@
 
 namespace mortise::improve {
 
-CellSet::CellSet(int level, const LeafGrid* leaves) : leaves_(leaves) {
+CellSet::CellSet(int level, const LeafGrid* leaves, std::int64_t reach) : leaves_(leaves), reach_(reach) {
     if (leaves_ != nullptr && leaves_->is_uniform()) leaves_ = nullptr;
     if (leaves_ != nullptr) {
         bits_.resize((leaves_->size() + 63) / 64);
@@ -23,14 +23,14 @@ void CellSet::mark_near(const std::array<std::int64_t, 3>& at) {
     std::uint8_t& held = holds_[brick(centre[0], centre[1], centre[2])];
     if (held != 0) return;
     held = 1;
-    // The third brick from here begins kReach + 1 cells away at least; the ring is one cell wide.
-    constexpr std::int64_t kBricks = kReach / kBrick;
+    // The next brick but `bricks` begins reach_ + 1 cells away at least; the ring is one cell wide.
+    const std::int64_t bricks = reach_ / kBrick;
     std::int64_t low[3], high[3];
     for (std::size_t j = 0; j < 3; ++j) {
-        low[j] = std::max<std::int64_t>(centre[j] - kBricks - 1, 0);
-        high[j] = std::min(centre[j] + kBricks + 1, bricks_ - 1);
+        low[j] = std::max<std::int64_t>(centre[j] - bricks - 1, 0);
+        high[j] = std::min(centre[j] + bricks + 1, bricks_ - 1);
     }
-    const auto is_within = [&](std::int64_t x, std::size_t j) { return std::abs(x - centre[j]) <= kBricks; };
+    const auto is_within = [&](std::int64_t x, std::size_t j) { return std::abs(x - centre[j]) <= bricks; };
     for (std::int64_t z = low[2]; z <= high[2]; ++z) {
         for (std::int64_t y = low[1]; y <= high[1]; ++y) {
             const bool is_near_row = is_within(y, 1) && is_within(z, 2);

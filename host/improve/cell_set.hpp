@@ -22,8 +22,8 @@ using CellId = std::uint64_t;
 
 class CellSet {
   public:
-    /// `leaves` may be null: a uniform tree.
-    CellSet(int level, const LeafGrid* leaves);
+    /// `leaves` may be null: a uniform tree. `reach`: how far is near, in cells.
+    CellSet(int level, const LeafGrid* leaves, std::int64_t reach = kReach);
 
     /// The cell that a point belongs to. `hint`: an earlier result for a point that may be near.
     CellId index(const Point& p, CellId hint = 0) const {
@@ -31,7 +31,7 @@ class CellSet {
         const auto at = place(p);
         return static_cast<CellId>((at[2] * size_ + at[1]) * size_ + at[0]);
     }
-    /// Uniform trees: false only if all cells of the set are at least kReach cells from p.
+    /// Uniform trees: false only if all cells of the set are at least `reach` cells from p.
     bool is_near(const Point& p) const { return (near_at(p) & kNear) != 0; }
     /// Uniform trees: false only if is_near() is, for all points within kNearby cells of p along each axis.
     bool is_nearby(const Point& p) const { return near_at(p) != 0; }
@@ -69,9 +69,10 @@ class CellSet {
 
     static bool is_outside(CellId i) { return (i & kOutside) != 0; }
 
-    static constexpr std::int64_t kReach = 8;
     static constexpr int kBrickLevels = 2;
     static constexpr std::int64_t kNearby = std::int64_t{1} << kBrickLevels;
+    static constexpr std::int64_t kReach = 2 * kNearby;  ///< the reaches to choose from
+    static constexpr std::int64_t kShortReach = kNearby;
 
   private:
     static constexpr std::int64_t kBrick = std::int64_t{1} << kBrickLevels;  ///< edge of the bricks of near_
@@ -115,6 +116,7 @@ class CellSet {
     // Uniform trees: cells along an edge; bricks near cells of the set, or beside such ones; bricks that hold
     // some.
     std::int64_t size_ = 0;
+    std::int64_t reach_ = kReach;
     std::int64_t bricks_ = 0;
     std::vector<std::uint8_t> near_;
     std::vector<std::uint8_t> holds_;

@@ -74,9 +74,10 @@ class Session {
         }
     }
 
-    /// From one quality to a higher one, but for what nothing helps.
-    void raise(double from, double to) {
+    /// From one quality to a higher one, but for what nothing helps. `cube_pieces`: as mend_parts().
+    void raise(double from, double to, IndexRuns cube_pieces = {}) {
         known_ = {};
+        known_.cube_pieces = std::move(cube_pieces);
         frame_.on_lattice = false;
         Options options = options_;
         options.merge_distance = 0;
@@ -189,9 +190,10 @@ Mesh improve(Mesh mesh, const tape::BoundModel& model, const Options& options, C
     return session.finish(counters != nullptr ? *counters : local);
 }
 
-Mesh mend_parts(Mesh mesh, const tape::BoundModel& model, const Options& options, Counters& counters) {
+Mesh mend_parts(Mesh mesh, const tape::BoundModel& model, const Options& options, IndexRuns cube_pieces,
+                Counters& counters) {
     Session session(std::move(mesh), model, options, nullptr);
-    session.raise(kGoodQuality, kGoodQuality);
+    session.raise(kGoodQuality, kGoodQuality, std::move(cube_pieces));
     Counters added;
     mesh = session.finish(added);
     counters.zone_elements += added.zone_elements;

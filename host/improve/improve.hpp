@@ -2,6 +2,7 @@
 // (algorithms.md §4, §7).
 #pragma once
 
+#include "host/common/index_run.hpp"
 #include "host/common/leaf_grid.hpp"
 #include "host/improve/block.hpp"
 #include "host/improve/crumbs.hpp"
@@ -50,7 +51,9 @@ Mesh improve(Mesh mesh, const tape::BoundModel& model, const Options& options, C
 
 /// Improves what improve()'s elements have been split into, whose quality may be less than theirs. Without
 /// merging or smaller elements; nodes that are loose stay where they are, no others become loose.
-Mesh mend_parts(Mesh mesh, const tape::BoundModel& model, const Options& options, Counters& counters);
+/// `cube_pieces`: the tetrahedra that cubes inside have been split into, in the order of the cubes.
+Mesh mend_parts(Mesh mesh, const tape::BoundModel& model, const Options& options, IndexRuns cube_pieces,
+                Counters& counters);
 
 /// Raises the quality of all elements to a goal above kGoodQuality. The mesh is what improve() has made with
 /// these options, or what it has been split into; `counters` and `trace` are those of improve(), and are

@@ -11,28 +11,36 @@ namespace mortise::improve {
 namespace {
 
 constexpr std::size_t kChunk = 4096;
-/// Hexahedra of IN cells of which first and last tell that none is near the zone.
+constexpr int kTetrahedra = static_cast<int>(ElementType::kTetrahedron);
+/// Hexahedra of IN cells, and of their pieces, of which first and last tell that none is near the zone.
 constexpr std::size_t kRow = 64;
+constexpr std::size_t kPieces = 6;  ///< of a cube
 /// A hexahedron, wedge or pyramid with an edge shorter than this, in edges of the smallest leaf at its ends,
 /// counts as poor: it may have right angles and still make its neighbours flat.
 constexpr double kShortestEdge = 0.35;
 /// Up to this level positions are certain to kVolumeRounding of a finest cell.
 constexpr int kCertainLevel = 11;
 
-/// Whether no cube among hexahedra `begin` to `end` of a uniform tree lies in one of these bricks.
+/// Whether no element from the first to the last lies in one of these bricks of a uniform tree; all lie in
+/// cubes, in the order of the cubes' Morton codes.
+bool is_row_far(const Mesh& mesh, const CellFrame& frame, const std::vector<std::uint64_t>& bricks, int type,
+                std::size_t first, std::size_t last) {
+    const auto brick_of = [&](std::size_t i) {
+        const Point p = place_of(mesh, frame, type, i);
+        return morton_encode(static_cast<u32>(p[0]), static_cast<u32>(p[1]), static_cast<u32>(p[2])) >>
+               (3 * CellSet::kBrickLevels);
+    };
+    const auto next = std::lower_bound(bricks.begin(), bricks.end(), brick_of(first));
+    return next == bricks.end() || *next > brick_of(last);
+}
+
+/// The same of the cubes among hexahedra `begin` to `end`.
 bool are_cubes_far(const Mesh& mesh, const CellFrame& frame, const std::vector<std::uint64_t>& bricks,
                    std::size_t begin, std::size_t end) {
     const ElementBlock& block = mesh.elements[0];
     while (begin < end && !is_cube(block, 0, begin)) ++begin;
     while (begin < end && !is_cube(block, 0, end - 1)) --end;
-    if (begin == end) return true;
-    const auto brick_of = [&](std::size_t i) {
-        const Point p = place_of(mesh, frame, 0, i);
-        return morton_encode(static_cast<u32>(p[0]), static_cast<u32>(p[1]), static_cast<u32>(p[2])) >>
-               (3 * CellSet::kBrickLevels);
-    };
-    const auto next = std::lower_bound(bricks.begin(), bricks.end(), brick_of(begin));
-    return next == bricks.end() || *next > brick_of(end - 1);
+    return begin == end || is_row_far(mesh, frame, bricks, 0, begin, end - 1);
 }
 
 /// Corners by type: a node, and the ends of its three edges, right-handed.
@@ -120,7 +128,9 @@ CellId Places::cell(const Mesh& mesh, const CellFrame& frame, const CellSet& cel
     return cells.index(place_of(mesh, frame, type, element[static_cast<std::size_t>(type)][i]));
 }
 
-void find_cells(const Mesh& mesh, const CellFrame& frame, const CellSet& cells, int threads, Places& places) {
+void find_cells(const Mesh& mesh, const CellFrame& frame, const CellSet& cells, const Known& known,
+                int threads, Places& places) {
+    const IndexRuns no_pieces;
     std::vector<std::uint64_t> bricks;
     if (!cells.is_graded()) bricks = cells.near_bricks();
     for (int t = 0; t < kElementTypes; ++t) {
@@ -129,9 +139,39 @@ void find_cells(const Mesh& mesh, const CellFrame& frame, const CellSet& cells, 
         std::vector<std::vector<std::uint32_t>> elements_of(chunk_count(count, kChunk));
         std::vector<std::vector<std::uint32_t>> cells_of(elements_of.size());
         parallel_chunks(count, kChunk, threads, [&](std::size_t begin, std::size_t end, int) {
+            std::vector<std::uint32_t>& list = elements_of[begin / kChunk];
+            std::vector<std::uint32_t>& list_of_cells = cells_of[begin / kChunk];
             CellId at = 0;
+            const auto add = [&](std::size_t from, std::size_t to, const Point& place) {
+                if (!cells.is_graded() && !cells.is_near(place)) return;
+                at = cells.index(place, at);
+                const auto cell = at < Places::kLookAnew ? static_cast<std::uint32_t>(at) : Places::kLookAnew;
+                for (std::size_t i = from; i < to; ++i) {
+                    list.push_back(static_cast<std::uint32_t>(i));
+                    list_of_cells.push_back(cell);
+                }
+            };
+            // A cube's pieces are in its cell: their zone has taken all of them, or none.
+            const auto add_pieces = [&](const IndexRun& run, std::size_t from, std::size_t to) {
+                for (std::size_t i = from; i < to;) {
+                    const std::size_t row = std::min(to, i + kPieces * kRow);
+                    if (!cells.is_graded() && is_row_far(mesh, frame, bricks, t, i, row - 1)) i = row;
+                    while (i < row) {
+                        const std::size_t next = std::min(row, i + kPieces - (i - run.begin) % kPieces);
+                        add(i, next, place_of(mesh, frame, t, i));
+                        i = next;
+                    }
+                }
+            };
             bool cubes_are_far = false;
+            RunFinder pieces(t == kTetrahedra ? known.cube_pieces : no_pieces, begin);
             for (std::size_t i = begin; i < end; ++i) {
+                if (const IndexRun* const run = pieces.run_of(i)) {
+                    const std::size_t to = std::min(end, run->end);
+                    add_pieces(*run, i, to);
+                    i = to - 1;
+                    continue;
+                }
                 if (t == 0 && !cells.is_graded() && i % kRow == 0)
                     cubes_are_far = are_cubes_far(mesh, frame, bricks, i, std::min(end, i + kRow));
                 const bool is_one_cube = is_cube(mesh.elements[type], t, i);
@@ -140,12 +180,7 @@ void find_cells(const Mesh& mesh, const CellFrame& frame, const CellSet& cells, 
                 if (!is_one_cube && !cells.is_graded() &&
                     !cells.is_nearby(in_cells(mesh, frame, *element(mesh, t, i).node)))
                     continue;
-                const Point place = place_of(mesh, frame, t, i);
-                if (!cells.is_graded() && !cells.is_near(place)) continue;
-                at = cells.index(place, at);
-                elements_of[begin / kChunk].push_back(static_cast<std::uint32_t>(i));
-                cells_of[begin / kChunk].push_back(at < Places::kLookAnew ? static_cast<std::uint32_t>(at)
-                                                                          : Places::kLookAnew);
+                add(i, i + 1, place_of(mesh, frame, t, i));
             }
         });
         append_lists(elements_of, threads, places.element[type]);
@@ -182,16 +217,24 @@ void find_size_classes(const Mesh& mesh, const CellFrame& frame, const CellSet& 
 
 std::vector<CellId> poor_cells(const Mesh& mesh, const CellFrame& frame, const CellSet& cells,
                                const Places& places, double rounding, double least, int threads,
-                               const std::array<std::size_t, kElementTypes>& first) {
+                               const Known& known) {
+    // Cubes are split into good tetrahedra.
+    const IndexRuns no_pieces;
+    const IndexRuns& good_pieces = least > kGoodQuality ? no_pieces : known.cube_pieces;
     std::vector<CellId> poor;
     for (int t = 0; t < kElementTypes; ++t) {
         const ElementBlock& block = mesh.elements[static_cast<std::size_t>(t)];
-        const std::size_t before = first[static_cast<std::size_t>(t)];
+        const std::size_t before = known.old[static_cast<std::size_t>(t)];
         const std::size_t count = block.size() - before;
         std::vector<std::vector<CellId>> found(chunk_count(count, kChunk));
         parallel_chunks(count, kChunk, threads, [&](std::size_t begin, std::size_t end, int) {
             std::vector<CellId>& list = found[begin / kChunk];
+            RunFinder pieces(t == kTetrahedra ? good_pieces : no_pieces, before + begin);
             for (std::size_t i = before + begin; i < before + end; ++i) {
+                if (const IndexRun* const run = pieces.run_of(i)) {
+                    i = run->end - 1;
+                    continue;
+                }
                 if (is_cube(block, t, i)) continue;
                 const Element e = element(mesh, t, i);
                 if (element_quality(mesh, frame, e, static_cast<ElementKind>(block.kind[i]), rounding) <

@@ -65,19 +65,20 @@ struct Places {
 };
 
 /// Fills `element` and `cell_of`; of a uniform tree with the elements near the set, where hexahedra of IN
-/// cells must be in the order of the cells' Morton codes. `threads` host threads, here and below; results do
-/// not depend on them.
-void find_cells(const Mesh& mesh, const CellFrame& frame, const CellSet& cells, int threads, Places& places);
+/// cells must be in the order of the cells' Morton codes. Of `known` only cube_pieces is used. `threads` host
+/// threads, here and below; results do not depend on them.
+void find_cells(const Mesh& mesh, const CellFrame& frame, const CellSet& cells, const Known& known,
+                int threads, Places& places);
 
 /// Fills Places::node_class, from cell_of.
 void find_size_classes(const Mesh& mesh, const CellFrame& frame, const CellSet& cells, int threads,
                        Places& places);
 
 /// Cells of the elements of less quality than `least`, and of those with an edge too short for them,
-/// ascending; of each type those from `first` on are looked at. Of `places` only node_class is used.
+/// ascending; only new elements are looked at. Of `places` only node_class is used.
 std::vector<CellId> poor_cells(const Mesh& mesh, const CellFrame& frame, const CellSet& cells,
                                const Places& places, double rounding, double least, int threads,
-                               const std::array<std::size_t, kElementTypes>& first = {});
+                               const Known& known = {});
 
 /// Elements of less quality than `least`.
 std::uint64_t count_below(const Mesh& mesh, const CellFrame& frame, double least, int threads);

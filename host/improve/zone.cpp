@@ -18,9 +18,15 @@ namespace {
 
 constexpr std::size_t kChunk = 4096;
 /// The last growth is not collected, the others reach two cells each, and an element that shares a node with
-/// one of the zone has its centroid within three cells of it: less than CellSet::kReach.
+/// one of the zone has its centroid within three cells of it: less than CellSet::kReach. Without
+/// quadrilaterals there are no pyramids, and nothing grows.
 constexpr int kGrowths = 3;
-static_assert(2 * (kGrowths - 1) + 3 < CellSet::kReach);
+static_assert(2 * (kGrowths - 1) + 3 < CellSet::kReach && 3 < CellSet::kShortReach);
+
+std::int64_t needed_reach(const Mesh& mesh) {
+    const bool is_tetrahedral = mesh.element_count() == mesh.block(ElementType::kTetrahedron).size();
+    return is_tetrahedral ? CellSet::kShortReach : CellSet::kReach;
+}
 constexpr double kSameDistance = 2e-5;  ///< cells
 constexpr double kLessTurned = 0.1;
 constexpr double kFar = 1.5;  ///< cells: of a surface that has no value there
@@ -36,17 +42,17 @@ class Opener {
           options_(options),
           threads_(options.threads),
           known_(known),
-          cells_(frame.level, frame.leaves) {}
+          cells_(frame.level, frame.leaves, needed_reach(mesh)) {}
 
     Zone open() {
         if (cells_.is_graded()) {
             unit_class_ = finest_class(*frame_.leaves);
-            find_cells(mesh_, frame_, cells_, threads_, places_);
+            find_cells(mesh_, frame_, cells_, known_, threads_, places_);
             find_size_classes(mesh_, frame_, cells_, threads_, places_);
         }
         rounding_ = volume_rounding(frame_, unit_class_);
         std::vector<CellId> poor =
-            poor_cells(mesh_, frame_, cells_, places_, rounding_, options_.least, threads_, known_.old);
+            poor_cells(mesh_, frame_, cells_, places_, rounding_, options_.least, threads_, known_);
         poor.insert(poor.end(), known_.poor.begin(), known_.poor.end());
         for (const Tip& tip : tips_) poor.push_back(cells_.index(tip.point));
         if (options_.slabs != nullptr) {
@@ -54,7 +60,7 @@ class Opener {
         }
         if (poor.empty()) return {};
         for (const CellId cell : poor) options_.is_wide ? cells_.set_two_rings(cell) : cells_.set_ring(cell);
-        if (!cells_.is_graded()) find_cells(mesh_, frame_, cells_, threads_, places_);
+        if (!cells_.is_graded()) find_cells(mesh_, frame_, cells_, known_, threads_, places_);
         if (options_.leaves_cubes) leave_cubes(poor);
         outer_quads_ = outer_quads(mesh_, frame_, cells_, threads_);
         held_quads_ = held_quads(mesh_, options_.held);

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "host/common/index_run.hpp"
 #include "host/improve/cell_set.hpp"
 #include "host/improve/quality.hpp"
 #include "host/improve/stratum.hpp"
@@ -113,6 +114,8 @@ struct Zone {
 struct Known {
     std::array<std::size_t, kElementTypes> old{};  ///< per type: elements from here on are new
     std::vector<CellId> poor;                      ///< cells of old elements that are poor
+    /// Tetrahedra that cubes inside have been split into, in the order of the cubes' Morton codes.
+    IndexRuns cube_pieces;
 };
 
 /// Where cells lie in model coordinates.

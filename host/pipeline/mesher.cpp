@@ -182,9 +182,11 @@ Mesh Mesher::generate(const Model& model, const MeshOptions& options, MeshReport
                                          out.warnings);
         stages.end(prepared.periodic.size());
     }
+    IndexRuns cube_pieces;
     if (options.tetrahedra) {
         stages.begin("tetrahedra", 0.95);
-        mesh = tetrahedra::split(mesh, copy_of.empty() ? nullptr : &copy_of);
+        mesh = tetrahedra::split(std::move(mesh), options.threads, copy_of.empty() ? nullptr : &copy_of,
+                                 &cube_pieces);
         stages.end(mesh.element_count());
     }
     // After elements have been split: what good ones are split into may be worse.
@@ -193,7 +195,8 @@ Mesh Mesher::generate(const Model& model, const MeshOptions& options, MeshReport
         stages.begin("raise", 0.952);
         const std::uint64_t before = counters.zone_elements;
         mesh = raises ? improve::raise(std::move(mesh), prepared.bound, improve_options, counters)
-                      : improve::mend_parts(std::move(mesh), prepared.bound, improve_options, counters);
+                      : improve::mend_parts(std::move(mesh), prepared.bound, improve_options,
+                                            std::move(cube_pieces), counters);
         stages.end(counters.zone_elements - before);
     }
     if (options.hanging) {

@@ -118,12 +118,51 @@ MORTISE_WIDE std::uint64_t sum_of_hexahedra(const NodeId* nodes, std::size_t cou
     for (std::size_t lane = 0; lane < 8; ++lane) total += sum[lane];
     return total;
 }
+
+/// Node k of each face of two tetrahedra.
+constexpr std::array<NodeId, 8> lanes_of_triangles(std::size_t k) {
+    std::array<NodeId, 8> lanes{};
+    for (std::size_t f = 0; f < 8; ++f)
+        lanes[f] = static_cast<NodeId>(kTetrahedronFaces[f % 4][k]) + (f < 4 ? 0u : 4u);
+    return lanes;
+}
+constexpr std::array<NodeId, 8> kTriangleLanes[3] = {lanes_of_triangles(0), lanes_of_triangles(1),
+                                                     lanes_of_triangles(2)};
+
+/// The same of tetrahedra, two at a time.
+MORTISE_WIDE std::uint64_t sum_of_tetrahedra(const NodeId* nodes, std::size_t count) {
+    Nodes place[3];
+    std::memcpy(place, kTriangleLanes, sizeof place);
+    Words sum = {};
+    for (std::size_t i = 0; i + 2 <= count; i += 2) {
+        Nodes all;
+        std::memcpy(&all, nodes + 4 * i, sizeof all);
+        const Nodes a = __builtin_shuffle(all, place[0]);
+        const Nodes b = __builtin_shuffle(all, place[1]);
+        const Nodes c = __builtin_shuffle(all, place[2]);
+        const Nodes low = a < b ? a : b, high = a < b ? b : a;
+        const Nodes lowest = low < c ? low : c, highest = high < c ? c : high;
+        const Nodes upper = high < c ? high : c;
+        const Nodes middle = low < upper ? upper : low;
+        const Words first =
+            __builtin_convertvector(lowest, Words) << 32 | __builtin_convertvector(middle, Words);
+        const Words second = __builtin_convertvector(highest, Words) << 32 | 0xffffffffu;
+        const Nodes odd_nodes = (a > b) ^ (a > c) ^ (b > c) ? Nodes{} + 1 : Nodes{};
+        const Words sign = Words{} - __builtin_convertvector(odd_nodes, Words);
+        sum += (mix<Words>(first, second) ^ sign) - sign;
+    }
+    std::uint64_t total = 0;
+    for (std::size_t lane = 0; lane < 8; ++lane) total += sum[lane];
+    const std::size_t odd_one = count % 2;
+    return total + sum_one_by_one(ElementType::kTetrahedron, nodes + 4 * (count - odd_one), odd_one);
+}
 #define MORTISE_FACES_IN_LANES
 #endif
 
 std::uint64_t sum_of_elements(ElementType type, const NodeId* nodes, std::size_t count) {
 #ifdef MORTISE_FACES_IN_LANES
     if (type == ElementType::kHexahedron) return sum_of_hexahedra(nodes, count);
+    if (type == ElementType::kTetrahedron) return sum_of_tetrahedra(nodes, count);
 #endif
     return sum_one_by_one(type, nodes, count);
 }

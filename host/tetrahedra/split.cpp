@@ -4,10 +4,15 @@
 #include <array>
 #include <string>
 
+#include "host/common/large_array.hpp"
+#include "host/common/parallel.hpp"
 #include "mortise/error.hpp"
 
 namespace mortise::tetrahedra {
 namespace {
+
+constexpr std::size_t kChunk = 4096;
+constexpr std::size_t kMostNodes = 8;
 
 using Tetrahedron = std::array<NodeId, 4>;
 
@@ -23,113 +28,286 @@ double determinant(const std::vector<double>& points, const Tetrahedron& t) {
            edge[0][2] * (edge[1][0] * edge[2][1] - edge[1][1] * edge[2][0]);
 }
 
-/// Order of the nodes of a mesh; nodes without a rank come last.
-struct Order {
-    const std::vector<NodeId>* rank;
-
-    bool operator()(NodeId a, NodeId b) const {
-        const auto of = [this](NodeId n) { return rank != nullptr && n < rank->size() ? (*rank)[n] : n; };
-        return of(a) != of(b) ? of(a) < of(b) : a < b;
+/// Order of the nodes of a mesh: by rank, then by number. Nodes without a rank are ranked by their numbers.
+class Order {
+  public:
+    explicit Order(const std::vector<NodeId>* rank) : rank_(rank) {}
+    std::uint64_t key(NodeId node) const {
+        const NodeId rank = rank_ != nullptr && node < rank_->size() ? (*rank_)[node] : node;
+        return std::uint64_t{rank} << 32 | node;
     }
+
+  private:
+    const std::vector<NodeId>* rank_;
 };
 
-/// Triangles of a facet of three or four nodes, cut through its lowest node; the orientation stays.
-void triangulate(const NodeId* node, int count, const Order& less, std::vector<std::array<NodeId, 3>>& out) {
-    if (count == 3) {
-        out.push_back({node[0], node[1], node[2]});
-        return;
-    }
-    const auto low = static_cast<std::size_t>(std::min_element(node, node + 4, less) - node);
-    for (std::size_t k = 1; k < 3; ++k) {
-        out.push_back({node[low], node[(low + k) % 4], node[(low + k + 1) % 4]});
-    }
+/// Place of the least key. Chosen without branches, which nothing could predict here.
+std::size_t lowest(const std::uint64_t* key, std::size_t count) {
+    std::size_t low = 0;
+    for (std::size_t k = 1; k < count; ++k) low = key[k] < key[low] ? k : low;
+    return low;
 }
 
-/// Tetrahedra from `apex` over the faces that do not hold it. Outward triangles make a positive one as (a, c,
-/// b, apex).
-void cone(ElementType type, const NodeId* node, NodeId apex, const Order& less,
-          std::vector<Tetrahedron>& out) {
-    std::vector<std::array<NodeId, 3>> triangles;
+/// A face of an element by its nodes' places in the element.
+struct FaceRow {
+    std::array<std::uint8_t, 4> node;
+    std::uint8_t count;
+};
+
+/// The faces of an element that a cone covers, by the place of its apex; the last row is for the centre.
+struct ConeTable {
+    std::array<std::array<FaceRow, 6>, kMostNodes + 1> faces;
+    std::array<std::uint8_t, kMostNodes + 1> count{};
+    std::array<std::uint8_t, kMostNodes + 1> pieces{};
+};
+
+ConeTable make_table(ElementType type) {
+    ConeTable table{};
     const LocalFaces faces = local_faces(type);
-    for (int f = 0; f < faces.count; ++f) {
-        NodeId corner[4];
-        int count = 0;
-        bool holds = false;
-        for (const int i : faces.faces[f]) {
-            if (i < 0) continue;
-            corner[count++] = node[i];
-            holds = holds || node[i] == apex;
+    for (int apex = 0; apex <= static_cast<int>(kMostNodes); ++apex) {
+        const auto row = static_cast<std::size_t>(apex);
+        for (int f = 0; f < faces.count; ++f) {
+            const LocalFace& face = faces.faces[f];
+            if (std::find(face.begin(), face.end(), apex) != face.end()) continue;
+            FaceRow& out = table.faces[row][table.count[row]++];
+            out.count = face[3] < 0 ? 3 : 4;
+            for (std::size_t k = 0; k < out.count; ++k) out.node[k] = static_cast<std::uint8_t>(face[k]);
+            table.pieces[row] = static_cast<std::uint8_t>(table.pieces[row] + out.count - 2);
         }
-        if (!holds) triangulate(corner, count, less, triangles);
     }
-    for (const auto& t : triangles) out.push_back({t[0], t[2], t[1], apex});
+    return table;
 }
 
-bool all_positive(const std::vector<double>& points, const std::vector<Tetrahedron>& list) {
-    return std::all_of(list.begin(), list.end(),
+/// The pieces of one element.
+struct Pieces {
+    std::array<Tetrahedron, 12> list;
+    std::size_t count = 0;
+};
+
+/// Splits elements of one type.
+class Splitter {
+  public:
+    Splitter(ElementType type, const Order& order)
+        : order_(order),
+          table_(make_table(type)),
+          size_(static_cast<std::size_t>(kElementNodes[static_cast<std::size_t>(type)])),
+          // The lowest node may be any: each is in as many triangles as the others of its kind, but for the
+          // pyramid, whose tip and base both leave two.
+          usual_count_(type == ElementType::kTetrahedron ? 1 : table_.pieces[0]) {}
+
+    std::size_t size() const { return size_; }
+    std::size_t usual_count() const { return usual_count_; }
+    std::size_t count_from_centre() const { return table_.pieces[kMostNodes]; }
+
+    /// From the lowest node.
+    void split(const NodeId* node, Pieces& out) const {
+        if (size_ == 4) {
+            out.list[0] = {node[0], node[1], node[2], node[3]};
+            out.count = 1;
+            return;
+        }
+        std::array<std::uint64_t, kMostNodes> key{};
+        for (std::size_t k = 0; k < size_; ++k) key[k] = order_.key(node[k]);
+        const std::size_t low = lowest(key.data(), size_);
+        cone(node, key, low, node[low], out);
+    }
+
+    void split_from(NodeId centre, const NodeId* node, Pieces& out) const {
+        std::array<std::uint64_t, kMostNodes> key{};
+        for (std::size_t k = 0; k < size_; ++k) key[k] = order_.key(node[k]);
+        cone(node, key, kMostNodes, centre, out);
+    }
+
+  private:
+    /// Outward triangles make a positive tetrahedron as (a, c, b, apex).
+    void cone(const NodeId* node, const std::array<std::uint64_t, kMostNodes>& key, std::size_t row,
+              NodeId apex, Pieces& out) const {
+        out.count = 0;
+        for (std::size_t f = 0; f < table_.count[row]; ++f) {
+            const FaceRow& face = table_.faces[row][f];
+            std::size_t low = 0;
+            if (face.count == 4) {
+                const std::array<std::uint64_t, 4> keys = {key[face.node[0]], key[face.node[1]],
+                                                           key[face.node[2]], key[face.node[3]]};
+                low = lowest(keys.data(), 4);
+            }
+            const auto at = [&](std::size_t k) { return node[face.node[k % face.count]]; };
+            for (std::size_t k = 1; k + 1 < face.count; ++k)
+                out.list[out.count++] = {at(low), at(low + k + 1), at(low + k), apex};
+        }
+    }
+
+    const Order& order_;
+    ConeTable table_;
+    std::size_t size_;
+    std::size_t usual_count_;
+};
+
+bool all_positive(const std::vector<double>& points, const Pieces& pieces) {
+    return std::all_of(pieces.list.begin(), pieces.list.begin() + static_cast<std::ptrdiff_t>(pieces.count),
                        [&](const Tetrahedron& t) { return determinant(points, t) > 0; });
+}
+
+bool is_cube(const ElementBlock& block, const Splitter& splitter, std::size_t i) {
+    return splitter.size() == kMostNodes && block.kind[i] == static_cast<std::uint8_t>(ElementKind::kIn);
+}
+
+/// Elements, ascending, that their lowest node does not split into positive tetrahedra.
+std::vector<std::size_t> find_turned(const std::vector<double>& points, const ElementBlock& block,
+                                     const Splitter& splitter, int threads) {
+    std::vector<std::vector<std::size_t>> found(chunk_count(block.size(), kChunk));
+    parallel_chunks(block.size(), kChunk, threads, [&](std::size_t begin, std::size_t end, int) {
+        Pieces pieces;
+        for (std::size_t i = begin; i < end; ++i) {
+            if (is_cube(block, splitter, i)) continue;
+            splitter.split(block.nodes.data() + i * splitter.size(), pieces);
+            if (!all_positive(points, pieces)) found[begin / kChunk].push_back(i);
+        }
+    });
+    std::vector<std::size_t> turned;
+    append_lists(found, 1, turned);
+    return turned;
+}
+
+/// One type's share of the tetrahedra.
+struct Share {
+    Splitter splitter;
+    std::vector<std::size_t> turned;  ///< elements to split from their centres, ascending
+    NodeId first_centre;              ///< node; the others follow
+    std::size_t begin;                ///< the first tetrahedron
+
+    std::size_t count(std::size_t elements) const {
+        return elements * splitter.usual_count() + turned.size() * more();
+    }
+    /// Tetrahedra that the centre of an element adds.
+    std::size_t more() const { return splitter.count_from_centre() - splitter.usual_count(); }
+};
+
+/// Adds the centres that are needed.
+Share plan(ElementType type, const ElementBlock& block, const Order& order, std::size_t begin, int threads,
+           std::vector<double>& points) {
+    Share share{Splitter(type, order), {}, static_cast<NodeId>(points.size() / 3), begin};
+    if (type != ElementType::kTetrahedron) share.turned = find_turned(points, block, share.splitter, threads);
+    const std::size_t size = share.splitter.size();
+    for (const std::size_t i : share.turned) {
+        for (std::size_t j = 0; j < 3; ++j) {
+            double sum = 0;
+            for (std::size_t k = 0; k < size; ++k)
+                sum += points[3 * std::size_t{block.nodes[i * size + k]} + j];
+            points.push_back(sum / static_cast<double>(size));
+        }
+    }
+    return share;
+}
+
+/// The tetrahedra of a type's cubes.
+IndexRuns pieces_of_cubes(const ElementBlock& block, const Share& share) {
+    IndexRuns runs;
+    auto next = share.turned.begin();
+    std::size_t to = share.begin;
+    for (std::size_t i = 0; i < block.size(); ++i) {
+        const bool is_turned = next != share.turned.end() && *next == i;
+        const std::size_t end = to + share.splitter.usual_count() + (is_turned ? share.more() : 0);
+        if (is_turned) ++next;
+        if (is_cube(block, share.splitter, i)) {
+            if (runs.empty() || runs.back().end != to) runs.push_back({to, to});
+            runs.back().end = end;
+        }
+        to = end;
+    }
+    return runs;
+}
+
+/// Splits the elements of one type into their share of the tetrahedra.
+void split_block(const ElementBlock& block, const Share& share, const std::vector<double>& points,
+                 int threads, ElementBlock& out) {
+    const Splitter& splitter = share.splitter;
+    parallel_chunks(block.size(), kChunk, threads, [&](std::size_t begin, std::size_t end, int) {
+        auto next = std::lower_bound(share.turned.begin(), share.turned.end(), begin);
+        std::size_t to = share.begin + begin * splitter.usual_count() +
+                         static_cast<std::size_t>(next - share.turned.begin()) * share.more();
+        Pieces pieces;
+        for (std::size_t i = begin; i < end; ++i) {
+            const NodeId* const node = block.nodes.data() + i * splitter.size();
+            if (next != share.turned.end() && *next == i) {
+                const auto centre = static_cast<NodeId>(next++ - share.turned.begin());
+                splitter.split_from(share.first_centre + centre, node, pieces);
+                if (!all_positive(points, pieces)) {
+                    throw Error(ExitCode::kMeshing, "element " + std::to_string(i) + " of " +
+                                                        std::to_string(splitter.size()) +
+                                                        " nodes cannot be split into positive tetrahedra; "
+                                                        "use --elements hex");
+                }
+            } else {
+                splitter.split(node, pieces);
+            }
+            for (std::size_t k = 0; k < pieces.count; ++k, ++to) {
+                std::copy_n(pieces.list[k].begin(), 4,
+                            out.nodes.begin() + static_cast<std::ptrdiff_t>(4 * to));
+                out.region[to] = block.region[i];
+                out.kind[to] = block.kind[i];
+            }
+        }
+    });
+}
+
+/// Cuts quadrilaterals through their lowest nodes; the orientation stays.
+FacetBlock split_facets(const FacetBlock& facets, const Order& order, int threads) {
+    std::vector<FacetBlock> parts(chunk_count(facets.size(), kChunk));
+    parallel_chunks(facets.size(), kChunk, threads, [&](std::size_t begin, std::size_t end, int) {
+        FacetBlock& out = parts[begin / kChunk];
+        for (std::size_t i = begin; i < end; ++i) {
+            const NodeId* const node = facets.nodes.data() + 4 * i;
+            const std::size_t count = node[3] == node[2] ? 3 : 4;
+            std::array<std::uint64_t, 4> key{};
+            for (std::size_t k = 0; k < 4; ++k) key[k] = order.key(node[k]);
+            const std::size_t low = count == 4 ? lowest(key.data(), 4) : 0;
+            for (std::size_t k = 1; k + 1 < count; ++k) {
+                const NodeId last = node[(low + k + 1) % count];
+                out.nodes.insert(out.nodes.end(), {node[low], node[(low + k) % count], last, last});
+                out.surface.push_back(facets.surface[i]);
+                out.inside.push_back(facets.inside[i]);
+                out.outside.push_back(facets.outside[i]);
+            }
+        }
+    });
+    FacetBlock result;
+    const auto gather = [&](auto member) {
+        using List = std::remove_reference_t<decltype(result.*member)>;
+        std::vector<List> lists;
+        for (FacetBlock& part : parts) lists.push_back(std::move(part.*member));
+        append_lists(lists, threads, result.*member);
+    };
+    gather(&FacetBlock::nodes);
+    gather(&FacetBlock::surface);
+    gather(&FacetBlock::inside);
+    gather(&FacetBlock::outside);
+    return result;
 }
 
 }  // namespace
 
-Mesh split(const Mesh& mesh, const std::vector<NodeId>* rank) {
-    const Order less{rank};
-    Mesh result;
-    result.points = mesh.points;
-    result.region_names = mesh.region_names;
-    result.surface_names = mesh.surface_names;
-    ElementBlock& out = result.block(ElementType::kTetrahedron);
-    std::vector<Tetrahedron> pieces;
+Mesh split(Mesh mesh, int threads, const std::vector<NodeId>* rank, IndexRuns* cube_pieces) {
+    const Order order(rank);
+    std::vector<Share> shares;
+    std::size_t count = 0;
     for (int t = 0; t < kElementTypes; ++t) {
-        const auto type = static_cast<ElementType>(t);
-        const ElementBlock& block = mesh.block(type);
-        const auto size = static_cast<std::size_t>(kElementNodes[static_cast<std::size_t>(t)]);
-        for (std::size_t i = 0; i < block.size(); ++i) {
-            const NodeId* node = block.nodes.data() + i * size;
-            pieces.clear();
-            if (type == ElementType::kTetrahedron) {
-                pieces.push_back({node[0], node[1], node[2], node[3]});
-            } else {
-                cone(type, node, *std::min_element(node, node + size, less), less, pieces);
-                if (!all_positive(result.points, pieces)) {
-                    pieces.clear();
-                    const auto centre = static_cast<NodeId>(result.node_count());
-                    for (std::size_t j = 0; j < 3; ++j) {
-                        double sum = 0;
-                        for (std::size_t k = 0; k < size; ++k)
-                            sum += mesh.points[3 * std::size_t{node[k]} + j];
-                        result.points.push_back(sum / static_cast<double>(size));
-                    }
-                    cone(type, node, centre, less, pieces);
-                    if (!all_positive(result.points, pieces)) {
-                        throw Error(ExitCode::kMeshing,
-                                    "element " + std::to_string(i) + " of type " + std::to_string(t) +
-                                        " cannot be split into positive tetrahedra; use --elements hex");
-                    }
-                }
-            }
-            for (const Tetrahedron& piece : pieces) {
-                out.nodes.insert(out.nodes.end(), piece.begin(), piece.end());
-                out.region.push_back(block.region[i]);
-                out.kind.push_back(block.kind[i]);
-            }
-        }
+        const ElementBlock& block = mesh.elements[static_cast<std::size_t>(t)];
+        shares.push_back(plan(static_cast<ElementType>(t), block, order, count, threads, mesh.points));
+        count += shares.back().count(block.size());
     }
-    const FacetBlock& facets = mesh.facets;
-    std::vector<std::array<NodeId, 3>> triangles;
-    for (std::size_t i = 0; i < facets.size(); ++i) {
-        const NodeId* node = facets.nodes.data() + 4 * i;
-        triangles.clear();
-        triangulate(node, node[3] == node[2] ? 3 : 4, less, triangles);
-        for (const auto& triangle : triangles) {
-            result.facets.nodes.insert(result.facets.nodes.end(), triangle.begin(), triangle.end());
-            result.facets.nodes.push_back(triangle[2]);
-            result.facets.surface.push_back(facets.surface[i]);
-            result.facets.inside.push_back(facets.inside[i]);
-            result.facets.outside.push_back(facets.outside[i]);
-        }
+    if (cube_pieces != nullptr) *cube_pieces = pieces_of_cubes(mesh.elements[0], shares[0]);
+    ElementBlock tetrahedra;
+    resize_large(tetrahedra.nodes, 4 * count, threads);
+    resize_large(tetrahedra.region, count, threads);
+    resize_large(tetrahedra.kind, count, threads);
+    for (std::size_t t = 0; t < kElementTypes; ++t) {
+        split_block(mesh.elements[t], shares[t], mesh.points, threads, tetrahedra);
+        mesh.elements[t] = {};
     }
-    return result;
+    mesh.block(ElementType::kTetrahedron) = std::move(tetrahedra);
+    mesh.facets = split_facets(mesh.facets, order, threads);
+    return mesh;
 }
 
 }  // namespace mortise::tetrahedra

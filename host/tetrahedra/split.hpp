@@ -6,14 +6,17 @@
 // this would turn a tetrahedron over gets one node at its centre instead, with the same faces.
 #pragma once
 
+#include "host/common/index_run.hpp"
 #include "mortise/mesh.hpp"
 
 namespace mortise::tetrahedra {
 
 /// Splits all elements and facets. Regions, kinds, facet surfaces and the order of elements carry over.
-/// Nodes are compared by `rank`, then by number; null: by number alone. Faces whose nodes have the same ranks
-/// are cut alike. Throws Error(kMeshing) if an element cannot be split into positive tetrahedra even from its
-/// centre.
-Mesh split(const Mesh& mesh, const std::vector<NodeId>* rank = nullptr);
+/// Hexahedra of kind kIn must be cubes. `cube_pieces`, if wanted, receives the tetrahedra they are split
+/// into. Nodes are compared by `rank`, then by number; null: by number alone. Faces whose nodes have the same
+/// ranks are cut alike. `threads` host threads, 0: all cores; the result does not depend on them. Throws
+/// Error(kMeshing) if an element cannot be split into positive tetrahedra even from its centre.
+Mesh split(Mesh mesh, int threads, const std::vector<NodeId>* rank = nullptr,
+           IndexRuns* cube_pieces = nullptr);
 
 }  // namespace mortise::tetrahedra

@@ -14,8 +14,13 @@ using mortise::test::RandomSource;
 
 TEST_CASE("bricks near a set of cells hold all points within reach of it") {
     RandomSource random(5);
-    for (const int level : {2, 4, 5}) {
-        improve::CellSet cells(level, nullptr);
+    const std::pair<int, std::int64_t> cases[] = {{2, improve::CellSet::kReach},
+                                                  {4, improve::CellSet::kReach},
+                                                  {4, improve::CellSet::kShortReach},
+                                                  {5, improve::CellSet::kReach},
+                                                  {5, improve::CellSet::kShortReach}};
+    for (const auto& [level, reach] : cases) {
+        improve::CellSet cells(level, nullptr, reach);
         const double side = std::ldexp(1.0, level);
         std::vector<improve::Point> centres;
         for (int k = 0; k < 3; ++k) {
@@ -39,7 +44,7 @@ TEST_CASE("bricks near a set of cells hold all points within reach of it") {
                 double distance = 0;
                 for (std::size_t j = 0; j < 3; ++j)
                     distance = std::max(distance, std::fabs(p[j] - centre[j]));
-                if (distance < static_cast<double>(improve::CellSet::kReach)) CHECK(listed);
+                if (distance < static_cast<double>(reach)) CHECK(listed);
             }
         }
     }
@@ -74,7 +79,7 @@ TEST_CASE("elements near the zone are found whether rows of cubes are skipped or
     cells.set_ring(cells.index({3.5, 4.5, 30.5}));
     cells.set_ring(cells.index({20.5, 31.9, 7.5}));
     improve::Places places;
-    improve::find_cells(mesh, frame, cells, 2, places);
+    improve::find_cells(mesh, frame, cells, {}, 2, places);
     std::vector<std::uint32_t> expected;
     for (std::size_t i = 0; i < block.size(); ++i) {
         if (cells.is_near(improve::place_of(mesh, frame, 0, i)))
@@ -83,6 +88,60 @@ TEST_CASE("elements near the zone are found whether rows of cubes are skipped or
     CHECK(expected.size() > 1000);
     CHECK(expected.size() < block.size() / 2);
     CHECK(places.element[0] == expected);
+}
+
+TEST_CASE("pieces of cubes near the zone are found whether rows of them are skipped or not") {
+    RandomSource random(8);
+    const int level = 5;
+    // Cubes in Morton order, with gaps, as six slivers each of which none reaches out of its cube; other
+    // tetrahedra between them.
+    Mesh mesh;
+    improve::Known known;
+    ElementBlock& block = mesh.block(ElementType::kTetrahedron);
+    for (std::uint64_t code = 0; code < std::uint64_t{1} << (3 * level); ++code) {
+        if (random.chance(0.2)) continue;
+        const bool is_cube = random.chance(0.9);
+        const double low[3] = {static_cast<double>(gather_bits(code)),
+                               static_cast<double>(gather_bits(code >> 1)),
+                               static_cast<double>(gather_bits(code >> 2))};
+        if (is_cube) {
+            if (known.cube_pieces.empty() || known.cube_pieces.back().end != block.size())
+                known.cube_pieces.push_back({block.size(), block.size()});
+            known.cube_pieces.back().end += 6;
+        }
+        for (int piece = 0; piece < (is_cube ? 6 : 2); ++piece) {
+            for (int k = 0; k < 4; ++k) {
+                block.nodes.push_back(static_cast<NodeId>(mesh.node_count()));
+                const double reach = is_cube ? 0 : 0.3;
+                for (std::size_t j = 0; j < 3; ++j)
+                    mesh.points.push_back(low[j] + random.uniform(-reach, 1 + reach));
+            }
+            block.region.push_back(1);
+            block.kind.push_back(static_cast<std::uint8_t>(is_cube ? ElementKind::kIn : ElementKind::kSnio));
+        }
+    }
+    CHECK(known.cube_pieces.size() > 100);
+    improve::CellFrame frame{};
+    frame.cell = frame.per_cell = 1;
+    frame.level = level;
+    frame.on_lattice = false;
+    improve::CellSet cells(level, nullptr, improve::CellSet::kShortReach);
+    cells.set_ring(cells.index({3.5, 4.5, 30.5}));
+    cells.set_ring(cells.index({20.5, 31.9, 7.5}));
+    improve::Places places;
+    improve::find_cells(mesh, frame, cells, known, 2, places);
+    std::vector<std::uint32_t> expected;
+    for (std::size_t i = 0; i < block.size(); ++i) {
+        if (cells.is_near(improve::place_of(mesh, frame, 3, i)))
+            expected.push_back(static_cast<std::uint32_t>(i));
+    }
+    CHECK(expected.size() > 1000);
+    CHECK(expected.size() < block.size() / 2);
+    CHECK(places.element[3] == expected);
+    std::vector<std::uint32_t> cell_of;
+    for (const std::uint32_t i : expected)
+        cell_of.push_back(static_cast<std::uint32_t>(cells.index(improve::place_of(mesh, frame, 3, i))));
+    CHECK(places.cell_of[3] == cell_of);
 }
 
 TEST_CASE("sorting on threads sorts, whatever their number") {

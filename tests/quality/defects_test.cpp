@@ -135,33 +135,59 @@ TEST_CASE("faces that do not fit together are seen by one sum") {
     }
 }
 
-TEST_CASE("faces of hexahedra count the same as facets, whatever their nodes' numbers") {
-    std::mt19937 random(11);
-    for (int round = 0; round < 2000; ++round) {
-        Mesh mesh;
-        ElementBlock& hexahedra = mesh.block(ElementType::kHexahedron);
-        const int count = round % 3 + 1;
-        for (int i = 0; i < count; ++i) {
-            std::array<NodeId, 8> nodes{};  // all different: neighbours, or anywhere
-            for (NodeId k = 0; k < 8; ++k) nodes[k] = round % 2 == 0 ? k << 29 | random() >> 3 : ~k;
-            std::shuffle(nodes.begin(), nodes.end(), random);
-            hexahedra.nodes.insert(hexahedra.nodes.end(), nodes.begin(), nodes.end());
-        }
-        hexahedra.region.resize(static_cast<std::size_t>(count));
-        hexahedra.kind.resize(static_cast<std::size_t>(count));
-        FacetBlock facets;
-        for (int i = 0; i < count; ++i) {
-            for (const LocalFace& face : kHexahedronFaces) {
-                const auto turn = random() % 4;
-                for (std::size_t k = 0; k < 4; ++k)
-                    facets.nodes.push_back(
-                        hexahedra.nodes[static_cast<std::size_t>(8 * i + face[(k + turn) % 4])]);
-                facets.surface.push_back(0);
-                facets.inside.push_back(1);
-                facets.outside.push_back(0);
+namespace {
+
+/// Elements of all different nodes, in random order: neighbours' numbers, or from anywhere.
+std::vector<NodeId> random_elements(std::size_t count, std::size_t nodes_each, bool anywhere,
+                                    std::mt19937& random) {
+    std::vector<NodeId> all;
+    for (std::size_t i = 0; i < count; ++i) {
+        std::vector<NodeId> nodes(nodes_each);
+        for (NodeId k = 0; k < nodes_each; ++k) nodes[k] = anywhere ? k << 29 | random() >> 3 : ~k;
+        std::shuffle(nodes.begin(), nodes.end(), random);
+        all.insert(all.end(), nodes.begin(), nodes.end());
+    }
+    return all;
+}
+
+/// The faces of a type's elements as facets, each from any of its nodes.
+FacetBlock facets_of(ElementType type, const std::vector<NodeId>& nodes, std::mt19937& random) {
+    FacetBlock facets;
+    const LocalFaces faces = local_faces(type);
+    const auto each = static_cast<std::size_t>(kElementNodes[static_cast<std::size_t>(type)]);
+    for (std::size_t i = 0; i < nodes.size(); i += each) {
+        for (int f = 0; f < faces.count; ++f) {
+            const LocalFace& face = faces.faces[f];
+            const std::size_t count = face[3] < 0 ? 3 : 4;
+            const auto turn = random() % count;
+            for (std::size_t k = 0; k < 4; ++k) {
+                const std::size_t at = (std::min(k, count - 1) + turn) % count;
+                facets.nodes.push_back(nodes[i + static_cast<std::size_t>(face[at])]);
             }
+            facets.surface.push_back(0);
+            facets.inside.push_back(1);
+            facets.outside.push_back(0);
         }
-        CHECK(quality::sum_of_faces(mesh, 1) == quality::sum_of_outer_facets(facets, 1));
+    }
+    return facets;
+}
+
+}  // namespace
+
+TEST_CASE("faces of elements count the same as facets, whatever their nodes' numbers") {
+    std::mt19937 random(11);
+    for (const ElementType type : {ElementType::kHexahedron, ElementType::kTetrahedron}) {
+        for (int round = 0; round < 2000; ++round) {
+            Mesh mesh;
+            ElementBlock& block = mesh.block(type);
+            const auto count = static_cast<std::size_t>(round % 3 + 1);
+            const auto each = static_cast<std::size_t>(kElementNodes[static_cast<std::size_t>(type)]);
+            block.nodes = random_elements(count, each, round % 2 == 0, random);
+            block.region.resize(count);
+            block.kind.resize(count);
+            const FacetBlock facets = facets_of(type, block.nodes, random);
+            CHECK(quality::sum_of_faces(mesh, 1) == quality::sum_of_outer_facets(facets, 1));
+        }
     }
 }
 

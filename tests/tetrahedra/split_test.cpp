@@ -3,12 +3,15 @@
 #include <algorithm>
 #include <numeric>
 
+#include "host/improve/quality.hpp"
 #include "host/tetrahedra/split.hpp"
 #include "mortise/check.hpp"
 
 using namespace mortise;
 
 namespace {
+
+const std::vector<double> cube = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0, 0, 0, 1, 1, 0, 1, 1, 1, 1, 0, 1, 1};
 
 /// One element of each type with the given numbering of its nodes, as a mesh with its own facets.
 Mesh single(ElementType type, const std::vector<double>& points, const std::vector<NodeId>& order) {
@@ -20,7 +23,7 @@ Mesh single(ElementType type, const std::vector<double>& points, const std::vect
     ElementBlock& block = mesh.block(type);
     block.nodes = order;
     block.region = {1};
-    block.kind = {0};
+    block.kind = {static_cast<std::uint8_t>(ElementKind::kSnio)};  // no cube
     const LocalFaces faces = local_faces(type);
     for (int f = 0; f < faces.count; ++f) {
         const LocalFace& face = faces.faces[f];
@@ -42,7 +45,7 @@ void check_all_numberings(ElementType type, const std::vector<double>& points, d
     do {
         // All 40,320 numberings of a hexahedron are too many for a quick test: every 37th.
         if (order.size() == 8 && count++ % 37 != 0) continue;
-        const Mesh split = tetrahedra::split(single(type, points, order));
+        const Mesh split = tetrahedra::split(single(type, points, order), 1);
         const CheckReport report = check_mesh(split);
         REQUIRE_MESSAGE(report.valid(), (report.defects.empty() ? "" : report.defects[0].what));
         REQUIRE(report.volume == doctest::Approx(volume).epsilon(1e-12));
@@ -53,10 +56,73 @@ void check_all_numberings(ElementType type, const std::vector<double>& points, d
 }  // namespace
 
 TEST_CASE("elements with plane faces split without new nodes, whatever their numbering") {
-    check_all_numberings(ElementType::kHexahedron,
-                         {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0, 0, 0, 1, 1, 0, 1, 1, 1, 1, 0, 1, 1}, 1);
+    check_all_numberings(ElementType::kHexahedron, cube, 1);
     check_all_numberings(ElementType::kWedge, {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 1, 0, 1, 0, 1, 1}, 0.5);
     check_all_numberings(ElementType::kPyramid, {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0, 0.5, 0.5, 1}, 1.0 / 3);
+}
+
+TEST_CASE("cubes split into good tetrahedra, which are told of") {
+    std::vector<NodeId> order(8);
+    std::iota(order.begin(), order.end(), 0u);
+    do {
+        Mesh mesh = single(ElementType::kHexahedron, cube, order);
+        mesh.elements[0].kind = {static_cast<std::uint8_t>(ElementKind::kIn)};
+        IndexRuns pieces;
+        const Mesh split = tetrahedra::split(std::move(mesh), 1, nullptr, &pieces);
+        REQUIRE(pieces.size() == 1);
+        REQUIRE(pieces[0].begin == 0);
+        REQUIRE(pieces[0].end == 6);
+        const std::vector<NodeId>& nodes = split.block(ElementType::kTetrahedron).nodes;
+        REQUIRE(nodes.size() == 24);
+        for (std::size_t i = 0; i < nodes.size(); i += 4) {
+            std::array<improve::Point, 4> p;
+            for (std::size_t k = 0; k < 4; ++k)
+                for (std::size_t j = 0; j < 3; ++j) p[k][j] = split.points[3 * nodes[i + k] + j];
+            REQUIRE(improve::tetrahedron_quality(p[0], p[1], p[2], p[3]) > improve::kGoodQuality);
+        }
+    } while (std::next_permutation(order.begin(), order.end()));
+}
+
+TEST_CASE("pieces of cubes are told apart from others, on any number of threads") {
+    // A row of hexahedra, every third of them no cube; every ninth so curved that it is split from its
+    // centre.
+    Mesh mesh;
+    ElementBlock& block = mesh.block(ElementType::kHexahedron);
+    const std::vector<double> curved = {0, 0.4, -0.2, 1,   0, 0,   0.6, 0.6, 0.2, 0,   1,   0,
+                                        0, 0,   1,    1.4, 0, 0.8, 1,   1,   1,   0.2, 0.8, 1};
+    const std::size_t count = 20000;
+    std::size_t cubes = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+        const bool is_cube = i % 3 != 0, is_curved = i % 9 == 0;
+        const std::vector<double>& points = is_curved ? curved : cube;
+        for (std::size_t c = 0; c < 8; ++c) {
+            block.nodes.push_back(static_cast<NodeId>(mesh.node_count()));
+            mesh.points.insert(mesh.points.end(), {3 * static_cast<double>(i) + points[3 * c],
+                                                   points[3 * c + 1], points[3 * c + 2]});
+        }
+        block.region.push_back(1);
+        block.kind.push_back(static_cast<std::uint8_t>(is_cube ? ElementKind::kIn : ElementKind::kSnio));
+        cubes += is_cube ? 1 : 0;
+    }
+    Mesh first;
+    for (const int threads : {1, 2, 5}) {
+        IndexRuns runs;
+        const Mesh split = tetrahedra::split(mesh, threads, nullptr, &runs);
+        const ElementBlock& tetrahedra = split.block(ElementType::kTetrahedron);
+        std::size_t in_runs = 0;
+        RunFinder finder(runs, 0);
+        for (std::size_t i = 0; i < tetrahedra.size(); ++i) {
+            const bool is_piece = tetrahedra.kind[i] == static_cast<std::uint8_t>(ElementKind::kIn);
+            REQUIRE((finder.run_of(i) != nullptr) == is_piece);
+            in_runs += is_piece ? 1 : 0;
+        }
+        CHECK(in_runs == 6 * cubes);
+        CHECK(split.node_count() == mesh.node_count() + (count + 8) / 9);  // centres
+        CHECK(tetrahedra.size() == 6 * count + 6 * ((count + 8) / 9));
+        if (first.points.empty()) first = split;
+        CHECK(first.block(ElementType::kTetrahedron).nodes == tetrahedra.nodes);
+        CHECK(first.points == split.points);
+    }
 }
 
 TEST_CASE("a hexahedron with a curved face splits positively") {
@@ -64,5 +130,5 @@ TEST_CASE("a hexahedron with a curved face splits positively") {
     Mesh mesh = single(ElementType::kHexahedron,
                        {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0, 0, 0, 0.05, 1, 0, 0.9, 1, 1, 0.05, 0, 1, 0.9},
                        {0, 1, 2, 3, 4, 5, 6, 7});
-    CHECK(check_mesh(tetrahedra::split(mesh)).valid());
+    CHECK(check_mesh(tetrahedra::split(mesh, 1)).valid());
 }
