@@ -56,6 +56,7 @@ void prepare_environment() {
         const char* const chosen = std::getenv("POCL_CACHE_DIR");
         if (chosen != nullptr && *chosen == '\0') unsetenv("POCL_CACHE_DIR");
         setenv("POCL_WORK_GROUP_SPECIALIZATION", "0", 0);
+        setenv("POCL_WORK_GROUP_METHOD", "loops", 0);
         if (is_writable_folder(pocl_cache_folder())) return;
         std::error_code error;
         std::string folder = (fs::temp_directory_path(error) / "mortise-pocl-XXXXXX").string();

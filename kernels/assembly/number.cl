@@ -20,7 +20,8 @@
 __constant uchar kHexahedronCorner[8] = {0, 1, 3, 2, 4, 5, 7, 6};
 
 // Mask of the nodes that a leaf owns among those it uses.
-static uint owned_mask(const Tree* tree, __global const uint* used, ulong code, uint mark, uint mask) {
+MORTISE_NOINLINE uint owned_mask(const Tree* tree, __global const uint* used, ulong code, uint mark,
+                                 uint mask) {
     const int level = (int)(mark & kMarkLevel);
     const uint edge = leaf_edge(tree, level);
     const uint x = gather_bits(code);
@@ -191,9 +192,9 @@ static uint node_id(const Tree* tree, __global const uint* owned, __global const
 }
 
 // Number of corner c of the leaf at (x, y, z).
-static uint corner_id(const Tree* tree, __global const uint* used, __global const uint* owned,
-                      __global const uint* base, __global const ulong* foreign, PieceRange range, ulong code,
-                      uint mark, uint x, uint y, uint z, uint edge, uint c) {
+MORTISE_NOINLINE uint corner_id(const Tree* tree, __global const uint* used, __global const uint* owned,
+                                __global const uint* base, __global const ulong* foreign, PieceRange range,
+                                ulong code, uint mark, uint x, uint y, uint z, uint edge, uint c) {
     uint bit = 0;
     const ulong owner = corner_owner(tree, used, code, mark, x, y, z, edge, c, &bit);
     return node_id(tree, owned, base, foreign, range, owner, bit);
@@ -203,8 +204,8 @@ typedef uint2 Pair __attribute__((aligned(4)));
 #define PAIR_AT(low, offset) (*(const Pair*)((low) + (offset)))
 
 // Numbers of the last corners of IN cells in a block and of those behind it, x first; index 0 is behind.
-static void block_ids(const Tree* tree, const TreeBlock* block, __global const uint* base, PieceRange range,
-                      uint* ids) {
+MORTISE_NOINLINE void block_ids(const Tree* tree, const TreeBlock* block, __global const uint* base,
+                                PieceRange range, uint* ids) {
     uint rank[8];
     for (uint a = 0; a < 8; ++a) {
         const uint word = block->word[a];
@@ -284,6 +285,72 @@ MORTISE_KERNEL void write_hexahedra(TREE_PARAMETERS, __global const uint* used, 
     }
 }
 
+// Elements and facets of a row of the table, at out[type] and `facets`.
+MORTISE_NOINLINE void write_row(uint pattern, const uint* ids, __global uint* const* out,
+                                __global uint* facets) {
+    const uint sizes[4] = {8, 6, 5, 4};
+    const TemplateRow row = kTemplateRows[pattern];
+    uint at = row.first_node;
+    for (int type = 0; type < 4; ++type) {
+        for (uint i = 0; i < row.elements[type] * sizes[type]; ++i) out[type][i] = ids[kTemplateNodes[at++]];
+    }
+    for (uint i = 0; i < 4u * row.facets; ++i) {
+        facets[i] = ids[kTemplateFacets[4 * row.first_facet + i]];
+    }
+}
+
+// Elements of a wedge or a cone, and facets on the faces and the surface of any leaf with a boundary of its
+// own.
+MORTISE_NOINLINE void write_boundary(const SnioLeaf* leaf, const uint* ids, __global uint** out,
+                                     __global uint* facets) {
+    CellBoundary boundary;
+    int off_loop = 1;
+    make_outline(leaf->method == kMethodHexahedron ? 0xff : leaf->pattern, leaf->on, &boundary);
+    for (int f = 0; f < 6; ++f) boundary.mesh[f] = (leaf->faces >> (2 * f)) & 3;
+    for (int f = 0; f < 6; ++f) {
+        for (int i = 0; i < 3; ++i) {
+            uchar facet[4];
+            const int size = face_facet(&boundary, f, i, facet);
+            if (size == 0) break;
+            if (leaf->method == kMethodCone && !facet_holds(facet, size, leaf->apex)) {
+                __global uint* to = out[size == 4 ? 2 : 3];
+                for (int k = 0; k < size; ++k) to[k] = ids[facet[k]];
+                to[size] = ids[leaf->apex];
+                out[size == 4 ? 2 : 3] = to + size + 1;
+            }
+            if ((leaf->boundary >> f) & 1) {
+                // Outward.
+                for (int k = 0; k < 4; ++k) {
+                    facets[k] = ids[facet[k < size ? size - 1 - k : 0]];
+                }
+                facets += 4;
+            }
+        }
+    }
+    if (leaf->method == kMethodWedge) {
+        int n[6];
+        wedge_nodes(&boundary, leaf->apex, n);
+        for (int i = 0; i < 6; ++i) out[1][i] = ids[n[i]];
+        off_loop = 0;
+    }
+    for (int i = 0; i < boundary.loop_size; ++i) {
+        if (boundary.loop[i] == leaf->apex) off_loop = 0;
+    }
+    for (uint i = 0; i < leaf->facet_count; ++i) {
+        uint n[4];
+        for (int k = 0; k < 4; ++k) n[k] = ids[boundary.loop[(leaf->facets[i] >> (4 * k)) & 15]];
+        for (int k = 0; k < 4; ++k) facets[k] = n[k];
+        facets += 4;
+        if (off_loop) {
+            const int size = n[3] != n[2] ? 4 : 3;
+            __global uint* to = out[size == 4 ? 2 : 3];
+            for (int k = 0; k < size; ++k) to[k] = n[size - 1 - k];
+            to[size] = ids[leaf->apex];
+            out[size == 4 ? 2 : 3] = to + size + 1;
+        }
+    }
+}
+
 // Elements and surface facets of SNIO leaves, in Morton order.
 //
 // Reads the tree, nio, leaves, used, owned, base, offsets[t * stride + i] of elements of type t before leaf i
@@ -336,76 +403,20 @@ MORTISE_KERNEL void write_templates(TREE_PARAMETERS, __global const TreeNode* ni
         }
         {
             __global uint* out[4];
-            const uint sizes[4] = {8, 6, 5, 4};
-            __global uint* facet_out = facets + 4 * (ulong)facet_offsets[item];
+            __global uint* facets_out = facets + 4 * (ulong)facet_offsets[item];
             out[0] = hexahedra + 8 * (ulong)(in_before - range.first_in + offsets[item]);
             out[1] = wedges + 6 * (ulong)offsets[stride + item];
             out[2] = pyramids + 5 * (ulong)offsets[2 * stride + item];
             out[3] = tetrahedra + 4 * (ulong)offsets[3 * stride + item];
             if (leaf.method == kMethodRow) {
-                const TemplateRow row = kTemplateRows[leaf.pattern];
-                uint at = row.first_node;
-                for (int type = 0; type < 4; ++type) {
-                    for (uint i = 0; i < row.elements[type] * sizes[type]; ++i)
-                        out[type][i] = ids[kTemplateNodes[at++]];
-                }
-                for (uint i = 0; i < 4u * row.facets; ++i) {
-                    facet_out[i] = ids[kTemplateFacets[4 * row.first_facet + i]];
-                }
+                write_row(leaf.pattern, ids, out, facets_out);
                 return;
             }
             if (leaf.method == kMethodHexahedron) {
                 for (uint i = 0; i < 8; ++i) out[0][i] = ids[kHexahedronCorner[i]];
                 if (leaf.boundary == 0) return;
             }
-            {
-                CellBoundary boundary;
-                int off_loop = 1;
-                make_outline(leaf.method == kMethodHexahedron ? 0xff : leaf.pattern, leaf.on, &boundary);
-                for (int f = 0; f < 6; ++f) boundary.mesh[f] = (leaf.faces >> (2 * f)) & 3;
-                for (int f = 0; f < 6; ++f) {
-                    for (int i = 0; i < 3; ++i) {
-                        uchar facet[4];
-                        const int size = face_facet(&boundary, f, i, facet);
-                        if (size == 0) break;
-                        if (leaf.method == kMethodCone && !facet_holds(facet, size, leaf.apex)) {
-                            __global uint* to = out[size == 4 ? 2 : 3];
-                            for (int k = 0; k < size; ++k) to[k] = ids[facet[k]];
-                            to[size] = ids[leaf.apex];
-                            out[size == 4 ? 2 : 3] = to + size + 1;
-                        }
-                        if ((leaf.boundary >> f) & 1) {
-                            // Outward.
-                            for (int k = 0; k < 4; ++k) {
-                                facet_out[k] = ids[facet[k < size ? size - 1 - k : 0]];
-                            }
-                            facet_out += 4;
-                        }
-                    }
-                }
-                if (leaf.method == kMethodWedge) {
-                    int n[6];
-                    wedge_nodes(&boundary, leaf.apex, n);
-                    for (int i = 0; i < 6; ++i) out[1][i] = ids[n[i]];
-                    off_loop = 0;
-                }
-                for (int i = 0; i < boundary.loop_size; ++i) {
-                    if (boundary.loop[i] == leaf.apex) off_loop = 0;
-                }
-                for (uint i = 0; i < leaf.facet_count; ++i) {
-                    uint n[4];
-                    for (int k = 0; k < 4; ++k) n[k] = ids[boundary.loop[(leaf.facets[i] >> (4 * k)) & 15]];
-                    for (int k = 0; k < 4; ++k) facet_out[k] = n[k];
-                    facet_out += 4;
-                    if (off_loop) {
-                        const int size = n[3] != n[2] ? 4 : 3;
-                        __global uint* to = out[size == 4 ? 2 : 3];
-                        for (int k = 0; k < size; ++k) to[k] = n[size - 1 - k];
-                        to[size] = ids[leaf.apex];
-                        out[size == 4 ? 2 : 3] = to + size + 1;
-                    }
-                }
-            }
+            write_boundary(&leaf, ids, out, facets_out);
         }
     }
 }

@@ -121,6 +121,174 @@ static uint find_tape(__global const uint* tapes, const uint* offsets, const uin
     return NOTHING;
 }
 
+// The work of one item: see the top. `masks` and `rests` are its scratch.
+MORTISE_NOINLINE void split_parent(__global const TreeNode* parents, __global uint* tapes,
+                                   __global const SurfaceBounds* surfaces, __global const ExpressionOp* ops,
+                                   __global const uint* spatial, __global ChildNode* children,
+                                   __global uint* unknown_counts, __global uint* in_counts,
+                                   __global uint* used, __global ushort* masks, __global ushort* rests,
+                                   uint capacity, int level, uint item) {
+    const TreeNode parent = parents[item];
+    __global const uint* tape = tapes + parent.tape_offset;
+    const float half_edge = 1.0f / (float)(2u << level);  // of a child, whose level is `level`
+    // Centre of the parent: odd multiples of a child's edge, exact in float up to kMaxTreeLevel.
+    const float edge = 2.0f * half_edge;
+    const float x = (float)(2 * gather_bits(parent.morton) + 1) * edge;
+    const float y = (float)(2 * gather_bits(parent.morton >> 1) + 1) * edge;
+    const float z = (float)(2 * gather_bits(parent.morton >> 2) + 1) * edge;
+    uint kept[KEPT_WORDS * LANES];  // the first words of each child's tape
+    uint sibling_offsets[8];
+    uint sibling_lengths[8];
+    uint made = 0;
+    uint longest = 0;
+    uint unknown = 0;
+    uint in = 0;
+    for (int round = 0; round < ROUNDS; ++round) {
+        lanes_int stack[kTapeStack];
+        int top = -1;
+        int copies = level == 1;
+        uint expanded = 0;
+        int values[LANES];
+        uint lengths[LANES];
+        Cube cube;
+        cube.x = x + half_edge * CHILD_X(round);
+        cube.y = y + half_edge * CHILD_Y(round);
+        cube.z = z + half_edge * CHILD_Z(round);
+        cube.half_edge = half_edge;
+        for (uint i = 0; i < parent.tape_length; ++i) {
+            const uint word = tape[i];
+            const uint operation = tape_operation(word);
+            const lanes_int unsure = (lanes_int)(kUnknown);
+            lanes_int value;
+            lanes_int keeps;
+            if (operation == kTapeLiteral) {
+                const lanes_int sign = classify_surface(surfaces + tape_surface(word), ops, cube);
+                const int inside = tape_negated(word) ? 0 : 1;
+                value =
+                    select(select(unsure, (lanes_int)(inside), sign < 0), (lanes_int)(1 - inside), sign > 0);
+                keeps = value == unsure;
+                ++top;
+            } else if (operation == kTapeSpatial) {
+                int states[LANES];
+                for (int lane = 0; lane < LANES; ++lane)
+                    states[lane] = spatial_state(spatial[tape_surface(word) + (uint)(round + lane)], word);
+                value = LOAD_LANES(states);
+                keeps = value == unsure;
+                copies = 1;
+                ++top;
+            } else if (operation == kTapeSelectConst) {
+                const lanes_int a = stack[top];
+                const int region = tape_region(word);
+                const int otherwise = tape_otherwise(word);
+                const lanes_int same = (lanes_int)(region == otherwise ? region : kUnknown);
+                value = select(select(same, (lanes_int)(otherwise), a == 0), (lanes_int)(region), a == 1);
+                keeps = value == unsure;
+            } else {
+                const lanes_int b = stack[top--];
+                const lanes_int a = stack[top];
+                if (operation == kTapeAnd) {
+                    value = select(select(unsure, (lanes_int)(1), (a == 1) & (b == 1)), (lanes_int)(0),
+                                   (a == 0) | (b == 0));
+                    keeps = (a == unsure) & (b == unsure);
+                } else if (operation == kTapeOr) {
+                    value = select(select(unsure, (lanes_int)(0), (a == 0) & (b == 0)), (lanes_int)(1),
+                                   (a == 1) | (b == 1));
+                    keeps = (a == unsure) & (b == unsure);
+                } else {
+                    const lanes_int region = (lanes_int)(tape_region(word));
+                    int rest[LANES];
+                    value = select(select(select(unsure, region, a == region), a, b == 0), region, b == 1);
+                    keeps = (value == unsure) & (b == unsure);
+                    STORE_LANES(a, rest);
+                    for (int lane = 0; lane < LANES; ++lane)
+                        rests[i * LANES + (uint)lane] =
+                            (ushort)(rest[lane] == kUnknown ? kMaxRegions + 1 : rest[lane]);
+                }
+            }
+            stack[top] = value;
+            masks[i] = (ushort)lane_bits(value == unsure, keeps);
+        }
+        // Often each child is decided or keeps the whole tape.
+        copies = find_kept(tape, parent.tape_length, masks) != 0 || copies;
+        for (int lane = 0; lane < LANES; ++lane) lengths[lane] = copies ? 0 : parent.tape_length;
+        for (uint i = 0; copies && i < parent.tape_length; ++i) {
+            const uint word = tape[i];
+            uint lanes = masks[i];
+            while (lanes != 0) {
+                const uint lane = 31u - clz(lanes);
+                uint at = lengths[lane];
+                lanes ^= 1u << lane;
+                if (tape_operation(word) == kTapeSpatial) {
+                    const uint entry = spatial[tape_surface(word) + (uint)round + lane];
+                    const uint count = expanded_words(spatial, entry);
+                    for (uint k = 0; k < count; ++k, ++at) {
+                        if (at < KEPT_WORDS)
+                            kept[lane * KEPT_WORDS + at] = expanded_word(spatial, entry, word, k);
+                    }
+                    expanded |= 1u << lane;
+                } else {
+                    if (at < KEPT_WORDS)
+                        kept[lane * KEPT_WORDS + at] = kept_word(word, rests + i * LANES, (int)lane);
+                    ++at;
+                }
+                lengths[lane] = at;
+            }
+        }
+        STORE_LANES(stack[0], values);
+        for (int lane = 0; lane < LANES; ++lane) {
+            const int c = round + lane;
+            uint words = lengths[lane];
+            int value = values[lane];
+            ChildNode child;
+            child.place = parent.tape_offset;
+            child.tape_length = parent.tape_length;
+            // An unchanged tape was reduced when it was made; the root's is written anew.
+            if (value == kUnknown &&
+                (words != parent.tape_length || ((expanded >> lane) & 1) || level == 1)) {
+                uint* own = kept + lane * KEPT_WORDS;
+                const int is_short = words <= KEPT_WORDS;
+                uint offset = NOTHING;
+                if (is_short) {
+                    int constant_value = 0;
+                    words = reduce(own, words, &constant_value);
+                    if (words == 0) value = constant_value;
+                    offset = find_tape(tapes, sibling_offsets, sibling_lengths, made, own, words);
+                }
+                if (words > 0 && offset == NOTHING) {
+                    // Plain reads of used may be old: they only save atomic operations.
+                    const uint at = used[0] < MOST_TAPE_WORDS ? atomic_add(used, words) : capacity;
+                    if (at < capacity && words <= capacity - at) {
+                        offset = at;
+                        if (is_short) {
+                            for (uint i = 0; i < words; ++i) tapes[at + i] = own[i];
+                            sibling_offsets[made] = at;
+                            sibling_lengths[made++] = words;
+                        } else {
+                            copy_kept(tape, parent.tape_length, spatial, masks, rests, lane, c, tapes + at);
+                        }
+                    }
+                }
+                if (offset != NOTHING) {
+                    child.place = offset;
+                    child.tape_length = words;
+                }
+            }
+            if (value == kUnknown) {
+                ++unknown;
+                longest = max(longest, child.tape_length);
+            } else {
+                child.place = (uint)value;
+                child.tape_length = 0;
+            }
+            in += value > 0;
+            children[8 * item + c] = child;
+        }
+    }
+    unknown_counts[item] = unknown;
+    in_counts[item] = in;
+    if (longest > used[1]) atomic_max(used + 1, longest);
+}
+
 MORTISE_KERNEL void descend(__global const TreeNode* parents, __global uint* tapes,
                             __global const SurfaceBounds* surfaces, __global const ExpressionOp* ops,
                             __global const uint* spatial, __global ChildNode* children,
@@ -129,171 +297,9 @@ MORTISE_KERNEL void descend(__global const TreeNode* parents, __global uint* tap
                             int level, uint items) {
     if (get_global_id(0) >= items) return;
     {
-        const uint item = first_item + (uint)get_global_id(0);
         __global ushort* masks = scratch + get_global_id(0) * (ulong)slot_words * (1 + LANES);
-        __global ushort* rests = masks + slot_words;
-        const TreeNode parent = parents[item];
-        __global const uint* tape = tapes + parent.tape_offset;
-        const float half_edge = 1.0f / (float)(2u << level);  // of a child, whose level is `level`
-        // Centre of the parent: odd multiples of a child's edge, exact in float up to kMaxTreeLevel.
-        const float edge = 2.0f * half_edge;
-        const float x = (float)(2 * gather_bits(parent.morton) + 1) * edge;
-        const float y = (float)(2 * gather_bits(parent.morton >> 1) + 1) * edge;
-        const float z = (float)(2 * gather_bits(parent.morton >> 2) + 1) * edge;
-        uint kept[KEPT_WORDS * LANES];  // the first words of each child's tape
-        uint sibling_offsets[8];
-        uint sibling_lengths[8];
-        uint made = 0;
-        uint longest = 0;
-        uint unknown = 0;
-        uint in = 0;
-        for (int round = 0; round < ROUNDS; ++round) {
-            lanes_int stack[kTapeStack];
-            int top = -1;
-            int copies = level == 1;
-            uint expanded = 0;
-            int values[LANES];
-            uint lengths[LANES];
-            Cube cube;
-            cube.x = x + half_edge * CHILD_X(round);
-            cube.y = y + half_edge * CHILD_Y(round);
-            cube.z = z + half_edge * CHILD_Z(round);
-            cube.half_edge = half_edge;
-            for (uint i = 0; i < parent.tape_length; ++i) {
-                const uint word = tape[i];
-                const uint operation = tape_operation(word);
-                const lanes_int unsure = (lanes_int)(kUnknown);
-                lanes_int value;
-                lanes_int keeps;
-                if (operation == kTapeLiteral) {
-                    const lanes_int sign = classify_surface(surfaces + tape_surface(word), ops, cube);
-                    const int inside = tape_negated(word) ? 0 : 1;
-                    value = select(select(unsure, (lanes_int)(inside), sign < 0), (lanes_int)(1 - inside),
-                                   sign > 0);
-                    keeps = value == unsure;
-                    ++top;
-                } else if (operation == kTapeSpatial) {
-                    int states[LANES];
-                    for (int lane = 0; lane < LANES; ++lane)
-                        states[lane] =
-                            spatial_state(spatial[tape_surface(word) + (uint)(round + lane)], word);
-                    value = LOAD_LANES(states);
-                    keeps = value == unsure;
-                    copies = 1;
-                    ++top;
-                } else if (operation == kTapeSelectConst) {
-                    const lanes_int a = stack[top];
-                    const int region = tape_region(word);
-                    const int otherwise = tape_otherwise(word);
-                    const lanes_int same = (lanes_int)(region == otherwise ? region : kUnknown);
-                    value = select(select(same, (lanes_int)(otherwise), a == 0), (lanes_int)(region), a == 1);
-                    keeps = value == unsure;
-                } else {
-                    const lanes_int b = stack[top--];
-                    const lanes_int a = stack[top];
-                    if (operation == kTapeAnd) {
-                        value = select(select(unsure, (lanes_int)(1), (a == 1) & (b == 1)), (lanes_int)(0),
-                                       (a == 0) | (b == 0));
-                        keeps = (a == unsure) & (b == unsure);
-                    } else if (operation == kTapeOr) {
-                        value = select(select(unsure, (lanes_int)(0), (a == 0) & (b == 0)), (lanes_int)(1),
-                                       (a == 1) | (b == 1));
-                        keeps = (a == unsure) & (b == unsure);
-                    } else {
-                        const lanes_int region = (lanes_int)(tape_region(word));
-                        int rest[LANES];
-                        value =
-                            select(select(select(unsure, region, a == region), a, b == 0), region, b == 1);
-                        keeps = (value == unsure) & (b == unsure);
-                        STORE_LANES(a, rest);
-                        for (int lane = 0; lane < LANES; ++lane)
-                            rests[i * LANES + (uint)lane] =
-                                (ushort)(rest[lane] == kUnknown ? kMaxRegions + 1 : rest[lane]);
-                    }
-                }
-                stack[top] = value;
-                masks[i] = (ushort)lane_bits(value == unsure, keeps);
-            }
-            // Often each child is decided or keeps the whole tape.
-            copies = find_kept(tape, parent.tape_length, masks) != 0 || copies;
-            for (int lane = 0; lane < LANES; ++lane) lengths[lane] = copies ? 0 : parent.tape_length;
-            for (uint i = 0; copies && i < parent.tape_length; ++i) {
-                const uint word = tape[i];
-                uint lanes = masks[i];
-                while (lanes != 0) {
-                    const uint lane = 31u - clz(lanes);
-                    uint at = lengths[lane];
-                    lanes ^= 1u << lane;
-                    if (tape_operation(word) == kTapeSpatial) {
-                        const uint entry = spatial[tape_surface(word) + (uint)round + lane];
-                        const uint count = expanded_words(spatial, entry);
-                        for (uint k = 0; k < count; ++k, ++at) {
-                            if (at < KEPT_WORDS)
-                                kept[lane * KEPT_WORDS + at] = expanded_word(spatial, entry, word, k);
-                        }
-                        expanded |= 1u << lane;
-                    } else {
-                        if (at < KEPT_WORDS)
-                            kept[lane * KEPT_WORDS + at] = kept_word(word, rests + i * LANES, (int)lane);
-                        ++at;
-                    }
-                    lengths[lane] = at;
-                }
-            }
-            STORE_LANES(stack[0], values);
-            for (int lane = 0; lane < LANES; ++lane) {
-                const int c = round + lane;
-                uint words = lengths[lane];
-                int value = values[lane];
-                ChildNode child;
-                child.place = parent.tape_offset;
-                child.tape_length = parent.tape_length;
-                // An unchanged tape was reduced when it was made; the root's is written anew.
-                if (value == kUnknown &&
-                    (words != parent.tape_length || ((expanded >> lane) & 1) || level == 1)) {
-                    uint* own = kept + lane * KEPT_WORDS;
-                    const int is_short = words <= KEPT_WORDS;
-                    uint offset = NOTHING;
-                    if (is_short) {
-                        int constant_value = 0;
-                        words = reduce(own, words, &constant_value);
-                        if (words == 0) value = constant_value;
-                        offset = find_tape(tapes, sibling_offsets, sibling_lengths, made, own, words);
-                    }
-                    if (words > 0 && offset == NOTHING) {
-                        // Plain reads of used may be old: they only save atomic operations.
-                        const uint at = used[0] < MOST_TAPE_WORDS ? atomic_add(used, words) : capacity;
-                        if (at < capacity && words <= capacity - at) {
-                            offset = at;
-                            if (is_short) {
-                                for (uint i = 0; i < words; ++i) tapes[at + i] = own[i];
-                                sibling_offsets[made] = at;
-                                sibling_lengths[made++] = words;
-                            } else {
-                                copy_kept(tape, parent.tape_length, spatial, masks, rests, lane, c,
-                                          tapes + at);
-                            }
-                        }
-                    }
-                    if (offset != NOTHING) {
-                        child.place = offset;
-                        child.tape_length = words;
-                    }
-                }
-                if (value == kUnknown) {
-                    ++unknown;
-                    longest = max(longest, child.tape_length);
-                } else {
-                    child.place = (uint)value;
-                    child.tape_length = 0;
-                }
-                in += value > 0;
-                children[8 * item + c] = child;
-            }
-        }
-        unknown_counts[item] = unknown;
-        in_counts[item] = in;
-        if (longest > used[1]) atomic_max(used + 1, longest);
+        split_parent(parents, tapes, surfaces, ops, spatial, children, unknown_counts, in_counts, used, masks,
+                     masks + slot_words, capacity, level, first_item + (uint)get_global_id(0));
     }
 }
 

@@ -15,7 +15,8 @@
 #define MORTISE_TABLE static __constant
 #define MORTISE_GLOBAL __global const
 #define MORTISE_FUNCTION static
-#define MORTISE_NOINLINE static __attribute__((noinline))  // large and called from many places: compile time
+// Large: compiled once, wherever it is called from. PoCL compiles the text of a kernel three times.
+#define MORTISE_NOINLINE static __attribute__((noinline))
 #define MORTISE_DEFAULT(value)
 
 typedef char i8;

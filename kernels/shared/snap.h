@@ -16,7 +16,7 @@
 // is too far away, in a thin part, or if the iteration does not settle. A pure function of position.
 //
 // Each step takes the point of the tangent plane at the last point that is nearest to x.
-MORTISE_FUNCTION int snap_displacement(MORTISE_GLOBAL Surface* s, MORTISE_GLOBAL ExpressionOp* ops,
+MORTISE_NOINLINE int snap_displacement(MORTISE_GLOBAL Surface* s, MORTISE_GLOBAL ExpressionOp* ops,
                                        const double* x, double cell, i32* displacement) {
     const double reach = kVertexSnapDistance * cell;
     const double still = cell / 1073741824.0;  // 2^-30 of a cell

@@ -155,7 +155,7 @@ MORTISE_FUNCTION SurfaceSample surface_sample(MORTISE_GLOBAL Surface* s, MORTISE
 // Sign of f at a point: -1 inside, +1 outside, 0 when the point is within kSignTolerance·cell_size of the
 // surface to first order. NaN there and beside it counts as outside. Pure: the same point has the same sign
 // in every cell.
-MORTISE_FUNCTION int surface_sign(MORTISE_GLOBAL Surface* s, MORTISE_GLOBAL ExpressionOp* ops, double x,
+MORTISE_NOINLINE int surface_sign(MORTISE_GLOBAL Surface* s, MORTISE_GLOBAL ExpressionOp* ops, double x,
                                   double y, double z, double cell_size) {
     const SurfaceSample sample = surface_sample(s, ops, x, y, z);
     const double squared = sample.gradient[0] * sample.gradient[0] + sample.gradient[1] * sample.gradient[1] +
@@ -246,7 +246,7 @@ MORTISE_FUNCTION i32 edge_units(double place) {
     return (i32)t;
 }
 
-MORTISE_FUNCTION i32 edge_root(MORTISE_GLOBAL Surface* s, MORTISE_GLOBAL ExpressionOp* ops, const double* low,
+MORTISE_NOINLINE i32 edge_root(MORTISE_GLOBAL Surface* s, MORTISE_GLOBAL ExpressionOp* ops, const double* low,
                                const double* high) {
     return edge_units(segment_root(s, ops, low, high));
 }

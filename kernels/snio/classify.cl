@@ -18,7 +18,7 @@
 #define kLargestBulge 0.1
 
 // Value of a tape whose literals are all of one surface, with that surface's sign given.
-static int evaluate_tape(__global const uint* tape, uint length, uint inside) {
+MORTISE_NOINLINE int evaluate_tape(__global const uint* tape, uint length, uint inside) {
     int value[kTapeStack];
     int top = -1;
     for (uint i = 0; i < length; ++i) {
@@ -41,7 +41,7 @@ static int evaluate_tape(__global const uint* tape, uint length, uint inside) {
 
 // Whether the certificate meshes face f whole (corners agree) or cut by one chord, with corners in `zero` on
 // the surface.
-static int face_is_simple(uint inside, uint zero, int f) {
+MORTISE_NOINLINE int face_is_simple(uint inside, uint zero, int f) {
     int zeros = 0;
     int changes = 0;
     int signs[8];
@@ -63,8 +63,8 @@ static int face_is_simple(uint inside, uint zero, int f) {
 }
 
 // Whether the surface is within kLargestBulge of a point, to first order.
-static int is_close(__global const Surface* surface, __global const ExpressionOp* ops, const double* at,
-                    double cell) {
+MORTISE_NOINLINE int is_close(__global const Surface* surface, __global const ExpressionOp* ops,
+                              const double* at, double cell) {
     const SurfaceSample sample = surface_sample(surface, ops, at[0], at[1], at[2]);
     double square = 0;
     for (int j = 0; j < 3; ++j) square += sample.gradient[j] * sample.gradient[j];

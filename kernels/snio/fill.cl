@@ -27,8 +27,8 @@ typedef struct Choice {
     int interior[3];  // in lattice units
 } Choice;
 
-static void choose(__global const SnioPoints* points, const Look look, uint facing, int snap,
-                   Choice* choice) {
+MORTISE_NOINLINE void choose(__global const SnioPoints* points, const Look look, uint facing, int snap,
+                             Choice* choice) {
     const uint inside = look.states & 0xff;
     const uint on = (look.states >> 8) & 0xff;
     double p[kCellNodes][3];
@@ -45,8 +45,8 @@ static void choose(__global const SnioPoints* points, const Look look, uint faci
 
 // Elements of a leaf with a chosen template; the mask of its nodes and its facets, but for those on faces of
 // the cell, are in *mask and *facets.
-static void take(const Choice* choice, uint inside, SnioLeaf* leaf, uint* elements, uint* mask,
-                 uint* facets) {
+MORTISE_NOINLINE void take(const Choice* choice, uint inside, SnioLeaf* leaf, uint* elements, uint* mask,
+                           uint* facets) {
     const CellBoundary* boundary = &choice->found.boundary;
     const Cone* cone = &choice->found.cone;
     leaf->method = (uchar)choice->found.method;

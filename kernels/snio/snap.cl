@@ -147,8 +147,8 @@ MORTISE_KERNEL void promote_leaves(TREE_PARAMETERS, __global const uint* new_nio
 
 // Flags of a simple leaf: kCandidateSimple if it has a template as it is, kCandidateSafe if it has one
 // whichever of its near corners move, all that it needs among them.
-static uchar tested_flags(__global const SnioPoints* points, const SnioCandidate candidate,
-                          __global const FacePlans* plans, uint cuts, int snap) {
+MORTISE_NOINLINE uchar tested_flags(__global const SnioPoints* points, const SnioCandidate candidate,
+                                    __global const FacePlans* plans, uint cuts, int snap) {
     const uint needed = candidate.needed;
     double p[kCellNodes][3];
     double moved[8][3];

@@ -41,8 +41,8 @@ static double8 squared_lanes(const double8* v) {
 
 // Displacements, in lattice units, of those of a leaf's `corners` that have one: the set of these is
 // returned.
-static uint snap_corners(__global const Surface* s, double x, double y, double z, double cell, uint corners,
-                         __global int (*moved)[3]) {
+MORTISE_NOINLINE uint snap_corners(__global const Surface* s, double x, double y, double z, double cell,
+                                   uint corners, __global int (*moved)[3]) {
     const double8 first[3] = {x + (double8)(0, 1, 0, 1, 0, 1, 0, 1) * cell,
                               y + (double8)(0, 0, 1, 1, 0, 0, 1, 1) * cell,
                               z + (double8)(0, 0, 0, 0, 1, 1, 1, 1) * cell};

@@ -6,6 +6,7 @@
 #include <sys/wait.h>
 
 #include <algorithm>
+#include <cstdlib>
 
 #include "host/device/device.hpp"
 #include "host/device/doctor.hpp"
@@ -118,6 +119,17 @@ TEST_CASE("PoCL compiles each kernel once, for launches of every size") {
     }
     std::sort(compiled.begin(), compiled.end());
     CHECK(compiled == std::vector<std::string>{"scan_fill", "scan_sums"});
+}
+
+TEST_CASE("child: what PoCL is told" * doctest::skip()) {
+    const std::string wanted = std::getenv("MORTISE_TEST_METHOD");
+    prepare_environment();
+    CHECK(std::getenv("POCL_WORK_GROUP_METHOD") == wanted);
+}
+
+TEST_CASE("PoCL runs work-items one by one, unless told otherwise") {
+    CHECK(run_again("-u POCL_WORK_GROUP_METHOD MORTISE_TEST_METHOD=loops", "child: what PoCL is told") == 0);
+    CHECK(run_again("POCL_WORK_GROUP_METHOD=cbs MORTISE_TEST_METHOD=cbs", "child: what PoCL is told") == 0);
 }
 
 TEST_CASE("the cache folder follows the environment") {
