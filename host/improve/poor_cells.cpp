@@ -3,6 +3,7 @@
 #include <atomic>
 #include <cmath>
 
+#include "host/common/good_elements.hpp"
 #include "host/common/large_array.hpp"
 #include "host/common/parallel.hpp"
 #include "kernels/shared/corners.h"
@@ -221,6 +222,12 @@ std::vector<CellId> poor_cells(const Mesh& mesh, const CellFrame& frame, const C
     // Cubes are split into good tetrahedra.
     const IndexRuns no_pieces;
     const IndexRuns& good_pieces = least > kGoodQuality ? no_pieces : known.cube_pieces;
+    const bool is_quick = !(least > kGoodQuality) && frame.leaves == nullptr && frame.level <= kCertainLevel;
+    GoodElementsFrame quick;
+    quick.origin = frame.origin;
+    quick.per_cell = frame.per_cell;
+    quick.on_lattice = frame.on_lattice;
+    quick.shortest = kShortestEdge;
     std::vector<CellId> poor;
     for (int t = 0; t < kElementTypes; ++t) {
         const ElementBlock& block = mesh.elements[static_cast<std::size_t>(t)];
@@ -229,6 +236,14 @@ std::vector<CellId> poor_cells(const Mesh& mesh, const CellFrame& frame, const C
         std::vector<std::vector<CellId>> found(chunk_count(count, kChunk));
         parallel_chunks(count, kChunk, threads, [&](std::size_t begin, std::size_t end, int) {
             std::vector<CellId>& list = found[begin / kChunk];
+            const auto look = [&](std::size_t i) {
+                const Element e = element(mesh, t, i);
+                if (element_quality(mesh, frame, e, static_cast<ElementKind>(block.kind[i]), rounding) <
+                        least ||
+                    (t < 3 && is_flat(mesh, frame, places, e)))
+                    list.push_back(cells.index(centroid(mesh, frame, e)));
+            };
+            GoodElementsFilter filter(mesh, static_cast<ElementType>(t), quick, look);
             RunFinder pieces(t == kTetrahedra ? good_pieces : no_pieces, before + begin);
             for (std::size_t i = before + begin; i < before + end; ++i) {
                 if (const IndexRun* const run = pieces.run_of(i)) {
@@ -236,12 +251,12 @@ std::vector<CellId> poor_cells(const Mesh& mesh, const CellFrame& frame, const C
                     continue;
                 }
                 if (is_cube(block, t, i)) continue;
-                const Element e = element(mesh, t, i);
-                if (element_quality(mesh, frame, e, static_cast<ElementKind>(block.kind[i]), rounding) <
-                        least ||
-                    (t < 3 && is_flat(mesh, frame, places, e)))
-                    list.push_back(cells.index(centroid(mesh, frame, e)));
+                if (is_quick)
+                    filter.look_at(i);
+                else
+                    look(i);
             }
+            filter.finish();
         });
         for (const auto& list : found) poor.insert(poor.end(), list.begin(), list.end());
     }

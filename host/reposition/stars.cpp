@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "host/common/good_elements.hpp"
 #include "host/common/index_set.hpp"
 #include "host/common/large_array.hpp"
 #include "host/common/parallel.hpp"
@@ -49,19 +50,28 @@ std::vector<Item> collect(const Mesh& mesh, int threads, const Look& look) {
                               });
 }
 
-/// The same for those of one kind, which may be few.
+/// Visits elements of one kind, which may be few, among those of a type from `begin` to `end`.
+template <class Visit>
+void for_kind(const Mesh& mesh, std::uint32_t type, ElementKind kind, std::size_t begin, std::size_t end,
+              const Visit& visit) {
+    const std::uint8_t* const kinds = mesh.elements[type].kind.data();
+    for (std::size_t i = begin; i < end; ++i) {
+        const void* const next = std::memchr(kinds + i, static_cast<int>(kind), end - i);
+        if (next == nullptr) return;
+        i = static_cast<std::size_t>(static_cast<const std::uint8_t*>(next) - kinds);
+        visit(i);
+    }
+}
+
+/// What look(list, element) adds for these.
 template <class Item, class Look>
 std::vector<Item> collect(const Mesh& mesh, ElementKind kind, int threads, const Look& look) {
-    return collect_runs<Item>(
-        mesh, threads, [&](auto& list, std::uint32_t type, std::size_t begin, std::size_t end) {
-            const std::uint8_t* const kinds = mesh.elements[type].kind.data();
-            for (std::size_t i = begin; i < end; ++i) {
-                const void* const next = std::memchr(kinds + i, static_cast<int>(kind), end - i);
-                if (next == nullptr) return;
-                i = static_cast<std::size_t>(static_cast<const std::uint8_t*>(next) - kinds);
-                look(list, ElementNumber{type, static_cast<std::uint32_t>(i)});
-            }
-        });
+    return collect_runs<Item>(mesh, threads,
+                              [&](auto& list, std::uint32_t type, std::size_t begin, std::size_t end) {
+                                  for_kind(mesh, type, kind, begin, end, [&](std::size_t i) {
+                                      look(list, ElementNumber{type, static_cast<std::uint32_t>(i)});
+                                  });
+                              });
 }
 
 /// An element or a facet at a movable node, both by their places.
@@ -246,9 +256,20 @@ bool is_poor(const Mesh& mesh, const Frame& frame, const ElementNumber& e) {
 
 PoorElements find_poor(const Mesh& mesh, const Frame& frame, int threads) {
     PoorElements result;
-    std::vector<ElementNumber> poor =
-        collect<ElementNumber>(mesh, ElementKind::kSnio, threads, [&](auto& list, const ElementNumber& e) {
-            if (is_poor(mesh, frame, e)) list.push_back(e);
+    GoodElementsFrame quick;
+    quick.origin = frame.origin;
+    quick.per_cell = 1 / frame.cell;
+    quick.on_lattice = true;
+    if (frame.scale.shortest > 0) quick.shortest = kRepositionShortestEdge;
+    std::vector<ElementNumber> poor = collect_runs<ElementNumber>(
+        mesh, threads, [&](auto& list, std::uint32_t type, std::size_t begin, std::size_t end) {
+            const auto visit = [&](std::size_t i) {
+                const ElementNumber e{type, static_cast<std::uint32_t>(i)};
+                if (is_poor(mesh, frame, e)) list.push_back(e);
+            };
+            GoodElementsFilter filter(mesh, static_cast<ElementType>(type), quick, visit);
+            for_kind(mesh, type, ElementKind::kSnio, begin, end, [&](std::size_t i) { filter.look_at(i); });
+            filter.finish();
         });
     if (poor.empty()) return result;
     const IndexSet around = nodes_of(mesh, poor);
