@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <cmath>
+#include <cstring>
 
 #include "host/common/good_elements.hpp"
 #include "host/common/large_array.hpp"
@@ -21,6 +22,19 @@ constexpr std::size_t kPieces = 6;  ///< of a cube
 constexpr double kShortestEdge = 0.35;
 /// Up to this level positions are certain to kVolumeRounding of a finest cell.
 constexpr int kCertainLevel = 11;
+
+/// The next element from `i` on that is no cube; at most `end`. Most are, so eight are looked at at a time.
+std::size_t next_other(const ElementBlock& block, int type, std::size_t i, std::size_t end) {
+    if (type != 0) return i;
+    static_assert(static_cast<std::uint8_t>(ElementKind::kIn) == 0);
+    const std::uint8_t* const kinds = block.kind.data();
+    for (std::uint64_t eight = 0; i + sizeof eight <= end; i += sizeof eight) {
+        std::memcpy(&eight, kinds + i, sizeof eight);
+        if (eight != 0) break;
+    }
+    while (i < end && is_cube(block, type, i)) ++i;
+    return i;
+}
 
 /// Whether no element from the first to the last lies in one of these bricks of a uniform tree; all lie in
 /// cubes, in the order of the cubes' Morton codes.
@@ -165,6 +179,7 @@ void find_cells(const Mesh& mesh, const CellFrame& frame, const CellSet& cells, 
                 }
             };
             bool cubes_are_far = false;
+            std::size_t judged = begin;  // of hexahedra: cubes up to here are far, or not
             RunFinder pieces(t == kTetrahedra ? known.cube_pieces : no_pieces, begin);
             for (std::size_t i = begin; i < end; ++i) {
                 if (const IndexRun* const run = pieces.run_of(i)) {
@@ -173,10 +188,19 @@ void find_cells(const Mesh& mesh, const CellFrame& frame, const CellSet& cells, 
                     i = to - 1;
                     continue;
                 }
-                if (t == 0 && !cells.is_graded() && i % kRow == 0)
-                    cubes_are_far = are_cubes_far(mesh, frame, bricks, i, std::min(end, i + kRow));
+                if (t == 0 && !cells.is_graded() && i >= judged) {
+                    judged = std::min(end, i + kRow);
+                    cubes_are_far = are_cubes_far(mesh, frame, bricks, i, judged);
+                }
+                if (cubes_are_far) {
+                    const std::size_t next = next_other(mesh.elements[type], t, i, judged);
+                    if (next == judged) {
+                        i = next - 1;
+                        continue;
+                    }
+                    i = next;
+                }
                 const bool is_one_cube = is_cube(mesh.elements[type], t, i);
-                if (is_one_cube && cubes_are_far) continue;
                 // No element reaches kNearby cells.
                 if (!is_one_cube && !cells.is_graded() &&
                     !cells.is_nearby(in_cells(mesh, frame, *element(mesh, t, i).node)))
@@ -250,7 +274,8 @@ std::vector<CellId> poor_cells(const Mesh& mesh, const CellFrame& frame, const C
                     i = run->end - 1;
                     continue;
                 }
-                if (is_cube(block, t, i)) continue;
+                i = next_other(block, t, i, before + end);
+                if (i == before + end) break;
                 if (is_quick)
                     filter.look_at(i);
                 else
