@@ -22,11 +22,21 @@ constexpr int kPlaceBits = 20;
 constexpr std::size_t kTetrahedraPerPoor = 16;
 constexpr std::size_t kTetrahedraPerRaised = 4;
 constexpr std::uint32_t kMixed = 0xfffffffeu;
+constexpr std::size_t kRunChunk = 4096;
 /// Cells with more tetrahedra hold far more surfaces than they can show; those of a gyroid or a bracket have
 /// 80 at most.
 constexpr std::size_t kCrowdedCell = 400;
 /// Loose nodes go to kMostLoose in so many steps: not farther than needed.
 constexpr int kLooseParts = 3;
+
+/// Consecutive elements of one block, in the list of the zone's tetrahedra and then its pyramids.
+struct Run {
+    std::uint64_t block;
+    std::uint32_t begin, end;
+    bool operator<(const Run& other) const {
+        return block != other.block ? block < other.block : begin < other.begin;
+    }
+};
 
 /// Whatever goes wrong in a block, the mesh stays valid: the block is done again more carefully, or false
 /// is returned. The block has been loaded.
@@ -327,15 +337,23 @@ bool Improver::revert_clashes(const std::vector<Point>& before, std::vector<Tetr
 /// `least`: blocks with an element of less quality are poor.
 void Improver::group(int pairing, double shift, double least) {
     const std::size_t tetrahedra = zone_.tetrahedra.size();
-    std::vector<std::pair<std::uint64_t, std::uint32_t>> order(tetrahedra + zone_.pyramids.size());
-    parallel_chunks(order.size(), 4096, options_.threads, [&](std::size_t begin, std::size_t end, int) {
+    const std::size_t count = tetrahedra + zone_.pyramids.size();
+    // Neighbours in the list are in the same block, mostly.
+    std::vector<std::vector<Run>> found(chunk_count(count, kRunChunk));
+    parallel_chunks(count, kRunChunk, options_.threads, [&](std::size_t begin, std::size_t end, int) {
+        std::vector<Run>& list = found[begin / kRunChunk];
         for (std::size_t i = begin; i < end; ++i) {
-            order[i] = {i < tetrahedra ? block_of(zone_.tetrahedra[i].node, pairing, shift)
-                                       : block_of(zone_.pyramids[i - tetrahedra].node, pairing, shift),
-                        static_cast<std::uint32_t>(i)};
+            const std::uint64_t block = i < tetrahedra
+                                            ? block_of(zone_.tetrahedra[i].node, pairing, shift)
+                                            : block_of(zone_.pyramids[i - tetrahedra].node, pairing, shift);
+            if (list.empty() || list.back().block != block)
+                list.push_back({block, static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(i)});
+            ++list.back().end;
         }
     });
-    parallel_sort(order, options_.threads);
+    std::vector<Run> runs;
+    append_lists(found, options_.threads, runs);
+    parallel_sort(runs, options_.threads);
     std::vector<std::uint8_t> waits(zone_.points.size(), 0);
     for (const auto& tip : zone_.tips) waits[tip.first] = is_unplaced(tip) ? 1 : 0;
     const auto is_poor = [&](const Tetrahedron& t) {
@@ -344,16 +362,15 @@ void Improver::group(int pairing, double shift, double least) {
     };
     groups_.clear();
     std::vector<std::size_t> begins;
-    for (std::size_t i = 0; i < order.size(); ++i) {
-        if (i > 0 && order[i].first == order[i - 1].first) continue;
-        begins.push_back(i);
+    for (std::size_t r = 0; r < runs.size(); ++r) {
+        if (r > 0 && runs[r].block == runs[r - 1].block) continue;
+        begins.push_back(r);
         groups_.emplace_back();
     }
-    begins.push_back(order.size());
+    begins.push_back(runs.size());
     parallel_chunks(groups_.size(), 1, options_.threads, [&](std::size_t g, std::size_t, int) {
         Group& group = groups_[g];
-        for (std::size_t i = begins[g]; i < begins[g + 1]; ++i) {
-            const std::uint32_t at = order[i].second;
+        const auto add = [&](std::uint32_t at) {
             if (at < tetrahedra) {
                 group.tetrahedra.push_back(at);
                 group.poor = group.poor || is_poor(zone_.tetrahedra[at]);
@@ -361,6 +378,9 @@ void Improver::group(int pairing, double shift, double least) {
                 group.pyramids.push_back(static_cast<std::uint32_t>(at - tetrahedra));
                 group.poor = group.poor || quality_of(zone_.pyramids[at - tetrahedra]) < least;
             }
+        };
+        for (std::size_t r = begins[g]; r < begins[g + 1]; ++r) {
+            for (std::uint32_t i = runs[r].begin; i < runs[r].end; ++i) add(i);
         }
         group.crowded = group.poor && is_crowded(group.tetrahedra);
     });

@@ -178,8 +178,10 @@ void find_cells(const Mesh& mesh, const CellFrame& frame, const CellSet& cells, 
                     }
                 }
             };
-            bool cubes_are_far = false;
-            std::size_t judged = begin;  // of hexahedra: cubes up to here are far, or not
+            // All cubes of the chunk may be far; else they are judged row by row.
+            bool cubes_are_far =
+                t == 0 && !cells.is_graded() && are_cubes_far(mesh, frame, bricks, begin, end);
+            std::size_t judged = cubes_are_far ? end : begin;
             RunFinder pieces(t == kTetrahedra ? known.cube_pieces : no_pieces, begin);
             for (std::size_t i = begin; i < end; ++i) {
                 if (const IndexRun* const run = pieces.run_of(i)) {
