@@ -4,7 +4,6 @@
 #include "bench/models.hpp"
 #include "bench/workers.hpp"
 #include "host/jacobian/jacobian.hpp"
-#include "mortise/check.hpp"
 #include "mortise/error.hpp"
 #include "mortise/mesher.hpp"
 
@@ -39,7 +38,8 @@ nlohmann::json measure_jacobians(const Task& task) {
                              {"runs", nlohmann::json::array()}};
     if (own != product) throw Error(ExitCode::kMeshing, "the two ways to scaled Jacobians differ");
     for (int run = 0; run < task.repeats; ++run) {
-        const double host = seconds_of([&] { scaled_jacobians(mesh); });
+        const double host =
+            seconds_of([&] { jacobian::scaled_jacobians(device, mesh, Method::kHost, task.threads); });
         const double by_own = seconds_of(run_own);
         result["runs"].push_back(
             {{"host_seconds", host}, {"own_seconds", by_own}, {"product_seconds", seconds_of(run_product)}});

@@ -13,8 +13,7 @@ using nlohmann::json;
 json jacobians_section(const Settings& settings) {
     std::printf(
         "Scaled Jacobians of a mesh in memory: million elements/s, %s\n"
-        "  host: mortise::scaled_jacobians; own, CLBlast: host/jacobian; first call: kernels built or "
-        "loaded\n",
+        "  host: its threads, in lanes; own: our kernel; first call: kernels built or loaded\n",
         count_of_threads(settings.threads).c_str());
     Table table({{"model, level", ""},
                  {"elements", ""},

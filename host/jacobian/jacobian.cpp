@@ -7,8 +7,8 @@
 #include <string>
 
 #include "host/common/large_array.hpp"
+#include "host/jacobian/in_lanes.hpp"
 #include "kernels/shared/corners.h"
-#include "mortise/check.hpp"
 #include "mortise/error.hpp"
 
 namespace mortise::jacobian {
@@ -37,9 +37,9 @@ constexpr TypeTable kTypes[kElementTypes] = {{"hexahedron_jacobians", kHexahedro
                                              {"pyramid_jacobians", kPyramidCorners, 4},
                                              {"tetrahedron_jacobians", kTetrahedronCorners, 4}};
 
-/// Elements from which on the device gains more than loading the kernels takes (10 ms, or 2.4 s once where
+/// Elements from which on the device gains more than loading the kernels takes (7 ms, or 2.4 s once where
 /// they are not in the cache).
-constexpr std::size_t kWorthLoading = std::size_t{1} << 19;
+constexpr std::size_t kWorthLoading = std::size_t{1} << 20;
 
 /// Elements at a time: bounds the buffers of a launch, and the matrices of a product (600 bytes an element).
 constexpr std::size_t kOwnChunk = std::size_t{1} << 24;
@@ -114,7 +114,7 @@ Method usual_method(std::size_t elements) { return elements < kWorthLoading ? Me
 std::vector<float> scaled_jacobians(Device& device, const Mesh& mesh, Method method, int threads) {
     const std::size_t points_bytes = mesh.points.size() * sizeof(double);
     if (method == Method::kHost || points_bytes > device.info().max_allocation_bytes)
-        return mortise::scaled_jacobians(mesh);
+        return scaled_jacobians_in_lanes(mesh, threads);
     std::vector<float> values;
     resize_large(values, mesh.element_count(), threads);
     if (values.empty()) return values;

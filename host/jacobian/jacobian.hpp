@@ -1,10 +1,10 @@
-// Scaled Jacobians of all elements on the device: what mortise::scaled_jacobians (mortise/check.hpp) computes
-// on the host, which stays the independent check of it.
+// Scaled Jacobians of all elements: what mortise::scaled_jacobians (mortise/check.hpp) computes one by one,
+// which stays the independent check of it.
 //
-// Two ways there, with the same bits: our own kernel, element by element; or CLBlast's product of the nodes'
-// coordinates with a matrix of 0, 1 and -1 for each element type, (3N × 8)·(8 × 24) for hexahedra, which
-// gives the edges at all corners with one rounding each, as subtraction does. On PoCL our kernel is twice as
-// fast as the host and twenty times as fast as the product (bench: section jacobians).
+// Three ways there, with the same bits: host threads, eight elements at a time; our own kernel; or CLBlast's
+// product of the nodes' coordinates with a matrix of 0, 1 and -1 for each element type, (3N × 8)·(8 × 24) for
+// hexahedra, which gives the edges at all corners with one rounding each, as subtraction does (bench: section
+// jacobians).
 #pragma once
 
 #include <optional>

@@ -1,0 +1,89 @@
+#include "host/jacobian/in_lanes.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "host/common/large_array.hpp"
+#include "host/common/parallel.hpp"
+#include "host/common/point_lanes.hpp"
+#include "host/common/wide.hpp"
+#include "kernels/shared/corners.h"
+#include "mortise/check.hpp"
+
+namespace mortise::jacobian {
+
+#ifdef MORTISE_HAS_LANES
+namespace {
+
+using lanes::Doubles;
+using lanes::Points;
+
+constexpr std::size_t kChunk = 4096;
+static_assert(kChunk % lanes::kWidth == 0);
+
+/// The square of the scaled Jacobian at a corner, with its sign: as kernels/jacobian/corner_value.h.
+[[gnu::always_inline]] inline Doubles corner_value(const Points& a, const Points& b, const Points& c) {
+    const Doubles determinant = dot(lanes::cross(a, b), c);
+    const Doubles squares = dot(a, a) * dot(b, b) * dot(c, c);
+    const Doubles size = determinant < 0 ? -determinant : determinant;
+    return squares > 0 ? determinant * size / squares : Doubles{};
+}
+
+#define MORTISE_CORNER(node, first, second, third)                                                       \
+    {                                                                                                    \
+        const Doubles value = corner_value(p[first] - p[node], p[second] - p[node], p[third] - p[node]); \
+        smallest = value < smallest ? value : smallest;                                                  \
+    }
+
+/// Values of up to eight elements, by their nodes, one after another; at least one.
+#define MORTISE_SMALLEST_CORNERS(name, node_count, CORNERS)                                               \
+    MORTISE_WIDE void name(const double* points, const NodeId* nodes, std::size_t count, float* values) { \
+        const NodeId* elements[lanes::kWidth];                                                            \
+        for (std::size_t i = 0; i < lanes::kWidth; ++i)                                                   \
+            elements[i] = nodes + (node_count)*std::min(i, count - 1);                                    \
+        Points p[node_count];                                                                             \
+        for (std::size_t k = 0; k < (node_count); ++k) p[k] = lanes::load(points, elements, k);           \
+        Doubles smallest = Doubles{} + 1;                                                                 \
+        CORNERS(MORTISE_CORNER)                                                                           \
+        float roots[lanes::kWidth];                                                                       \
+        for (std::size_t i = 0; i < lanes::kWidth; ++i)                                                   \
+            roots[i] = static_cast<float>(std::copysign(std::sqrt(std::fabs(smallest[i])), smallest[i])); \
+        for (std::size_t i = 0; i < count; ++i) values[i] = roots[i];                                     \
+    }
+
+MORTISE_SMALLEST_CORNERS(hexahedra, 8, MORTISE_HEXAHEDRON_CORNERS)
+MORTISE_SMALLEST_CORNERS(wedges, 6, MORTISE_WEDGE_CORNERS)
+MORTISE_SMALLEST_CORNERS(pyramids, 5, MORTISE_PYRAMID_CORNERS)
+MORTISE_SMALLEST_CORNERS(tetrahedra, 4, MORTISE_TETRAHEDRON_CORNERS)
+#undef MORTISE_SMALLEST_CORNERS
+#undef MORTISE_CORNER
+
+using SmallestCorners = void (*)(const double*, const NodeId*, std::size_t, float*);
+constexpr SmallestCorners kSmallestCorners[kElementTypes] = {hexahedra, wedges, pyramids, tetrahedra};
+
+}  // namespace
+
+std::vector<float> scaled_jacobians_in_lanes(const Mesh& mesh, int threads) {
+    std::vector<float> values;
+    resize_large(values, mesh.element_count(), threads);
+    float* out = values.data();
+    for (std::size_t t = 0; t < kElementTypes; ++t) {
+        const ElementBlock& block = mesh.elements[t];
+        const auto size = static_cast<std::size_t>(kElementNodes[t]);
+        parallel_chunks(block.size(), kChunk, threads, [&](std::size_t begin, std::size_t end, int) {
+            for (std::size_t i = begin; i < end; i += lanes::kWidth) {
+                kSmallestCorners[t](mesh.points.data(), block.nodes.data() + size * i,
+                                    std::min(lanes::kWidth, end - i), out + i);
+            }
+        });
+        out += block.size();
+    }
+    return values;
+}
+#else
+std::vector<float> scaled_jacobians_in_lanes(const Mesh& mesh, int) {
+    return mortise::scaled_jacobians(mesh);
+}
+#endif
+
+}  // namespace mortise::jacobian
