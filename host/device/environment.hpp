@@ -9,9 +9,9 @@ namespace mortise::device {
 /// Makes PoCL's surroundings sound, once per process, before the first OpenCL call: an empty POCL_CACHE_DIR
 /// is unset, a cache folder that cannot be written is replaced by a private temporary one, and kernels are
 /// compiled once, for any size of work-groups, unless POCL_WORK_GROUP_SPECIALIZATION says otherwise: compiled
-/// again for ours they are no faster. Work-items run one by one, unless POCL_WORK_GROUP_METHOD says otherwise:
-/// ours have lanes of their own, and LLVM would make several into lanes with gather instructions. Changes the
-/// environment, so no other thread may read it meanwhile.
+/// again for ours they are no faster. Work-items run one by one, unless POCL_WORK_GROUP_METHOD says
+/// otherwise: ours have lanes of their own, and LLVM would make several into lanes with gather instructions.
+/// Changes the environment, so no other thread may read it meanwhile.
 void prepare_environment();
 
 /// Where PoCL keeps its compiled kernels; empty if neither HOME nor XDG_CACHE_HOME says.
