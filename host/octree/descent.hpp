@@ -22,7 +22,7 @@ constexpr std::size_t kMostAhead = std::size_t{1} << 26;
 /// Words of all tapes (MOST_TAPE_WORDS in kernels/octree/descend.cl).
 constexpr std::size_t kMostTapeWords = 0xc0000000u;
 /// Scratch for what children keep of the nodes' tapes; a level that needs more is split in several launches.
-constexpr std::size_t kScratchBytes = 8u << 20;
+constexpr std::size_t kScratchBytes = 2u << 20;
 constexpr std::size_t kGpuScratchBytes = 128u << 20;
 
 /// Runs kernels/octree/descend.cl level by level.
