@@ -39,10 +39,4 @@ Changes improve_parts(device::Device& device, Parts& parts, improve::Scope& scop
                       const Prepared& prepared, const MeshOptions& options, const std::string& source,
                       Stages& stages, MeshReport& out);
 
-/// Memory that this process has now, bytes; 0 if the system does not tell.
-std::uint64_t memory_now();
-
-/// Throws Error(kDevice) if `needed` is more than the options allow.
-void check_memory(std::uint64_t needed, const char* what, const MeshOptions& options);
-
 }  // namespace mortise::pipeline

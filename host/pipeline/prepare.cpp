@@ -9,6 +9,7 @@
 #include "host/octree/coincident.hpp"
 #include "host/octree/poles.hpp"
 #include "host/pipeline/grading.hpp"
+#include "host/pipeline/memory_limit.hpp"
 #include "host/pipeline/programs.hpp"
 #include "host/probe/overlaps.hpp"
 #include "host/reposition/reposition.hpp"
@@ -22,6 +23,9 @@ namespace {
 constexpr int kRoundsOfMoves = 2;
 /// Surfaces closer than this everywhere are one: edges of the finest cells.
 constexpr double kSameSurface = 1e-4;
+/// What classification takes for each cell at the boundary, at least: as much where two regions meet, 380
+/// bytes on a ball.
+constexpr std::uint64_t kClassifyBytes = 150;
 
 std::string number(double value) {
     char text[32];
@@ -282,7 +286,10 @@ Prepared prepare(const std::function<device::Device&()>& open_device, const Mode
     for (const octree::LeafPole& pole : tree.leaf_poles) complex.push_back(tree.nio_index(pole.morton));
     complex.insert(complex.end(), tree.transitions.begin(), tree.transitions.end());
     const device::KernelsEnd kernels_end(device);
-    if (options.memory > 0) octree::share_memory(device, tree, result.on_device);
+    if (options.memory > 0) {
+        octree::share_memory(device, tree, result.on_device);
+        check_memory(memory_now() + kClassifyBytes * tree.nio.size(), kBoundaryCells, options);
+    }
     result.classification =
         snio::classify(device, tree, result.on_device, options.templates, options.snap, complex);
     result.apexes = std::move(probed.apexes);

@@ -11,6 +11,7 @@
 #include "host/common/element_block.hpp"
 #include "host/features/features.hpp"
 #include "host/jacobian/jacobian.hpp"
+#include "host/pipeline/memory_limit.hpp"
 #include "host/pipeline/names.hpp"
 #include "host/pipeline/partial_improvement.hpp"
 #include "host/pipeline/stream.hpp"
@@ -23,6 +24,9 @@ constexpr std::uint64_t kUsualMemory = std::uint64_t{4} << 30;
 /// Of what is left beside the tree, a part may take one in this many; the rest is for improvement.
 constexpr std::uint64_t kShare = 4;
 constexpr std::uint64_t kSmallestPart = std::uint64_t{32} << 20;
+/// Facets, their nodes and what is known of the nodes between parts, by cells at the boundary: 94 for a ball,
+/// 135 for a box of two regions.
+constexpr std::uint64_t kSkinBytes = 120;
 constexpr double kSurveyed = 0.5, kImproved = 0.6;  // progress
 
 void refuse(bool wrong, const char* option) {
@@ -311,8 +315,8 @@ void stream(const std::function<device::Device&()>& open_device, const Model& mo
     const device::KernelsEnd kernels_end(open_device());
     octree::share_memory(open_device(), prepared.tree, prepared.on_device);
     malloc_trim(0);
-    const std::uint64_t used = memory_now();
-    check_memory(used + kShare * kSmallestPart, "the cells at the boundary", options);
+    const std::uint64_t used = memory_now() + kSkinBytes * prepared.tree.nio.size();
+    check_memory(used + kShare * kSmallestPart, kBoundaryCells, options);
     Parts parts(open_device(), options, prepared, stages, (options.memory - used) / kShare,
                 options.pieces > 1 ? static_cast<std::size_t>(options.pieces) : 0);
     Streamer(open_device(), prepared, options, parts, stages).run(model, sink, out);

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "host/pipeline/partial_improvement.hpp"
+#include "host/pipeline/memory_limit.hpp"
 #include "mortise/mesher.hpp"
 #include "tests/assembly/regions_on_grid.hpp"
 #include "tests/mesher/random_models.hpp"
@@ -268,6 +268,26 @@ TEST_CASE("parts follow from the memory") {
     CHECK(many.parts > few.parts);
     CHECK(many.mesh.points == few.mesh.points);
     CHECK(many.mesh.elements[0].nodes == few.mesh.elements[0].nodes);
+}
+
+TEST_CASE("a boundary that does not fit into the memory is refused before it is classified") {
+    Mesher mesher;
+    Discard sink;
+    MeshOptions options;
+    options.level = 7;
+    options.memory = pipeline::memory_now() + (std::uint64_t{1} << 20);
+    MeshReport report;
+    ExitCode code = ExitCode::kOk;
+    try {
+        mesher.stream(ball(), options, sink, &report);
+    } catch (const Error& error) {
+        code = error.code();
+        CHECK(std::string(error.what()).find("the cells at the boundary need about") == 0);
+    }
+    CHECK(code == ExitCode::kDevice);
+    CHECK(report.nio_cells > 50000);
+    const auto is_classification = [](const StageTime& stage) { return stage.stage == "classify"; };
+    CHECK(std::none_of(report.stages.begin(), report.stages.end(), is_classification));
 }
 
 TEST_CASE("what cannot be made in parts is refused") {
