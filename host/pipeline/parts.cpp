@@ -110,7 +110,7 @@ void Parts::learn(std::size_t p, const assembly::Piece& piece) {
 }
 
 template <class Name>
-void Parts::resolve(const std::vector<Name>& names, const std::vector<Shared<Name>>& shared, Part& part) {
+void Parts::resolve(const std::vector<Name>& names, const std::deque<Shared<Name>>& shared, Part& part) {
     auto at = shared.begin();
     for (const Name& name : names) {
         at = std::lower_bound(at, shared.end(), name);

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <deque>
 #include <vector>
 
 #include "host/assembly/assembly.hpp"
@@ -64,7 +65,7 @@ class Parts {
     void cut(std::uint64_t bytes, std::size_t count);
     void learn(std::size_t p, const assembly::Piece& piece);
     template <class Name>
-    static void resolve(const std::vector<Name>& names, const std::vector<Shared<Name>>& shared, Part& part);
+    static void resolve(const std::vector<Name>& names, const std::deque<Shared<Name>>& shared, Part& part);
     void add_foreign_points(const assembly::Piece& piece, Part& part) const;
     /// Where a vertex of the grid lies if it has not been moved; of other nodes the owner's corner.
     Point grid_point(std::uint64_t name) const;
@@ -78,10 +79,11 @@ class Parts {
     std::vector<Known> known_;
     // Nodes that later parts may name, ascending, since parts and their leaves are in Morton order. Grid
     // vertices are most of what is kept of a large mesh, so only those that have moved keep their points.
-    std::vector<Shared<std::uint64_t>> grid_;
-    std::vector<std::pair<std::uint64_t, Point>> moved_;
-    std::vector<Shared<assembly::ExtraName>> extras_;
-    std::vector<Point> extra_points_;  ///< parallel to extras_
+    // Deques: a vector that grows needs three times its memory.
+    std::deque<Shared<std::uint64_t>> grid_;
+    std::deque<std::pair<std::uint64_t, Point>> moved_;
+    std::deque<Shared<assembly::ExtraName>> extras_;
+    std::deque<Point> extra_points_;  ///< parallel to extras_
     MeshTotals totals_;
     Extracted extracted_;
 };

@@ -6,6 +6,7 @@
 #include <malloc.h>
 
 #include <algorithm>
+#include <deque>
 #include <optional>
 
 #include "host/common/element_block.hpp"
@@ -288,7 +289,7 @@ class Streamer {
     Stages& stages_;
     const std::optional<jacobian::Method> method_ = jacobian::wanted_method();
     std::optional<improve::Scope> scope_;
-    std::vector<OuterNode> outer_;  ///< nodes on facets before improvement
+    std::deque<OuterNode> outer_;  ///< nodes on facets before improvement
     FacetBlock facets_;
     Changes changes_;
     Skin skin_;
@@ -315,8 +316,9 @@ void stream(const std::function<device::Device&()>& open_device, const Model& mo
     const device::KernelsEnd kernels_end(open_device());
     octree::share_memory(open_device(), prepared.tree, prepared.on_device);
     malloc_trim(0);
-    const std::uint64_t used = memory_now() + kSkinBytes * prepared.tree.nio.size();
-    check_memory(used + kShare * kSmallestPart, kBoundaryCells, options);
+    const std::uint64_t used = memory_now();
+    const std::uint64_t skin = kSkinBytes * prepared.tree.nio.size();
+    check_memory(used + skin + kShare * kSmallestPart, kBoundaryCells, options);
     Parts parts(open_device(), options, prepared, stages, (options.memory - used) / kShare,
                 options.pieces > 1 ? static_cast<std::size_t>(options.pieces) : 0);
     Streamer(open_device(), prepared, options, parts, stages).run(model, sink, out);
