@@ -22,7 +22,8 @@ constexpr std::size_t kMostAhead = std::size_t{1} << 26;
 /// Words of all tapes (MOST_TAPE_WORDS in kernels/octree/descend.cl).
 constexpr std::size_t kMostTapeWords = 0xc0000000u;
 /// Scratch for what children keep of the nodes' tapes; a level that needs more is split in several launches.
-constexpr std::size_t kScratchBytes = 2u << 20;
+/// On a CPU what fits into the cores' caches.
+constexpr std::size_t kScratchBytesPerCore = 1u << 20;
 constexpr std::size_t kGpuScratchBytes = 128u << 20;
 
 /// Runs kernels/octree/descend.cl level by level.
@@ -120,7 +121,9 @@ class Descent {
 
     /// Scratch for the nodes that are split at once; returns their number.
     std::size_t reserve_scratch() {
-        const std::size_t bytes = device_.info().is_gpu ? kGpuScratchBytes : kScratchBytes;
+        const device::DeviceInfo& info = device_.info();
+        const std::size_t bytes =
+            info.is_gpu ? kGpuScratchBytes : kScratchBytesPerCore * std::max(1u, info.compute_units);
         const std::size_t slot = std::max<std::size_t>(1, longest_) *
                                  static_cast<std::size_t>(1 + device_.lanes()) * sizeof(std::uint16_t);
         const std::size_t batch = std::clamp<std::size_t>(bytes / slot, 1, std::max<std::size_t>(1, count_));
