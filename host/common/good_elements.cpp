@@ -1,9 +1,9 @@
 #include "host/common/good_elements.hpp"
 
+#include "host/common/lattice_rounding.hpp"
 #include "host/common/point_lanes.hpp"
 #include "host/common/wide.hpp"
 #include "kernels/shared/corners.h"
-#include "kernels/shared/lattice.h"
 
 namespace mortise {
 
@@ -48,10 +48,8 @@ constexpr double kObtuse = kMargin / 0.178606194956727;  // of 155
 
 [[gnu::always_inline]] inline Doubles in_cells(const Doubles& model, double origin,
                                                const GoodElementsFrame& frame) {
-    constexpr double kRounder = 6755399441055744.0;  // 1.5 × 2^52: rounds as std::rint, without a call
     const Doubles cells = (model - origin) * frame.per_cell;
-    if (!frame.on_lattice) return cells;
-    return ((cells * kCellUnits + kRounder) - kRounder) * (1.0 / kCellUnits);
+    return frame.on_lattice ? round_to_lattice(cells) : cells;
 }
 
 /// Node k of eight elements, in cells.

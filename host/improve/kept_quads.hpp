@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "host/improve/poor_cells.hpp"
+#include "host/improve/places.hpp"
 
 namespace mortise::improve {
 

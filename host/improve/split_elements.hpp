@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "host/improve/kept_quads.hpp"
-#include "host/improve/poor_cells.hpp"
+#include "host/improve/places.hpp"
 #include "host/improve/zone.hpp"
 
 namespace mortise::improve {

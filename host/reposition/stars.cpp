@@ -7,10 +7,10 @@
 #include "host/common/good_elements.hpp"
 #include "host/common/index_set.hpp"
 #include "host/common/large_array.hpp"
+#include "host/common/lattice_rounding.hpp"
 #include "host/common/parallel.hpp"
 #include "host/common/parallel_sort.hpp"
 #include "host/reposition/near_cubes.hpp"
-#include "kernels/shared/lattice.h"
 
 namespace mortise::reposition {
 namespace {
@@ -223,10 +223,8 @@ const NodeId* ElementNumber::nodes(const Mesh& mesh) const {
 }
 
 void Frame::to_lattice(const Mesh& mesh, NodeId node, double* local) const {
-    constexpr double kRounder = 6755399441055744.0;  // 1.5 × 2^52: rounds as std::rint, without a call
     const double* const point = mesh.points.data() + 3 * std::size_t{node};
-    for (std::size_t j = 0; j < 3; ++j)
-        local[j] = ((point[j] - origin[j]) * steps + kRounder - kRounder) * per_unit;
+    for (std::size_t j = 0; j < 3; ++j) local[j] = round_to_whole((point[j] - origin[j]) * steps) * per_unit;
 }
 
 void Frame::to_model(const double* local, double* model) const {

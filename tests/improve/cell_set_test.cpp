@@ -6,7 +6,7 @@
 #include <set>
 
 #include "host/common/parallel_sort.hpp"
-#include "host/improve/poor_cells.hpp"
+#include "host/improve/places.hpp"
 #include "tests/mesher/random_source.hpp"
 
 using namespace mortise;
@@ -50,18 +50,52 @@ TEST_CASE("bricks near a set of cells hold all points within reach of it") {
     }
 }
 
+namespace {
+
+constexpr int kLevel = 5;  ///< of the next two cases
+
+improve::Point corner_of(std::uint64_t code) {
+    return {static_cast<double>(gather_bits(code)), static_cast<double>(gather_bits(code >> 1)),
+            static_cast<double>(gather_bits(code >> 2))};
+}
+
+/// The elements of one type near two cells, and their cells, against a look at each.
+void check_places(const Mesh& mesh, int type, std::int64_t reach, const improve::Known& known) {
+    improve::CellFrame frame{};
+    frame.cell = frame.per_cell = 1;
+    frame.level = kLevel;
+    frame.on_lattice = false;
+    improve::CellSet cells(kLevel, nullptr, reach);
+    cells.set_ring(cells.index({3.5, 4.5, 30.5}));
+    cells.set_ring(cells.index({20.5, 31.9, 7.5}));
+    improve::Places places;
+    improve::find_cells(mesh, frame, cells, known, 2, places);
+    std::vector<std::uint32_t> expected, cell_of;
+    const auto t = static_cast<std::size_t>(type);
+    const std::size_t count = mesh.elements[t].size();
+    for (std::size_t i = 0; i < count; ++i) {
+        const improve::Point place = improve::place_of(mesh, frame, type, i);
+        if (!cells.is_near(place)) continue;
+        expected.push_back(static_cast<std::uint32_t>(i));
+        cell_of.push_back(static_cast<std::uint32_t>(cells.index(place)));
+    }
+    CHECK(expected.size() > 1000);
+    CHECK(expected.size() < count / 2);
+    CHECK(places.element[t] == expected);
+    CHECK(places.cell_of[t] == cell_of);
+}
+
+}  // namespace
+
 TEST_CASE("elements near the zone are found whether rows of cubes are skipped or not") {
     RandomSource random(6);
-    const int level = 5;
     // Cubes in Morton order, with gaps, and displaced hexahedra among them.
     Mesh mesh;
     ElementBlock& block = mesh.block(ElementType::kHexahedron);
-    for (std::uint64_t code = 0; code < std::uint64_t{1} << (3 * level); ++code) {
+    for (std::uint64_t code = 0; code < std::uint64_t{1} << (3 * kLevel); ++code) {
         if (random.chance(0.2)) continue;
         const bool is_cube = random.chance(0.9);
-        const double low[3] = {static_cast<double>(gather_bits(code)),
-                               static_cast<double>(gather_bits(code >> 1)),
-                               static_cast<double>(gather_bits(code >> 2))};
+        const improve::Point low = corner_of(code);
         const int corner[8] = {0, 1, 3, 2, 4, 5, 7, 6};
         for (const int c : corner) {
             block.nodes.push_back(static_cast<NodeId>(mesh.node_count()));
@@ -71,39 +105,20 @@ TEST_CASE("elements near the zone are found whether rows of cubes are skipped or
         block.region.push_back(1);
         block.kind.push_back(static_cast<std::uint8_t>(is_cube ? ElementKind::kIn : ElementKind::kSnio));
     }
-    improve::CellFrame frame{};
-    frame.cell = frame.per_cell = 1;
-    frame.level = level;
-    frame.on_lattice = false;
-    improve::CellSet cells(level, nullptr);
-    cells.set_ring(cells.index({3.5, 4.5, 30.5}));
-    cells.set_ring(cells.index({20.5, 31.9, 7.5}));
-    improve::Places places;
-    improve::find_cells(mesh, frame, cells, {}, 2, places);
-    std::vector<std::uint32_t> expected;
-    for (std::size_t i = 0; i < block.size(); ++i) {
-        if (cells.is_near(improve::place_of(mesh, frame, 0, i)))
-            expected.push_back(static_cast<std::uint32_t>(i));
-    }
-    CHECK(expected.size() > 1000);
-    CHECK(expected.size() < block.size() / 2);
-    CHECK(places.element[0] == expected);
+    check_places(mesh, 0, improve::CellSet::kReach, {});
 }
 
 TEST_CASE("pieces of cubes near the zone are found whether rows of them are skipped or not") {
     RandomSource random(8);
-    const int level = 5;
     // Cubes in Morton order, with gaps, as six slivers each of which none reaches out of its cube; other
     // tetrahedra between them.
     Mesh mesh;
     improve::Known known;
     ElementBlock& block = mesh.block(ElementType::kTetrahedron);
-    for (std::uint64_t code = 0; code < std::uint64_t{1} << (3 * level); ++code) {
+    for (std::uint64_t code = 0; code < std::uint64_t{1} << (3 * kLevel); ++code) {
         if (random.chance(0.2)) continue;
         const bool is_cube = random.chance(0.9);
-        const double low[3] = {static_cast<double>(gather_bits(code)),
-                               static_cast<double>(gather_bits(code >> 1)),
-                               static_cast<double>(gather_bits(code >> 2))};
+        const improve::Point low = corner_of(code);
         if (is_cube) {
             if (known.cube_pieces.empty() || known.cube_pieces.back().end != block.size())
                 known.cube_pieces.push_back({block.size(), block.size()});
@@ -121,27 +136,7 @@ TEST_CASE("pieces of cubes near the zone are found whether rows of them are skip
         }
     }
     CHECK(known.cube_pieces.size() > 100);
-    improve::CellFrame frame{};
-    frame.cell = frame.per_cell = 1;
-    frame.level = level;
-    frame.on_lattice = false;
-    improve::CellSet cells(level, nullptr, improve::CellSet::kShortReach);
-    cells.set_ring(cells.index({3.5, 4.5, 30.5}));
-    cells.set_ring(cells.index({20.5, 31.9, 7.5}));
-    improve::Places places;
-    improve::find_cells(mesh, frame, cells, known, 2, places);
-    std::vector<std::uint32_t> expected;
-    for (std::size_t i = 0; i < block.size(); ++i) {
-        if (cells.is_near(improve::place_of(mesh, frame, 3, i)))
-            expected.push_back(static_cast<std::uint32_t>(i));
-    }
-    CHECK(expected.size() > 1000);
-    CHECK(expected.size() < block.size() / 2);
-    CHECK(places.element[3] == expected);
-    std::vector<std::uint32_t> cell_of;
-    for (const std::uint32_t i : expected)
-        cell_of.push_back(static_cast<std::uint32_t>(cells.index(improve::place_of(mesh, frame, 3, i))));
-    CHECK(places.cell_of[3] == cell_of);
+    check_places(mesh, 3, improve::CellSet::kShortReach, known);
 }
 
 TEST_CASE("sorting on threads sorts, whatever their number") {

@@ -1,0 +1,231 @@
+#include "host/improve/places.hpp"
+
+#include <atomic>
+#include <cstring>
+
+#include "host/common/large_array.hpp"
+#include "host/common/parallel.hpp"
+
+namespace mortise::improve {
+namespace {
+
+constexpr std::size_t kChunk = 4096;
+/// Hexahedra of IN cells, and of their pieces, of which first and last tell that none is near the zone.
+constexpr std::size_t kRow = 64;
+constexpr std::size_t kPieces = 6;  ///< of a cube
+
+/// Whether no element from the first to the last lies in one of these bricks of a uniform tree; all lie in
+/// cubes, in the order of the cubes' Morton codes.
+bool is_row_far(const Mesh& mesh, const CellFrame& frame, const std::vector<std::uint64_t>& bricks, int type,
+                std::size_t first, std::size_t last) {
+    const auto brick_of = [&](std::size_t i) {
+        const Point p = place_of(mesh, frame, type, i);
+        return morton_encode(static_cast<u32>(p[0]), static_cast<u32>(p[1]), static_cast<u32>(p[2])) >>
+               (3 * CellSet::kBrickLevels);
+    };
+    const auto next = std::lower_bound(bricks.begin(), bricks.end(), brick_of(first));
+    return next == bricks.end() || *next > brick_of(last);
+}
+
+/// The same of the cubes among hexahedra `begin` to `end`.
+bool are_cubes_far(const Mesh& mesh, const CellFrame& frame, const std::vector<std::uint64_t>& bricks,
+                   std::size_t begin, std::size_t end) {
+    const ElementBlock& block = mesh.elements[0];
+    while (begin < end && !is_cube(block, 0, begin)) ++begin;
+    while (begin < end && !is_cube(block, 0, end - 1)) --end;
+    return begin == end || is_row_far(mesh, frame, bricks, 0, begin, end - 1);
+}
+
+/// Lists the elements of one type near the set, chunk by chunk.
+class CellFinder {
+  public:
+    CellFinder(const Mesh& mesh, const CellFrame& frame, const CellSet& cells,
+               const std::vector<std::uint64_t>& bricks, const IndexRuns& cube_pieces, int type)
+        : mesh_(mesh),
+          frame_(frame),
+          cells_(cells),
+          bricks_(bricks),
+          cube_pieces_(cube_pieces),
+          block_(mesh.elements[static_cast<std::size_t>(type)]),
+          type_(type) {}
+
+    struct Found {
+        std::vector<std::uint32_t> elements;
+        std::vector<std::uint32_t> cells;
+    };
+
+    Found find(std::size_t begin, std::size_t end) const {
+        Found found;
+        CellId at = 0;
+        if (type_ == kTetrahedra) {
+            RunFinder pieces(cube_pieces_, begin);
+            for (std::size_t i = begin; i < end;) {
+                const IndexRun* const run = pieces.run_of(i);
+                if (run == nullptr) {
+                    add_if_near(i++, at, found);
+                } else {
+                    const std::size_t to = std::min(end, run->end);
+                    add_pieces(*run, i, to, at, found);
+                    i = to;
+                }
+            }
+        } else if (type_ == 0 && !cells_.is_graded()) {
+            add_hexahedra(begin, end, at, found);
+        } else {
+            for (std::size_t i = begin; i < end; ++i) add_if_near(i, at, found);
+        }
+        return found;
+    }
+
+  private:
+    /// Elements `from` to `to`, which lie in the cell of `place`.
+    void add(std::size_t from, std::size_t to, const Point& place, CellId& at, Found& found) const {
+        if (!cells_.is_graded() && !cells_.is_near(place)) return;
+        at = cells_.index(place, at);
+        const auto cell = at < Places::kLookAnew ? static_cast<std::uint32_t>(at) : Places::kLookAnew;
+        for (std::size_t i = from; i < to; ++i) {
+            found.elements.push_back(static_cast<std::uint32_t>(i));
+            found.cells.push_back(cell);
+        }
+    }
+
+    void add_if_near(std::size_t i, CellId& at, Found& found) const {
+        // No element reaches kNearby cells.
+        if (!is_cube(block_, type_, i) && !cells_.is_graded() &&
+            !cells_.is_nearby(in_cells(mesh_, frame_, *element(mesh_, type_, i).node)))
+            return;
+        add(i, i + 1, place_of(mesh_, frame_, type_, i), at, found);
+    }
+
+    /// A cube's pieces are in its cell: zones take all of them, or none.
+    void add_pieces(const IndexRun& run, std::size_t from, std::size_t to, CellId& at, Found& found) const {
+        for (std::size_t i = from; i < to;) {
+            const std::size_t row = std::min(to, i + kPieces * kRow);
+            if (!cells_.is_graded() && is_row_far(mesh_, frame_, bricks_, type_, i, row - 1)) i = row;
+            while (i < row) {
+                const std::size_t next = std::min(row, i + kPieces - (i - run.begin) % kPieces);
+                add(i, next, place_of(mesh_, frame_, type_, i), at, found);
+                i = next;
+            }
+        }
+    }
+
+    /// All cubes of a chunk may be far; else they are judged row by row.
+    void add_hexahedra(std::size_t begin, std::size_t end, CellId& at, Found& found) const {
+        const bool all_are_far = are_cubes_far(mesh_, frame_, bricks_, begin, end);
+        const std::size_t step = all_are_far ? end - begin : kRow;
+        for (std::size_t row = begin; row < end; row += step) {
+            const std::size_t row_end = std::min(end, row + step);
+            const bool are_far = all_are_far || are_cubes_far(mesh_, frame_, bricks_, row, row_end);
+            const auto next = [&](std::size_t i) {
+                return are_far ? next_other(block_, type_, i, row_end) : i;
+            };
+            for (std::size_t i = next(row); i < row_end; i = next(i + 1)) add_if_near(i, at, found);
+        }
+    }
+
+    const Mesh& mesh_;
+    const CellFrame& frame_;
+    const CellSet& cells_;
+    const std::vector<std::uint64_t>& bricks_;
+    const IndexRuns& cube_pieces_;
+    const ElementBlock& block_;
+    int type_;
+};
+
+}  // namespace
+
+bool is_cube(const ElementBlock& block, int type, std::size_t i) {
+    return type == 0 && block.kind[i] == static_cast<std::uint8_t>(ElementKind::kIn);
+}
+
+/// The next element from `i` on that is no cube; at most `end`. Most are, so eight are looked at at a time.
+std::size_t next_other(const ElementBlock& block, int type, std::size_t i, std::size_t end) {
+    if (type != 0) return i;
+    static_assert(static_cast<std::uint8_t>(ElementKind::kIn) == 0);
+    const std::uint8_t* const kinds = block.kind.data();
+    for (std::uint64_t eight = 0; i + sizeof eight <= end; i += sizeof eight) {
+        std::memcpy(&eight, kinds + i, sizeof eight);
+        if (eight != 0) break;
+    }
+    while (i < end && is_cube(block, type, i)) ++i;
+    return i;
+}
+
+Element element(const Mesh& mesh, int t, std::size_t i) {
+    const auto size = static_cast<std::size_t>(kElementNodes[static_cast<std::size_t>(t)]);
+    return {static_cast<ElementType>(t), mesh.elements[static_cast<std::size_t>(t)].nodes.data() + i * size,
+            size};
+}
+
+Point centroid(const Mesh& mesh, const CellFrame& frame, const Element& e) {
+    Point sum = {0, 0, 0};
+    for (std::size_t k = 0; k < e.count; ++k) sum = sum + in_cells(mesh, frame, e.node[k]);
+    return (1.0 / static_cast<double>(e.count)) * sum;
+}
+
+Point place_of(const Mesh& mesh, const CellFrame& frame, int type, std::size_t i) {
+    const ElementBlock& block = mesh.elements[static_cast<std::size_t>(type)];
+    if (is_cube(block, type, i)) {
+        const Point low = in_cells(mesh, frame, block.nodes[8 * i]);
+        if (frame.leaves == nullptr) return low + Point{0.5, 0.5, 0.5};
+        return 0.5 * (low + in_cells(mesh, frame, block.nodes[8 * i + 6]));
+    }
+    return centroid(mesh, frame, element(mesh, type, i));
+}
+
+CellId Places::cell(const Mesh& mesh, const CellFrame& frame, const CellSet& cells, int type,
+                    std::size_t i) const {
+    const std::uint32_t known = cell_of[static_cast<std::size_t>(type)][i];
+    if (known != kLookAnew) return known;
+    return cells.index(place_of(mesh, frame, type, element[static_cast<std::size_t>(type)][i]));
+}
+
+void find_cells(const Mesh& mesh, const CellFrame& frame, const CellSet& cells, const Known& known,
+                int threads, Places& places) {
+    std::vector<std::uint64_t> bricks;
+    if (!cells.is_graded()) bricks = cells.near_bricks();
+    for (int t = 0; t < kElementTypes; ++t) {
+        const auto type = static_cast<std::size_t>(t);
+        const CellFinder finder(mesh, frame, cells, bricks, known.cube_pieces, t);
+        const std::size_t count = mesh.elements[type].size();
+        std::vector<std::vector<std::uint32_t>> elements(chunk_count(count, kChunk));
+        std::vector<std::vector<std::uint32_t>> cells_of(elements.size());
+        parallel_chunks(count, kChunk, threads, [&](std::size_t begin, std::size_t end, int) {
+            CellFinder::Found found = finder.find(begin, end);
+            elements[begin / kChunk] = std::move(found.elements);
+            cells_of[begin / kChunk] = std::move(found.cells);
+        });
+        append_lists(elements, threads, places.element[type]);
+        append_lists(cells_of, threads, places.cell_of[type]);
+    }
+}
+
+/// Graded trees list every element: the i-th is element i.
+void find_size_classes(const Mesh& mesh, const CellFrame& frame, const CellSet& cells, int threads,
+                       Places& places) {
+    // Which thread lowers a number last does not matter.
+    std::vector<std::atomic<std::uint8_t>> least(mesh.node_count());
+    for (auto& value : least) value.store(0xff, std::memory_order_relaxed);
+    for (int t = 0; t < kElementTypes; ++t) {
+        parallel_chunks(mesh.elements[static_cast<std::size_t>(t)].size(), kChunk, threads,
+                        [&](std::size_t begin, std::size_t end, int) {
+                            for (std::size_t i = begin; i < end; ++i) {
+                                const Element e = element(mesh, t, i);
+                                const auto size = static_cast<std::uint8_t>(
+                                    cells.size_class(places.cell(mesh, frame, cells, t, i)));
+                                for (std::size_t k = 0; k < e.count; ++k) {
+                                    std::atomic<std::uint8_t>& value = least[e.node[k]];
+                                    std::uint8_t known = value.load(std::memory_order_relaxed);
+                                    while (size < known && !value.compare_exchange_weak(
+                                                               known, size, std::memory_order_relaxed)) {
+                                    }
+                                }
+                            }
+                        });
+    }
+    places.node_class.resize(least.size());
+    for (std::size_t i = 0; i < least.size(); ++i) places.node_class[i] = least[i];
+}
+
+}  // namespace mortise::improve
