@@ -54,14 +54,24 @@ static uint lane_bits(lanes_int yes, lanes_int also) {
 #endif
 }
 
+// Writes the children of a round, by their fields.
+static void store_children(lanes_int place, lanes_int length, __global ChildNode* children) {
+#if LANES == 8
+    vstore16((int16)(place.s0, length.s0, place.s1, length.s1, place.s2, length.s2, place.s3, length.s3,
+                     place.s4, length.s4, place.s5, length.s5, place.s6, length.s6, place.s7, length.s7),
+             0, (__global int*)children);
+#else
+    children->place = (uint)place;
+    children->tape_length = (uint)length;
+#endif
+}
+
 // From the last word to the first: in which lanes is a word needed by the operation that takes its value, and
 // kept? Each entry of `masks` held the lanes where the value is unknown, and from bit 8 on those where the
-// word is to stay if it is needed; then it holds those where it stays. Returns the lanes that keep some
-// words, but not all.
+// word is to stay if it is needed; then it holds those where it stays. Returns the lanes that keep all words.
 static uint find_kept(__global const uint* tape, uint length, __global ushort* masks) {
     uint needed[kTapeStack];
     int top = 0;
-    uint some = 0;
     uint all = 0xffu;
     needed[0] = 0xffu;
     for (uint i = length; i-- > 0;) {
@@ -69,7 +79,6 @@ static uint find_kept(__global const uint* tape, uint length, __global ushort* m
         const uint mask = masks[i];
         const uint here = needed[top];
         const uint stays = here & (mask >> 8);
-        some |= stays;
         all &= stays;
         masks[i] = (ushort)stays;
         if (operation == kTapeLiteral || operation == kTapeSpatial) {
@@ -82,25 +91,48 @@ static uint find_kept(__global const uint* tape, uint length, __global ushort* m
             }
         }
     }
-    return some & ~all;
+    return all;
 }
 
 // The word that is kept for a lane: a select whose rest is known takes that as a constant. `rests` holds what
 // is known of it, for each lane; kMaxRegions + 1: unknown.
-static uint kept_word(uint word, __global const ushort* rests, int lane) {
+static uint kept_word(uint word, __global const ushort* rests, uint lane) {
     if (tape_operation(word) != kTapeSelect || rests[lane] > kMaxRegions) return word;
     return make_operation(kTapeSelectConst, tape_region(word), (int)rests[lane]);
 }
 
+// The first words, at most KEPT_WORDS, of what a child keeps of its parent's tape; returns how many it keeps.
+// own[KEPT_WORDS] is scratch.
+static uint keep_words(__global const uint* tape, uint length, __global const uint* spatial,
+                       __global const ushort* masks, __global const ushort* rests, uint lane, uint c,
+                       uint* own) {
+    uint at = 0;
+    for (uint i = 0; i < length; ++i) {
+        const uint word = tape[i];
+        const uint stays = ((uint)masks[i] >> lane) & 1;
+        if (tape_operation(word) == kTapeSpatial) {
+            const uint entry = spatial[tape_surface(word) + c];
+            const uint count = stays ? expanded_words(spatial, entry) : 0;
+            for (uint k = 0; k < count; ++k, ++at)
+                own[min(at, (uint)KEPT_WORDS)] = expanded_word(spatial, entry, word, k);
+        } else {
+            // Whether it stays is hard to foretell, so the next word overwrites what does not.
+            own[min(at, (uint)KEPT_WORDS)] = kept_word(word, rests + i * LANES, lane);
+            at += stays;
+        }
+    }
+    return at;
+}
+
 // Writes what a child keeps of its parent's tape.
 static void copy_kept(__global const uint* tape, uint length, __global const uint* spatial,
-                      __global const ushort* masks, __global const ushort* rests, int lane, int c,
+                      __global const ushort* masks, __global const ushort* rests, uint lane, uint c,
                       __global uint* out) {
     for (uint i = 0; i < length; ++i) {
         const uint word = tape[i];
         if (((masks[i] >> lane) & 1) == 0) continue;
         if (tape_operation(word) == kTapeSpatial) {
-            const uint entry = spatial[tape_surface(word) + (uint)c];
+            const uint entry = spatial[tape_surface(word) + c];
             const uint count = expanded_words(spatial, entry);
             for (uint k = 0; k < count; ++k) *out++ = expanded_word(spatial, entry, word, k);
         } else {
@@ -136,7 +168,7 @@ MORTISE_NOINLINE void split_parent(__global const TreeNode* parents, __global ui
     const float x = (float)(2 * gather_bits(parent.morton) + 1) * edge;
     const float y = (float)(2 * gather_bits(parent.morton >> 1) + 1) * edge;
     const float z = (float)(2 * gather_bits(parent.morton >> 2) + 1) * edge;
-    uint kept[KEPT_WORDS * LANES];  // the first words of each child's tape
+    uint own[KEPT_WORDS + 1];  // of a child's tape
     uint sibling_offsets[8];
     uint sibling_lengths[8];
     uint made = 0;
@@ -146,10 +178,7 @@ MORTISE_NOINLINE void split_parent(__global const TreeNode* parents, __global ui
     for (int round = 0; round < ROUNDS; ++round) {
         lanes_int stack[kTapeStack];
         int top = -1;
-        int copies = level == 1;
-        uint expanded = 0;
-        int values[LANES];
-        uint lengths[LANES];
+        uint anew = level == 1 ? 0xffu : 0u;  // lanes whose tapes are written even if all words stay
         Cube cube;
         cube.x = x + half_edge * CHILD_X(round);
         cube.y = y + half_edge * CHILD_Y(round);
@@ -174,7 +203,7 @@ MORTISE_NOINLINE void split_parent(__global const TreeNode* parents, __global ui
                     states[lane] = spatial_state(spatial[tape_surface(word) + (uint)(round + lane)], word);
                 value = LOAD_LANES(states);
                 keeps = value == unsure;
-                copies = 1;
+                anew = 0xffu;
                 ++top;
             } else if (operation == kTapeSelectConst) {
                 const lanes_int a = stack[top];
@@ -208,51 +237,38 @@ MORTISE_NOINLINE void split_parent(__global const TreeNode* parents, __global ui
             stack[top] = value;
             masks[i] = (ushort)lane_bits(value == unsure, keeps);
         }
-        // Often each child is decided or keeps the whole tape.
-        copies = find_kept(tape, parent.tape_length, masks) != 0 || copies;
-        for (int lane = 0; lane < LANES; ++lane) lengths[lane] = copies ? 0 : parent.tape_length;
-        for (uint i = 0; copies && i < parent.tape_length; ++i) {
-            const uint word = tape[i];
-            uint lanes = masks[i];
-            while (lanes != 0) {
-                const uint lane = 31u - clz(lanes);
-                uint at = lengths[lane];
-                lanes ^= 1u << lane;
-                if (tape_operation(word) == kTapeSpatial) {
-                    const uint entry = spatial[tape_surface(word) + (uint)round + lane];
-                    const uint count = expanded_words(spatial, entry);
-                    for (uint k = 0; k < count; ++k, ++at) {
-                        if (at < KEPT_WORDS)
-                            kept[lane * KEPT_WORDS + at] = expanded_word(spatial, entry, word, k);
-                    }
-                    expanded |= 1u << lane;
-                } else {
-                    if (at < KEPT_WORDS)
-                        kept[lane * KEPT_WORDS + at] = kept_word(word, rests + i * LANES, (int)lane);
-                    ++at;
-                }
-                lengths[lane] = at;
-            }
-        }
-        STORE_LANES(stack[0], values);
-        for (int lane = 0; lane < LANES; ++lane) {
-            const int c = round + lane;
-            uint words = lengths[lane];
-            int value = values[lane];
-            ChildNode child;
-            child.place = parent.tape_offset;
-            child.tape_length = parent.tape_length;
+        {
             // An unchanged tape was reduced when it was made; the root's is written anew.
-            if (value == kUnknown &&
-                (words != parent.tape_length || ((expanded >> lane) & 1) || level == 1)) {
-                uint* own = kept + lane * KEPT_WORDS;
+            const uint changed = anew | ~find_kept(tape, parent.tape_length, masks);
+            const lanes_int value = stack[0];
+            const lanes_int goes_on = value == (lanes_int)(kUnknown);
+            const uint bits = lane_bits(goes_on, value > 0);
+            uint undecided = bits & 0xffu;
+            in += popcount(bits >> 8);
+            store_children(select(value, (lanes_int)((int)parent.tape_offset), goes_on),
+                           select((lanes_int)(0), (lanes_int)((int)parent.tape_length), goes_on),
+                           children + 8 * item + round);
+            if ((undecided & ~changed) != 0) longest = max(longest, parent.tape_length);
+            for (uint rest = undecided & changed; rest != 0; rest &= rest - 1) {
+                const uint lane = mortise_lowest_bit(rest);
+                const uint c = (uint)round + lane;
+                uint words = keep_words(tape, parent.tape_length, spatial, masks, rests, lane, c, own);
                 const int is_short = words <= KEPT_WORDS;
                 uint offset = NOTHING;
+                ChildNode child;
+                child.place = parent.tape_offset;
+                child.tape_length = parent.tape_length;
                 if (is_short) {
                     int constant_value = 0;
                     words = reduce(own, words, &constant_value);
-                    if (words == 0) value = constant_value;
-                    offset = find_tape(tapes, sibling_offsets, sibling_lengths, made, own, words);
+                    if (words == 0) {
+                        child.place = (uint)constant_value;
+                        child.tape_length = 0;
+                        undecided ^= 1u << lane;
+                        in += constant_value > 0;
+                    } else {
+                        offset = find_tape(tapes, sibling_offsets, sibling_lengths, made, own, words);
+                    }
                 }
                 if (words > 0 && offset == NOTHING) {
                     // Plain reads of used may be old: they only save atomic operations.
@@ -272,16 +288,10 @@ MORTISE_NOINLINE void split_parent(__global const TreeNode* parents, __global ui
                     child.place = offset;
                     child.tape_length = words;
                 }
-            }
-            if (value == kUnknown) {
-                ++unknown;
                 longest = max(longest, child.tape_length);
-            } else {
-                child.place = (uint)value;
-                child.tape_length = 0;
+                children[8 * item + c] = child;
             }
-            in += value > 0;
-            children[8 * item + c] = child;
+            unknown += popcount(undecided);
         }
     }
     unknown_counts[item] = unknown;
@@ -297,9 +307,11 @@ MORTISE_KERNEL void descend(__global const TreeNode* parents, __global uint* tap
                             int level, uint items) {
     if (get_global_id(0) >= items) return;
     {
-        __global ushort* masks = scratch + get_global_id(0) * (ulong)slot_words * (1 + LANES);
-        split_parent(parents, tapes, surfaces, ops, spatial, children, unknown_counts, in_counts, used, masks,
-                     masks + slot_words, capacity, level, first_item + (uint)get_global_id(0));
+        const ulong slot = get_global_id(0) * (ulong)slot_words;
+        __global ushort* rests = scratch + items * (ulong)slot_words;
+        split_parent(parents, tapes, surfaces, ops, spatial, children, unknown_counts, in_counts, used,
+                     scratch + slot, rests + slot * LANES, capacity, level,
+                     first_item + (uint)get_global_id(0));
     }
 }
 
@@ -315,21 +327,28 @@ MORTISE_KERNEL void gather_children(__global const TreeNode* parents, __global c
         const ulong first_child = parents[item].morton << 3;
         uint at_unknown = unknown_offsets[item];
         uint at_in = in_base + in_offsets[item];
-        for (int c = 0; c < 8; ++c) {
+        uint unknown = 0;
+        uint in = 0;
+        for (uint c = 0; c < 8; ++c) {
             const ChildNode child = children[8 * item + c];
-            if (child.tape_length != 0) {
-                TreeNode node;
-                node.morton = first_child | (ulong)c;
-                node.tape_offset = child.place;
-                node.tape_length = child.tape_length;
-                next[at_unknown++] = node;
-            } else if (child.place != 0) {
-                InNode node;
-                node.morton = first_child | (ulong)c;
-                node.level = (uint)level;
-                node.region = child.place;
-                in_nodes[at_in++] = node;
-            }
+            unknown |= (child.tape_length != 0 ? 1u : 0u) << c;
+            in |= (child.place != 0 ? 1u : 0u) << c;
+        }
+        for (uint rest = unknown; rest != 0; rest &= rest - 1) {
+            const uint c = mortise_lowest_bit(rest);
+            TreeNode node;
+            node.morton = first_child | (ulong)c;
+            node.tape_offset = children[8 * item + c].place;
+            node.tape_length = children[8 * item + c].tape_length;
+            next[at_unknown++] = node;
+        }
+        for (uint rest = in & ~unknown; rest != 0; rest &= rest - 1) {
+            const uint c = mortise_lowest_bit(rest);
+            InNode node;
+            node.morton = first_child | (ulong)c;
+            node.level = (uint)level;
+            node.region = children[8 * item + c].place;
+            in_nodes[at_in++] = node;
         }
     }
 }

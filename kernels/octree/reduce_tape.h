@@ -64,6 +64,9 @@ static uint reduce(uint* tape, uint length, int* constant_value) {
     uint redundant = 0;
     uint region_bits = 0;
     uint regions[12];  // by bit of the region's number
+    uint literals = 0;
+    uint selects = 0;
+    uint same = 0;  // selects that do not depend on their formula
     if (length > MAX_REDUCED_WORDS) return length;
     for (uint i = 0; i < length; ++i) {
         const uint operation = tape_operation(tape[i]);
@@ -73,10 +76,15 @@ static uint reduce(uint* tape, uint length, int* constant_value) {
             while (s < count && surfaces[s] != tape_surface(tape[i])) ++s;
             if (s == MAX_REDUCED) return length;
             if (s == count) surfaces[count++] = tape_surface(tape[i]);
+            ++literals;
         } else if (operation == kTapeSelect || operation == kTapeSelectConst) {
             region_bits |= (uint)(tape_region(tape[i]) | tape_otherwise(tape[i]));
+            same |= tape_region(tape[i]) == tape_otherwise(tape[i]);
+            ++selects;
         }
     }
+    // A formula that names each surface once depends on all of them.
+    if (literals == count && selects == 1 && !same) return length;
     {
         // The value for all choices at once. Regions are at the bottom of the stack only.
         uint stack[kTapeStack];
