@@ -193,6 +193,15 @@ bool Block::is_link_shared(Local gone, Local kept) const {
     }
     for (const std::uint32_t i : star_[kept]) {
         const Tetrahedron& t = tetrahedra_[i];
+        // Facets of elements that vanish pass to their neighbours, so they count here, too.
+        for (std::size_t f = 0; f < 4; ++f) {
+            if (t.tag[f] == 0 || t.node[f] == kept) continue;
+            for (const std::uint8_t k : kOpposite[f]) {
+                if (t.node[k] == kept) continue;
+                const LinkNode* s = in_link(t.node[k]);
+                if (s != nullptr && s->facet && !s->facet_at_edge) return false;
+            }
+        }
         if (has(t.node, gone)) continue;
         for (std::size_t f = 0; f < 4; ++f) {
             const Local n = t.node[f];
@@ -210,14 +219,6 @@ bool Block::is_link_shared(Local gone, Local kept) const {
                 return has(tetrahedra_[j].node, pair[0]) && has(tetrahedra_[j].node, pair[1]);
             });
             if (with_gone && !shares(pair[0], pair[1])) return false;
-        }
-        for (std::size_t f = 0; f < 4; ++f) {
-            if (t.tag[f] == 0 || t.node[f] == kept) continue;
-            for (const std::uint8_t k : kOpposite[f]) {
-                if (t.node[k] == kept) continue;
-                const LinkNode* s = in_link(t.node[k]);
-                if (s != nullptr && s->facet && !s->facet_at_edge) return false;
-            }
         }
     }
     return true;

@@ -221,8 +221,8 @@ MORTISE_FUNCTION double make_cone(const CellBoundary* b, const CellFacets* facet
     }
     if (place >= 0) {
         for (int i = 1; i + 1 < b->loop_size; ++i) {
-            const int k = (place + i) % b->loop_size;
-            const int l = (place + i + 1) % b->loop_size;
+            const int k = place + i < b->loop_size ? place + i : place + i - b->loop_size;
+            const int l = k + 1 < b->loop_size ? k + 1 : 0;
             if ((kNodeFaces[apex] & kNodeFaces[b->loop[k]] & kNodeFaces[b->loop[l]] & facing) != 0) return -1;
             cone->facets[cone->facet_count++] = (u16)(place | (k << 4) | (l << 8) | (l << 12));
         }

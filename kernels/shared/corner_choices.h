@@ -48,8 +48,8 @@ MORTISE_FUNCTION int sees_surface(const u8* loop, int n, const double (*p)[3], i
     for (int first = place >= 0 ? place : 0; first < (place >= 0 ? place + 1 : n); ++first) {
         int valid = 1;
         for (int i = 1; i + 1 < n && valid; ++i) {
-            const int d = (first + i) % n;
-            const int e = (first + i + 1) % n;
+            const int d = first + i < n ? first + i : first + i - n;
+            const int e = d + 1 < n ? d + 1 : 0;
             valid = (faces[first] & faces[d] & faces[e]) == 0 &&
                     (place >= 0 || is_positive_corner(p[loop[e]], p[loop[d]], p[loop[first]], p[apex]));
         }

@@ -114,6 +114,26 @@ TEST_CASE("rods that meet in a ball of their radius") {
     }
 }
 
+TEST_CASE("struts of a cubic lattice, cut at its own box, stay apart where they leave their joints") {
+    // At one joint of this pose, two facets at a node that went, and two at the node that it became, met.
+    const Model model = one_solid([](Model& m) {
+        const NodeIndex strut = add_cylinder(m, 0.15, -60, 60);
+        std::vector<NodeIndex> struts;
+        for (const double a : {0, 9, 10}) {
+            for (const double b : {0, 9, 10}) {
+                struts.push_back(m.add_transform({1, 0, 0, a, 0, 1, 0, b, 0, 0, 1, 0}, strut));
+                struts.push_back(m.add_transform({0, 0, 1, 0, 1, 0, 0, a, 0, 1, 0, b}, strut));
+                struts.push_back(m.add_transform({0, 1, 0, b, 0, 0, 1, 0, 1, 0, 0, a}, strut));
+            }
+        }
+        return intersect(m, {unite(m, struts), add_box(m, {-0.5, -0.5, -0.5}, {10.5, 10.5, 10.5})});
+    });
+    const Meshed m = mesh_and_check(model, 7);
+    CHECK(m.defects == "");
+    CHECK(m.report.hinge_edges + m.report.hinge_nodes == 0);
+    CHECK(m.check.euler_characteristic == 2 * (27 - 54));  // joints and the struts between them
+}
+
 TEST_CASE("springs, chains of hulls or of rods with balls, are smooth outside their bends") {
     const auto text_of = [](Form form) {
         std::ostringstream text;  // six figures
