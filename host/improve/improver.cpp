@@ -271,24 +271,26 @@ std::uint64_t Improver::block_of(const Nodes& nodes, int pairing, double shift) 
 /// Whether most of these are in cells with more than kCrowdedCell of them.
 bool Improver::is_crowded(const std::vector<std::uint32_t>& tetrahedra) const {
     if (tetrahedra.size() <= kCrowdedCell) return false;
-    std::vector<std::array<std::int32_t, 3>> cells;
+    using Cell = std::array<std::int32_t, 3>;
+    std::vector<std::pair<Cell, std::size_t>> counts;  // those of a cell are mostly one behind the other
     for (const std::uint32_t t : tetrahedra) {
         const Place place = place_of(zone_.tetrahedra[t].node);
         const double per_cell = 0.25 / edge_of(place.size_class);
-        std::array<std::int32_t, 3> cell{};
+        Cell cell{};
         for (std::size_t k = 0; k < 3; ++k)
             cell[k] = static_cast<std::int32_t>(std::floor(place.sum[k] * per_cell));
-        cells.push_back(cell);
+        if (counts.empty() || counts.back().first != cell) counts.push_back({cell, 0});
+        ++counts.back().second;
     }
-    std::sort(cells.begin(), cells.end());
+    std::sort(counts.begin(), counts.end());
     std::size_t crowded = 0;
-    for (auto first = cells.begin(); first != cells.end();) {
-        const auto last = std::upper_bound(first, cells.end(), *first);
-        const auto count = static_cast<std::size_t>(last - first);
+    for (std::size_t i = 0; i < counts.size();) {
+        const Cell& cell = counts[i].first;
+        std::size_t count = 0;
+        for (; i < counts.size() && counts[i].first == cell; ++i) count += counts[i].second;
         if (count > kCrowdedCell) crowded += count;
-        first = last;
     }
-    return 2 * crowded > cells.size();
+    return 2 * crowded > tetrahedra.size();
 }
 
 /// The tetrahedra of all blocks; sets first_.

@@ -1,10 +1,15 @@
 #include "host/tape/smooth_faces.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <glm/glm.hpp>
+#include <iterator>
+#include <utility>
+#include <vector>
 
 #include "host/common/disjoint_sets.hpp"
+#include "host/common/parting.hpp"
 
 namespace mortise::tape {
 namespace {
@@ -132,10 +137,114 @@ class Turns {
     std::vector<std::size_t> first_;  ///< per plane, and behind the last
 };
 
+/// Two planes of a patch with an edge in common, the lower first.
+using PlanePair = std::pair<std::uint32_t, std::uint32_t>;
+
+void sort_once(std::vector<PlanePair>& pairs) {
+    std::sort(pairs.begin(), pairs.end());
+    pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+}
+
+double turn_between(const Facets& facets, std::uint32_t a, std::uint32_t b) {
+    const glm::dvec3 n = normal_of(facets, a), m = normal_of(facets, b);
+    return std::atan2(glm::length(glm::cross(n, m)), glm::dot(n, m));
+}
+
+/// Rings of planes that meet themselves at a crease, as the wall of a teardrop-shaped hole, must be parted:
+/// the two sides of the crease are one patch otherwise, the other way around, and no sign would tell them
+/// apart.
+class Rings {
+  public:
+    Rings(const TriangleSurface& surface, const Facets& facets, DisjointSets& patches)
+        : surface_(surface), facets_(facets), patches_(patches) {}
+
+    /// The joints where they are parted, ascending. `smooth`: all smooth ones, ascending.
+    std::vector<PlanePair> partings(const std::vector<PlanePair>& smooth) {
+        std::vector<PlanePair> creases = pairs([&](std::uint32_t a, std::uint32_t b) {
+            return turn_between(facets_, a, b) > kAlwaysSmooth * kDegree &&
+                   !std::binary_search(smooth.begin(), smooth.end(), PlanePair{a, b});
+        });
+        if (creases.empty()) return {};
+        find_neighbours(creases);
+        std::vector<PlanePair> result;
+        for (const PlanePair& crease : creases) {
+            const std::vector<std::uint32_t> ring = ring_from(crease);
+            if (ring.size() < 3) continue;
+            std::vector<double> turns;
+            for (std::size_t i = 0; i + 1 < ring.size(); ++i)
+                turns.push_back(turn_between(facets_, ring[i], ring[i + 1]));
+            const std::size_t at = best_parting(turns);
+            result.push_back({std::min(ring[at - 1], ring[at]), std::max(ring[at - 1], ring[at])});
+        }
+        sort_once(result);
+        return result;
+    }
+
+  private:
+    /// Those within a patch for which `holds`.
+    template <class Holds>
+    std::vector<PlanePair> pairs(const Holds& holds) {
+        std::vector<PlanePair> result;
+        for (std::size_t t = 0; t < facets_.across.size(); ++t) {
+            for (const std::uint32_t next : facets_.across[t]) {
+                if (next == Facets::kNone) continue;
+                const std::uint32_t a = facets_.of_triangle[t], b = facets_.of_triangle[next];
+                if (a == Facets::kNone || b == Facets::kNone || a >= b) continue;
+                if (!surface_.group.empty() && surface_.group[t] != surface_.group[next]) continue;
+                if (patches_.find(a) == patches_.find(b) && holds(a, b)) result.push_back({a, b});
+            }
+        }
+        sort_once(result);
+        return result;
+    }
+
+    /// Of planes in patches with a crease, two at most: more are no ring.
+    void find_neighbours(const std::vector<PlanePair>& creases) {
+        std::vector<std::uint8_t> has_crease(patches_.size(), 0);
+        for (const PlanePair& crease : creases) has_crease[patches_.find(crease.first)] = 1;
+        count_.assign(patches_.size(), 0);
+        beside_.resize(patches_.size());
+        const auto add = [&](std::uint32_t to, std::uint32_t plane) {
+            if (count_[to] < 2) beside_[to][count_[to]] = plane;
+            ++count_[to];
+        };
+        for (const auto& [a, b] :
+             pairs([&](std::uint32_t a, std::uint32_t) { return has_crease[patches_.find(a)] != 0; })) {
+            add(a, b);
+            add(b, a);
+        }
+    }
+
+    /// From one side of a crease to the other; empty if that is no ring.
+    std::vector<std::uint32_t> ring_from(const PlanePair& crease) const {
+        std::vector<std::uint32_t> ring = {crease.second};
+        std::uint32_t before = crease.first;
+        while (ring.back() != crease.first) {
+            const std::uint32_t at = ring.back();
+            if (count_[at] != 2) return {};
+            ring.push_back(beside_[at][0] == before ? beside_[at][1] : beside_[at][0]);
+            before = at;
+        }
+        return count_[crease.first] == 2 ? ring : std::vector<std::uint32_t>{};
+    }
+
+    const TriangleSurface& surface_;
+    const Facets& facets_;
+    DisjointSets& patches_;
+    std::vector<std::uint32_t> count_;  ///< of a plane's neighbours
+    std::vector<std::array<std::uint32_t, 2>> beside_;
+};
+
+DisjointSets joined(std::size_t planes, const std::vector<PlanePair>& pairs) {
+    DisjointSets sets(planes);
+    for (const auto& [a, b] : pairs) sets.join(a, b);
+    return sets;
+}
+
 }  // namespace
 
 void find_patches(const TriangleSurface& surface, double sharp_angle, Facets& facets) {
-    DisjointSets sets(facets.planes.size());
+    std::vector<PlanePair> smooth;
     if (sharp_angle > 0) {
         std::vector<std::uint32_t> triangles(facets.planes.size());
         for (const std::uint32_t plane : facets.of_triangle) {
@@ -147,8 +256,17 @@ void find_patches(const TriangleSurface& surface, double sharp_angle, Facets& fa
             const bool is_smooth = std::fabs(turn.angle) <= (kAlwaysSmooth + 1e-6) * kDegree ||
                                    std::max(triangles[turn.from], triangles[turn.to]) <= kFacetTriangles ||
                                    turns.goes_on(turn);
-            if (is_smooth) sets.join(turn.from, turn.to);
+            if (is_smooth) smooth.push_back({turn.from, turn.to});
         }
+        sort_once(smooth);
+    }
+    DisjointSets sets = joined(facets.planes.size(), smooth);
+    const std::vector<PlanePair> parted = Rings(surface, facets, sets).partings(smooth);
+    if (!parted.empty()) {
+        std::vector<PlanePair> rest;
+        std::set_difference(smooth.begin(), smooth.end(), parted.begin(), parted.end(),
+                            std::back_inserter(rest));
+        sets = joined(facets.planes.size(), rest);
     }
     facets.patch_of_plane.resize(sets.size());
     for (std::uint32_t i = 0; i < sets.size(); ++i) {

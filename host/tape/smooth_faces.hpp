@@ -13,7 +13,8 @@ namespace mortise::tape {
 /// - the surface goes on turning like that: the edge is one of three in a row, from face to face straight on,
 ///   all convex or all concave, at which the normal turns by not much less or more. So a fillet of two facets
 ///   between its flat neighbours is round, and two blocks that meet at 30 degrees have a crease.
-/// Groups of triangles are patches of their own.
+/// Groups of triangles are patches of their own. A ring of planes that would meet itself at a crease, as
+/// around a teardrop, becomes two patches (best_parting in host/common/parting.hpp).
 void find_patches(const TriangleSurface& surface, double sharp_angle, Facets& facets);
 
 }  // namespace mortise::tape

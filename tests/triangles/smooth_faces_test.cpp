@@ -1,6 +1,7 @@
 // Which flat faces of a polyhedron make one curved surface.
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 
@@ -78,6 +79,25 @@ TEST_CASE("coarse tessellations are smooth: prisms, balls") {
     divide_all(ten);
     CHECK(patches(ten) == 3);
     CHECK(patches(unit_sphere(2)) == 1);
+}
+
+TEST_CASE("a smooth ring that meets itself at a corner is parted where it turns most") {
+    std::vector<std::array<double, 2>> outline;  // three quarters of a circle, and its tangents
+    for (int k = 0; k <= 27; ++k)
+        outline.push_back({std::cos((135 + 10 * k) * kDegree), std::sin((135 + 10 * k) * kDegree)});
+    outline.push_back({0, std::sqrt(2)});
+    const TriangleSurface teardrop = prism(outline, 1);
+    const tape::Facets facets = tape::find_facets(teardrop, kSharp);
+    CHECK(facets.patches == 4);  // with top and bottom
+    std::size_t walls[4] = {};
+    for (std::size_t t = 0; t < teardrop.triangles.size(); ++t) {
+        const std::uint32_t plane = facets.of_triangle[t];
+        if (std::fabs(facets.planes[plane][2]) < 0.5) ++walls[facets.patch_of_plane[plane]];
+    }
+    std::sort(walls, walls + 4);
+    CHECK(walls[1] == 0);
+    CHECK(walls[2] + walls[3] == 2 * outline.size());
+    CHECK(walls[3] - walls[2] <= 4);  // triangles, two a face
 }
 
 }  // namespace mortise::test

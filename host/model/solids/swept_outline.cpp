@@ -6,6 +6,7 @@
 #include <limits>
 #include <numeric>
 
+#include "host/common/parting.hpp"
 #include "host/model/outlines/polygon_triangles.hpp"
 #include "host/model/outlines/polygons.hpp"
 
@@ -78,6 +79,21 @@ std::vector<std::uint32_t> sides_of(const Loop& loop, double sharp_angle) {
         side[(first + i) % n] = count;
         if (!curved || !is_smooth_after(loop, first + i, sharp_angle)) ++count;
     }
+    return side;
+}
+
+/// Per edge the number of the curved surface that it sweeps: its side, but if a side meets itself at a
+/// corner, as that of a teardrop, it becomes two. A single surface could not tell the two sides of the corner
+/// apart.
+std::vector<std::uint32_t> parts_of(const Loop& loop, std::vector<std::uint32_t> side, double sharp_angle) {
+    const std::size_t n = loop.size();
+    if (*std::max_element(side.begin(), side.end()) > 0) return side;
+    std::size_t first = 0;
+    while (first < n && is_smooth_after(loop, first + n - 1, sharp_angle)) ++first;
+    if (first == n) return side;
+    std::vector<double> turns(n - 1);
+    for (std::size_t i = 0; i + 1 < n; ++i) turns[i] = turn_after(loop, first + i);
+    for (std::size_t i = best_parting(turns); i < n; ++i) side[(first + i) % n] = 1;
     return side;
 }
 
@@ -213,10 +229,11 @@ std::array<double, 2> end_slopes(const Loop& loop, std::size_t i, const std::vec
     return {-(joins_before ? start : end), joins_after ? end : start};
 }
 
-/// Loops with divided edges and per edge the number of its side.
+/// Loops with divided edges and per edge the number of its part of the surface.
 struct Outline {
     Contours loops;
-    std::vector<std::vector<std::uint32_t>> sides;
+    std::vector<std::vector<std::uint32_t>> parts;
+    std::vector<std::uint32_t> side_count;  ///< per loop: one for all parts if it has one corner at most
 
     std::size_t edge_count() const {
         return std::accumulate(loops.begin(), loops.end(), std::size_t{0},
@@ -230,7 +247,9 @@ struct Outline {
         for (std::size_t l = 0; l < given.size(); ++l) {
             const Loop& loop = given[l];
             const std::vector<std::uint32_t> side = sides_of(loop, sharp_angle);
-            sides.emplace_back();
+            const std::vector<std::uint32_t> part = parts_of(loop, side, sharp_angle);
+            parts.emplace_back();
+            side_count.push_back(1 + *std::max_element(side.begin(), side.end()));
             for (std::size_t i = 0; i < loop.size(); ++i) {
                 const Vec2& p = loop[i];
                 const Vec2& q = at(loop, i + 1);
@@ -244,11 +263,11 @@ struct Outline {
                 const bool is_curve = slopes[0] != 0 || slopes[1] != 0;
                 const double from = std::atan(twist * (along[0] * p[0] + along[1] * p[1]));
                 const double to = std::atan(twist * (along[0] * q[0] + along[1] * q[1]));
-                const double parts = std::max(
+                const double pieces = std::max(
                     {1.0, std::ceil(length / longest_edge), std::ceil(std::fabs(to - from) / most_turn)});
-                for (double k = 0; k < parts; ++k) {
+                for (double k = 0; k < pieces; ++k) {
                     // Of a straight edge by equal angles of the normal, of a curve by equal lengths.
-                    double t = k / parts;
+                    double t = k / pieces;
                     if (k > 0 && !is_curve && std::fabs(to - from) > most_turn) {
                         t = (std::tan(from + t * (to - from)) - std::tan(from)) /
                             (std::tan(to) - std::tan(from));
@@ -257,7 +276,7 @@ struct Outline {
                     loops[l].push_back(k == 0 ? p
                                               : Vec2{p[0] + t * (q[0] - p[0]) - rise * (q[1] - p[1]),
                                                      p[1] + t * (q[1] - p[1]) + rise * (q[0] - p[0])});
-                    sides[l].push_back(side[i]);
+                    parts[l].push_back(part[i]);
                 }
             }
         }
@@ -301,13 +320,15 @@ TriangleSurface joined_rows(const Outline& outline, const OutlineRows& rows,
 
     std::size_t first = 0;
     for (std::size_t l = 0; l < loops.size(); ++l) {
-        const std::vector<std::uint32_t>& sides = outline.sides[l];
-        const std::uint32_t side_count = 1 + *std::max_element(sides.begin(), sides.end());
-        const bool named = side_count <= kMostNamedSides;
+        const std::vector<std::uint32_t>& parts = outline.parts[l];
+        const std::uint32_t part_count = 1 + *std::max_element(parts.begin(), parts.end());
+        const bool named = outline.side_count[l] <= kMostNamedSides;
         const bool parted = named || rows.twist != 0;
         const std::size_t group = surface.group_names.size();
-        for (std::uint32_t k = 0; k < (parted ? side_count : 1); ++k)
-            surface.group_names.push_back(named || k == 0 ? next_side() : surface.group_names.back());
+        for (std::uint32_t k = 0; k < (parted ? part_count : 1); ++k) {
+            const bool is_new = k == 0 || (named && outline.side_count[l] > 1);
+            surface.group_names.push_back(is_new ? next_side() : surface.group_names.back());
+        }
         const std::size_t n = loops[l].size();
         for (std::size_t row = 0; row + (rows.is_ring ? 0 : 1) < rows.count; ++row) {
             const std::size_t here = row * count;
@@ -315,7 +336,7 @@ TriangleSurface joined_rows(const Outline& outline, const OutlineRows& rows,
             for (std::size_t i = 0; i < n; ++i) {
                 const std::size_t a = first + i;
                 const std::size_t b = first + (i + 1) % n;
-                const std::size_t side = group + (parted ? sides[i] : 0);
+                const std::size_t side = group + (parted ? parts[i] : 0);
                 add(here + a, here + b, next + b, side);
                 add(here + a, next + b, next + a, side);
             }

@@ -1,0 +1,97 @@
+// Extruded outlines with a single corner, as teardrops: the smooth wall meets itself there.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+#include "tests/mesher/meshed.hpp"
+#include "tests/mesher/random_source.hpp"
+
+namespace mortise::test {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+constexpr double kRadius = 3;
+constexpr double kHeight = 3;
+
+struct Solid {
+    const char* name;
+    std::string text;
+    Vec3 corner;  ///< and kHeight above it
+    double volume;
+    int euler;
+};
+
+/// Three quarters of a circle and its tangents, which meet at a right angle.
+std::string teardrop() {
+    constexpr int kEdges = 48;
+    std::ostringstream text;
+    text.precision(12);
+    text << "polygon(points = [";
+    for (int i = 0; i <= kEdges; ++i) {
+        const double angle = kPi * (0.75 + 1.5 * i / kEdges);
+        text << "[" << kRadius * std::cos(angle) << "," << kRadius * std::sin(angle) << "],";
+    }
+    text << "[0," << kRadius * std::sqrt(2) << "]]);";
+    return text.str();
+}
+
+std::string extruded(double height, const std::string& outline) {
+    std::ostringstream text;
+    text << "linear_extrude(height = " << height << ") { " << outline << " }\n";
+    return text.str();
+}
+
+std::vector<Solid> solids() {
+    const double area = kRadius * kRadius * (0.75 * kPi + 1);
+    const Vec3 tip = {0, kRadius * std::sqrt(2), 0};
+    return {
+        {"teardrop", extruded(kHeight, teardrop()), tip, area * kHeight, 2},
+        {"plate with a teardrop",
+         "difference() { multmatrix([[1,0,0,-5],[0,1,0,-5],[0,0,1,0],[0,0,0,1]]) { cube(size = [10, 10, 3]); "
+         "} "
+         "multmatrix([[1,0,0,0],[0,1,0,0],[0,0,1,-1],[0,0,0,1]]) { " +
+             extruded(kHeight + 2, teardrop()) + " } }",
+         tip, (100 - area) * kHeight, 0},
+        {"L with round corners",
+         extruded(kHeight, "offset(r = 1) { polygon(points = [[0,0],[8,0],[8,2],[2,2],[2,6],[0,6]]); }"),
+         {3, 3, 0},
+         (24 + 28 - 1 + 5 * kPi / 4) * kHeight,
+         2},
+    };
+}
+
+}  // namespace
+
+TEST_CASE("outlines with a single corner are sharp there, in any pose") {
+    RandomSource random(environment_number("MORTISE_RANDOM_SEED", 11));
+    const int poses = static_cast<int>(environment_number("MORTISE_TEARDROPS", 10));
+    for (const Solid& solid : solids()) {
+        for (int i = 0; i < poses; ++i) {
+            CAPTURE(std::string(solid.name));
+            CAPTURE(i);
+            const Vec3 axis = {random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
+            const Affine pose = rotation(axis, random.uniform(0, 2 * kPi));
+            std::ostringstream text;
+            text.precision(17);
+            text << "multmatrix([";
+            for (std::size_t k = 0; k < 12; ++k)
+                text << (k % 4 == 0 ? "[" : "") << pose[k] << (k % 4 == 3 ? "]," : ",");
+            text << "[0,0,0,1]]) { " << solid.text << " }";
+            const Meshed m = mesh_and_check(parse_model(text.str(), "csg", "part.csg"), 5);
+            CHECK(m.defects == "");
+            CHECK(m.check.volume == doctest::Approx(solid.volume).epsilon(0.01));
+            CHECK(m.check.euler_characteristic == solid.euler);
+            CHECK(m.report.hinge_edges + m.report.hinge_nodes == 0);
+            CHECK(m.report.dropped_features == 0);
+            CHECK(*std::min_element(m.check.min_scaled_jacobian.begin(), m.check.min_scaled_jacobian.end()) >=
+                  0.15);
+            const Vec3 above = {solid.corner[0], solid.corner[1], kHeight};
+            CHECK(nearest_node(m.mesh, apply(pose, solid.corner)) < 1e-6);
+            CHECK(nearest_node(m.mesh, apply(pose, above)) < 1e-6);
+        }
+    }
+}
+
+}  // namespace mortise::test
