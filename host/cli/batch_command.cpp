@@ -150,8 +150,10 @@ Json mesh_one(Mesher& mesher, const Arguments& arguments, const MeshOptions& opt
         MeshReport report;
         const Mesh mesh = mesher.generate(model, options, &report);
         const MeshFigures figures = figures_of(mesh, report.scaled_jacobians, options.threads);
-        document["warnings"] = report.warnings;
         refuse_inverted(figures);
+        const std::string slivers = options.improve ? sliver_warning(figures) : std::string();
+        if (!slivers.empty()) report.warnings.push_back(slivers);
+        document["warnings"] = report.warnings;
         if (arguments.check) refuse_defects(check_mesh(mesh));
         make_folder_of(item);
         write_mesh(mesh, item.output, report.scaled_jacobians, arguments.file_options);

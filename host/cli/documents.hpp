@@ -41,6 +41,9 @@ struct MeshFigures {
 /// `threads` host threads, here and above; 0: all cores.
 MeshFigures figures_of(const Mesh& mesh, const std::vector<float>& jacobians, int threads);
 
+/// What to do about the worst element, if it is far below what improvement leaves elsewhere; else empty.
+std::string sliver_warning(const MeshFigures& figures);
+
 Json mesh_document(const MeshReport& report, const MeshFigures& figures);
 Json check_document(const CheckReport& report);
 

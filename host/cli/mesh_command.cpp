@@ -23,7 +23,6 @@ namespace {
 constexpr double kChecking = 0.8;  // progress when the mesh is there
 constexpr double kWriting = 0.9;
 
-constexpr double kVeryLow = 0.05;        // scaled Jacobian
 constexpr double kWorthTelling = 0.001;  // seconds
 
 std::string seconds_text(double seconds) {
@@ -86,12 +85,6 @@ std::string summary(const Arguments& arguments, const MeshReport& report, const 
     text += "  worst      scaled Jacobian " + list_jacobians(figures.elements, figures.min_scaled_jacobian);
     if (figures.worst_place) text += "; the lowest at " + place_text(*figures.worst_place);
     text += "\n";
-    const auto& lowest = figures.min_scaled_jacobian;
-    if (*std::min_element(lowest.begin(), lowest.end()) < kVeryLow)
-        text +=
-            "             the model has a wall, gap or angle there that is too thin for these cells; "
-            "--refine 2 "
-            "makes\n             them smaller where that helps\n";
     double total = 0;
     std::string stages;
     for (const StageTime& stage : report.stages) {
@@ -120,6 +113,14 @@ void check_outputs(const Arguments& arguments) {
     if (!arguments.features.empty()) check_other_output("--features", arguments.features, ".vtp");
 }
 
+void warn_of_slivers(const MeshFigures& figures, const MeshOptions& options, MeshReport& report,
+                     Progress& progress) {
+    const std::string warning = options.improve ? sliver_warning(figures) : std::string();
+    if (warning.empty()) return;
+    report.warnings.push_back(warning);
+    progress.warn(warning);
+}
+
 /// What is told of a mesh once it is written.
 struct Outcome {
     MeshReport report;
@@ -141,6 +142,7 @@ Outcome mesh_whole(const Arguments& arguments, const Model& model, const MeshOpt
     timed("figures", stages, mesh.element_count(),
           [&] { out.figures = figures_of(mesh, report.scaled_jacobians, options.threads); });
     refuse_inverted(out.figures);
+    warn_of_slivers(out.figures, options, report, progress);
     if (arguments.check) {
         progress.show("check", kChecking);
         timed("check", stages, mesh.element_count(), [&] { out.check = check_mesh(mesh); });
@@ -202,6 +204,7 @@ Outcome mesh_in_parts(const Arguments& arguments, const Model& model, const Mesh
     for (const std::string& warning : out.report.warnings) progress.warn(warning);
     out.figures = sink.figures;
     refuse_inverted(out.figures);
+    warn_of_slivers(out.figures, options, out.report, progress);
     progress.show("join", kWriting);
     timed("join", out.stages, out.figures.element_count(), [&] { sink.commit(); });
     const auto& worst = out.figures.min_scaled_jacobian;

@@ -78,7 +78,7 @@ TEST_CASE("extensions mean the same in any case of letters") {
     CHECK(run({"check", scratch.file("out/b.Msh")}).code == 0);
 }
 
-TEST_CASE("the summary tells what to do about a wall that is too thin, and only then") {
+TEST_CASE("a warning tells what to do about a wall that is too thin, and only then") {
     const ScratchFolder scratch;
     scratch.names("out");
     const std::string hint = "too thin for these cells";
@@ -89,8 +89,16 @@ TEST_CASE("the summary tells what to do about a wall that is too thin, and only 
                                  inner + ", r2=" + inner + ", center=true); }");
     };
     const std::string out = scratch.file("out/tube.vtu");
-    CHECK(contains(run({tube("9.95"), "--level", "4", "-o", out}).out, hint));
-    CHECK_FALSE(contains(run({tube("6"), "--level", "4", "-o", out}).out, hint));
+    for (const char* how : {"--quiet", "--json", "--check"}) {
+        CAPTURE(how);
+        const Outcome thin = run({tube("9.95"), "--level", "4", "-o", out, how});
+        CHECK(contains(thin.err, hint));
+        if (std::string(how) == "--json")
+            CHECK(contains(Json::parse(thin.out)["warnings"].back().get<std::string>(), hint));
+        CHECK(run({tube("6"), "--level", "4", "-o", out, how}).err.empty());
+    }
+    CHECK(contains(run({tube("9.95"), "--level", "4", "-o", out, "--memory", "1G"}).err, hint));
+    CHECK_FALSE(contains(run({tube("9.95"), "--level", "4", "-o", out, "--no-improve"}).err, hint));
 }
 
 TEST_CASE("report, picture and --json hold what was made") {

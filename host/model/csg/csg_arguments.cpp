@@ -3,6 +3,7 @@
 #include "host/model/csg/csg_arguments.hpp"
 
 #include <limits>
+#include <string>
 
 namespace mortise::model_reader {
 
@@ -42,6 +43,10 @@ void CsgArguments::read(TextCursor& cursor) {
     while (true) {
         CsgArgument argument;
         read_value(cursor, argument);
+        if (!argument.name.empty() && find(argument.name) != nullptr) {
+            fail(cursor.source(), argument.where,
+                 "'" + std::string(argument.name) + "' is given twice; expected it once");
+        }
         arguments_.push_back(argument);
         skip_csg_blanks(cursor);
         if (cursor.peek() == ',') {
@@ -110,6 +115,7 @@ void CsgArguments::read_list(TextCursor& cursor, CsgArgument& argument) {
         } else {
             CsgArgument element;
             read_scalar(cursor, element);
+            if (element.kind == CsgArgument::Kind::kBoolean) numbers_.push_back(element.boolean ? 1 : 0);
             if (element.kind != CsgArgument::Kind::kNumber) argument.numeric = argument.regular = false;
             if (element.not_finite.line != 0 && argument.not_finite.line == 0) {
                 argument.not_finite = element.not_finite;

@@ -146,7 +146,16 @@ void read_corners(const CsgNodeText& node, std::size_t count, double* low, doubl
     }
 }
 
+void refuse_both(const CsgNodeText& node, std::string_view radius, std::string_view diameter) {
+    const CsgArgument* d = node.arguments.find(diameter);
+    if (d == nullptr || node.arguments.find(radius) == nullptr) return;
+    fail(node.source, d->where,
+         quoted(node.name) + ": " + std::string(radius) + " and " + std::string(diameter) +
+             " are both given; expected one of them");
+}
+
 double read_radius(const CsgNodeText& node) {
+    refuse_both(node, "r", "d");
     double radius = 1;
     SourceLocation where = node.where;
     if (const CsgArgument* r = node.arguments.find("r", 0)) {

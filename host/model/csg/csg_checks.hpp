@@ -49,6 +49,9 @@ bool optional_boolean(const CsgNodeText& node, std::string_view name, int positi
 /// Corners of a cube (count 3) or square (count 2) by its `size` and `center`; low and high: count numbers.
 void read_corners(const CsgNodeText& node, std::size_t count, double* low, double* high);
 
+/// Fails if a radius and a diameter are both given by name.
+void refuse_both(const CsgNodeText& node, std::string_view radius, std::string_view diameter);
+
 /// Radius of a sphere or circle by its `r` or `d`.
 double read_radius(const CsgNodeText& node);
 

@@ -42,6 +42,9 @@ std::uint32_t add_csg_sphere(Model& model, const CsgNodeText& node) {
 
 std::uint32_t add_csg_cylinder(Model& model, const CsgNodeText& node) {
     refuse_unknown_arguments(node, {"h", "r1", "r2", "center", "r", "d", "d1", "d2"}, 4);
+    refuse_both(node, "r", "d");
+    refuse_both(node, "r1", "d1");
+    refuse_both(node, "r2", "d2");
     double height = 1;
     if (const CsgArgument* argument = node.arguments.find("h", 0)) {
         height = size_number(node, *argument, "height");

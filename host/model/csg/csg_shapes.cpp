@@ -243,9 +243,13 @@ CsgFinish read_resize(CsgScene&, const CsgNodeText& node) {
     if (const CsgArgument* argument = node.arguments.find("auto", 1)) {
         if (argument->kind == CsgArgument::Kind::kBoolean) {
             automatic.fill(argument->boolean);
+        } else if (argument->kind == CsgArgument::Kind::kList && argument->rows == 0 &&
+                   argument->count == argument->direct && (argument->count == 2 || argument->count == 3)) {
+            for (std::size_t k = 0; k < argument->count; ++k)
+                automatic[k] = node.arguments.numbers(*argument)[k] != 0;
         } else {
-            const Vec3 flags = three_numbers(node, *argument);
-            for (std::size_t k = 0; k < 3; ++k) automatic[k] = flags[k] != 0;
+            fail(node.source, argument->where,
+                 quoted(node.name) + ": auto is neither true or false nor a list of two or three of them");
         }
     }
     const SourceLocation where = node.where;
