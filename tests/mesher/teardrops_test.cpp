@@ -94,4 +94,45 @@ TEST_CASE("outlines with a single corner are sharp there, in any pose") {
     }
 }
 
+TEST_CASE("profiles with a single corner are sharp there, along a path and around an axis") {
+    const double area = kRadius * kRadius * (0.75 * kPi + 1);
+    const double distance = 3 * kRadius;  // of the circle's centre from the axis
+    const double moment = area * distance + kRadius * kRadius * kRadius * std::sqrt(2) / 6;
+    const auto profile = [](double above) {
+        std::ostringstream text;
+        text.precision(12);
+        const double h = std::sqrt(0.5), s = std::sqrt(2);
+        const double points[8][2] = {{0, s}, {h, h}, {s, 0}, {h, -h}, {0, -s}, {-h, -h}, {-s, 0}, {-h, h}};
+        text << "curve2d profile = (8;";
+        for (const auto& p : points) text << kRadius * p[0] << "," << kRadius * p[1] + above << ";";
+        text << "5; 2,1,2; 3,2,3,4; 3,4,5,6; 3,6,7,8; 2,8,1);\n";
+        return text.str();
+    };
+    RandomSource random(environment_number("MORTISE_RANDOM_SEED", 3));
+    for (int i = 0; i < 4; ++i) {
+        CAPTURE(i);
+        std::ostringstream way;
+        way << random.uniform(1, 3) << "," << random.uniform(1, 3) << "," << random.uniform(1, 3);
+        const auto meshed = [&](double above, const std::string& solid) {
+            return mesh_and_check(
+                parse_model("algebraic3d\n" + profile(above) + solid + "tlo s;\n", "geo", "part.geo"), 5);
+        };
+        const Meshed bar = meshed(0, "curve3d path = (2; 0,0,0; " + way.str() +
+                                         "; 1; 2,1,2);\nsolid s = extrusion(path; profile; 1,-2,0.5);\n");
+        const Meshed ring = meshed(distance, "solid s = revolution(0,0,0; " + way.str() + "; profile);\n");
+        for (const Meshed* m : {&bar, &ring}) {
+            const bool is_ring = m == &ring;
+            CAPTURE(is_ring);
+            CHECK(m->defects == "");
+            CHECK(m->report.hinge_edges + m->report.hinge_nodes == 0);
+            CHECK(m->check.euler_characteristic == (is_ring ? 0 : 2));
+            CHECK(m->report.features.curves.size() == (is_ring ? 1 : 3));
+            CHECK(*std::min_element(m->check.min_scaled_jacobian.begin(),
+                                    m->check.min_scaled_jacobian.end()) >= 0.15);
+        }
+        CHECK(ring.check.volume == doctest::Approx(2 * kPi * moment).epsilon(0.01));
+        CHECK(ring.mesh.surface_names.size() == 1);
+    }
+}
+
 }  // namespace mortise::test

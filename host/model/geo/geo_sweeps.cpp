@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 #include <utility>
 
+#include "host/common/parting.hpp"
 #include "host/model/affine.hpp"
 #include "host/model/outlines/polygon_triangles.hpp"
 #include "host/model/outlines/polygons.hpp"
@@ -39,7 +41,25 @@ struct Outline {
     std::uint32_t faces = 0;
     double extent = 0;
     bool closed = false;
+    bool one_name = false;  ///< for all faces
 };
+
+/// A smooth face that meets itself at the profile's only corner becomes two (host/common/parting.hpp).
+void part_at_corner(const std::vector<CurvePoint>& points, Outline& outline) {
+    const std::size_t n = points.size();
+    std::size_t corner = 0;
+    while (corner < n && angle_between(points[corner].before, points[corner].after) <= kSmoothJoint) ++corner;
+    if (corner == n || n < 3) return;
+    std::vector<double> turns;
+    for (std::size_t i = 1; i < n; ++i) {
+        const Vec3& p = points[(corner + i) % n].point;
+        turns.push_back(angle_between(difference(p, points[(corner + i - 1) % n].point),
+                                      difference(points[(corner + i + 1) % n].point, p)));
+    }
+    for (std::size_t i = best_parting(turns); i < n; ++i) outline.face[(corner + i) % n] = 1;
+    outline.faces = 2;
+    outline.one_name = true;
+}
 
 Outline outline_of(const GeoCurve& profile) {
     const std::vector<CurvePoint> points = divided(profile);
@@ -64,6 +84,7 @@ Outline outline_of(const GeoCurve& profile) {
         outline.face.push_back(face_of[p.piece]);
         outline.extent = std::max({outline.extent, std::fabs(p.point[0]), std::fabs(p.point[1])});
     }
+    if (outline.closed && outline.faces == 1) part_at_corner(points, outline);
     return outline;
 }
 
@@ -77,13 +98,13 @@ void refuse_crossing(const Outline& outline) {
     if (std::fabs(enclosed - std::fabs(area)) > 1e-7 * std::fabs(area)) refuse("the profile crosses itself");
 }
 
-/// Triangles with names for their faces. A single face needs no name.
+/// Triangles with names for their faces. A single name is none.
 class Shell {
   public:
-    explicit Shell(std::uint32_t sides) {
-        for (std::uint32_t k = 0; k < sides; ++k) {
-            surface.group_names.push_back(sides == 1 ? "side" : "side" + std::to_string(k + 1));
-        }
+    explicit Shell(const Outline& outline) {
+        const bool is_single = outline.faces == 1 || outline.one_name;
+        for (std::uint32_t k = 0; k < outline.faces; ++k)
+            surface.group_names.push_back(is_single ? "side" : "side" + std::to_string(k + 1));
     }
     void triangle(std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t face) {
         if (a == b || b == c || c == a) return;
@@ -103,9 +124,13 @@ class Shell {
         }
     }
     Primitive finish(bool flat) {
-        if (surface.group_names.size() == 1) {
+        std::vector<std::string>& names = surface.group_names;
+        if (names.size() == 1) {
             surface.group.clear();
-            surface.group_names.clear();
+            names.clear();
+        } else if (std::count(names.begin(), names.end(), names[0]) ==
+                   static_cast<std::ptrdiff_t>(names.size())) {
+            std::fill(names.begin(), names.end(), "");
         }
         if (six_volumes(surface) < 0) {
             for (auto& t : surface.triangles) std::swap(t[1], t[2]);
@@ -171,7 +196,7 @@ void check_size(double profile, double path) {
 /// The profile's points on the axis become one point each, the others rings.
 Primitive revolved(const Outline& outline, const Affine& frame) {
     check_size(static_cast<double>(outline.points.size()), kSlices);
-    Shell shell(outline.faces);
+    Shell shell(outline);
     std::vector<std::uint32_t> first;
     for (const Vec2& p : outline.points) {
         first.push_back(static_cast<std::uint32_t>(shell.surface.points.size()));
@@ -216,7 +241,7 @@ Primitive sweep_along(const GeoCurve& profile, const GeoCurve& path, const Vec3&
     const auto count = static_cast<std::uint32_t>(outline.points.size());
     const Vec3 z = unit(up);
 
-    Shell shell(outline.faces);
+    Shell shell(outline);
     for (const CurvePoint& station : stations) {
         const std::vector<Vec3> ring = ring_at(outline, station, z);
         shell.surface.points.insert(shell.surface.points.end(), ring.begin(), ring.end());
