@@ -56,7 +56,8 @@ TEST_CASE("resized solids: the size before must be known exactly") {
         }
     }
     // A turned square's width; and automatic scaling.
-    const std::string wide = "resize(newsize = [2.8,0,0], auto = [true,true,true]) { " + turned + "cube(); } }";
+    const std::string wide =
+        "resize(newsize = [2.8,0,0], auto = [true,true,true]) { " + turned + "cube(); } }";
     CHECK(region_at(read(wide), {2 * (1 + 0.6 * 0.5 - 0.8 * 0.5), 2 * 0.7, 1.9}) == 1);
     CHECK(refusal("resize(newsize = [1,1,1]) { difference() { cube(); sphere(); } }", "csg")
               .find("'resize' is not supported yet") != std::string::npos);
