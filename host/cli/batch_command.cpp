@@ -151,8 +151,7 @@ Json mesh_one(Mesher& mesher, const Arguments& arguments, const MeshOptions& opt
         const Mesh mesh = mesher.generate(model, options, &report);
         const MeshFigures figures = figures_of(mesh, report.scaled_jacobians, options.threads);
         refuse_inverted(figures);
-        const std::string slivers = options.improve ? sliver_warning(figures) : std::string();
-        if (!slivers.empty()) report.warnings.push_back(slivers);
+        warn_of_slivers(figures, options, report);
         document["warnings"] = report.warnings;
         if (arguments.check) refuse_defects(check_mesh(mesh));
         make_folder_of(item);

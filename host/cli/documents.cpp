@@ -126,16 +126,16 @@ MeshFigures figures_of(const Mesh& mesh, const std::vector<float>& jacobians, in
     return figures;
 }
 
-std::string sliver_warning(const MeshFigures& figures) {
+bool warn_of_slivers(const MeshFigures& figures, const MeshOptions& options, MeshReport& report) {
     constexpr double kVeryLow = 0.05;
     const auto& lowest = figures.min_scaled_jacobian;
     const double worst = *std::min_element(lowest.begin(), lowest.end());
-    if (!(worst < kVeryLow)) return {};
-    return "the lowest scaled Jacobian is " + short_number(worst, 2) +
-           (figures.worst_place ? ", at " + place_text(*figures.worst_place) : std::string()) +
-           ": the model has a wall, gap or angle there that is too thin for these cells; --refine 2 makes "
-           "them "
-           "smaller where that helps";
+    if (!options.improve || !(worst < kVeryLow)) return false;
+    const std::string place = figures.worst_place ? ", at " + place_text(*figures.worst_place) : "";
+    report.warnings.push_back("the lowest scaled Jacobian is " + short_number(worst, 2) + place +
+                              ": the model has a wall, gap or angle there that is too thin for these cells; "
+                              "--refine 2 makes them smaller where that helps");
+    return true;
 }
 
 Json mesh_document(const MeshReport& report, const MeshFigures& figures) {

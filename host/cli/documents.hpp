@@ -41,8 +41,9 @@ struct MeshFigures {
 /// `threads` host threads, here and above; 0: all cores.
 MeshFigures figures_of(const Mesh& mesh, const std::vector<float>& jacobians, int threads);
 
-/// What to do about the worst element, if it is far below what improvement leaves elsewhere; else empty.
-std::string sliver_warning(const MeshFigures& figures);
+/// Adds a warning of the worst element, and what to do about it, if it is far below what improvement leaves
+/// elsewhere; whether it did. Meshes that were not improved have none.
+bool warn_of_slivers(const MeshFigures& figures, const MeshOptions& options, MeshReport& report);
 
 Json mesh_document(const MeshReport& report, const MeshFigures& figures);
 Json check_document(const CheckReport& report);

@@ -113,14 +113,6 @@ void check_outputs(const Arguments& arguments) {
     if (!arguments.features.empty()) check_other_output("--features", arguments.features, ".vtp");
 }
 
-void warn_of_slivers(const MeshFigures& figures, const MeshOptions& options, MeshReport& report,
-                     Progress& progress) {
-    const std::string warning = options.improve ? sliver_warning(figures) : std::string();
-    if (warning.empty()) return;
-    report.warnings.push_back(warning);
-    progress.warn(warning);
-}
-
 /// What is told of a mesh once it is written.
 struct Outcome {
     MeshReport report;
@@ -142,7 +134,7 @@ Outcome mesh_whole(const Arguments& arguments, const Model& model, const MeshOpt
     timed("figures", stages, mesh.element_count(),
           [&] { out.figures = figures_of(mesh, report.scaled_jacobians, options.threads); });
     refuse_inverted(out.figures);
-    warn_of_slivers(out.figures, options, report, progress);
+    if (warn_of_slivers(out.figures, options, report)) progress.warn(report.warnings.back());
     if (arguments.check) {
         progress.show("check", kChecking);
         timed("check", stages, mesh.element_count(), [&] { out.check = check_mesh(mesh); });
@@ -204,7 +196,7 @@ Outcome mesh_in_parts(const Arguments& arguments, const Model& model, const Mesh
     for (const std::string& warning : out.report.warnings) progress.warn(warning);
     out.figures = sink.figures;
     refuse_inverted(out.figures);
-    warn_of_slivers(out.figures, options, out.report, progress);
+    if (warn_of_slivers(out.figures, options, out.report)) progress.warn(out.report.warnings.back());
     progress.show("join", kWriting);
     timed("join", out.stages, out.figures.element_count(), [&] { sink.commit(); });
     const auto& worst = out.figures.min_scaled_jacobian;

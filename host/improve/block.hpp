@@ -287,6 +287,7 @@ class Block {
     bool is_joined_link_whole(Local gone, Local kept) const;
     bool is_link_whole(std::size_t outer, Local gone) const;
     bool is_link_shared(Local gone, Local kept) const;
+    bool sheets_would_meet(Local kept) const;
 
     // verify.cpp
     bool verify_faces() const;

@@ -113,6 +113,7 @@ bool Block::links_allow(Local gone, Local kept) {
     // result.
     const bool is_pinched = find(kept).outer == 4;
     const bool allowed = (is_pinched || is_link_whole(outer, gone)) && is_link_shared(gone, kept) &&
+                         !sheets_would_meet(kept) &&
                          (!is_pinched || (free_[kept] != 0 && is_joined_link_whole(gone, kept)));
     for (const Seen& s : seen) seen_at_[s.node] = 0;
     return allowed;
@@ -165,6 +166,22 @@ bool Block::is_link_whole(std::size_t outer, Local gone) const {
     return link_.size() + tetrahedra == edges + (outer == 0 ? 2u : 1u);
 }
 
+/// Whether sheets of facets at both ends of an edge would meet: at a node that has facets at both, but none
+/// at the edge. Facets of elements that vanish pass to their neighbours, so they count, too.
+bool Block::sheets_would_meet(Local kept) const {
+    return std::any_of(star_[kept].begin(), star_[kept].end(), [&](std::uint32_t i) {
+        const Tetrahedron& t = tetrahedra_[i];
+        for (std::size_t f = 0; f < 4; ++f) {
+            if (t.tag[f] == 0 || t.node[f] == kept) continue;
+            for (const std::uint8_t k : kOpposite[f]) {
+                const std::uint32_t place = t.node[k] == kept ? 0 : seen_at_[t.node[k]];
+                if (place != 0 && link_[place - 1].facet && !link_[place - 1].facet_at_edge) return true;
+            }
+        }
+        return false;
+    });
+}
+
 bool Block::is_link_shared(Local gone, Local kept) const {
     const auto in_link = [&](Local n) { return seen_at_[n] == 0 ? nullptr : &link_[seen_at_[n] - 1]; };
     // Whether a tetrahedron holds both ends and both nodes.
@@ -193,15 +210,6 @@ bool Block::is_link_shared(Local gone, Local kept) const {
     }
     for (const std::uint32_t i : star_[kept]) {
         const Tetrahedron& t = tetrahedra_[i];
-        // Facets of elements that vanish pass to their neighbours, so they count here, too.
-        for (std::size_t f = 0; f < 4; ++f) {
-            if (t.tag[f] == 0 || t.node[f] == kept) continue;
-            for (const std::uint8_t k : kOpposite[f]) {
-                if (t.node[k] == kept) continue;
-                const LinkNode* s = in_link(t.node[k]);
-                if (s != nullptr && s->facet && !s->facet_at_edge) return false;
-            }
-        }
         if (has(t.node, gone)) continue;
         for (std::size_t f = 0; f < 4; ++f) {
             const Local n = t.node[f];

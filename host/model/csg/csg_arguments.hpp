@@ -20,7 +20,7 @@ struct CsgArgument {
     std::size_t direct = 0;      ///< numbers that stand in the outermost list itself
     std::size_t rows = 0;        ///< lists that stand in the outermost list
     std::size_t row_length = 0;  ///< numbers in each of them, if `regular`
-    bool numeric = true;         ///< only numbers, nested at most twice; true and false are 1 and 0, but none
+    bool numeric = true;         ///< only numbers, nested at most twice; true and false are listed as 1 and 0
     bool regular = true;         ///< `numeric`, and rows equally long
     std::size_t first_row = 0;   ///< the rows' ends start here in CsgArguments::row_ends
     std::string_view text;       ///< kString: between the quotes, with its backslashes

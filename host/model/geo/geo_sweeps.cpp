@@ -44,19 +44,20 @@ struct Outline {
     bool one_name = false;  ///< for all faces
 };
 
-/// A smooth face that meets itself at the profile's only corner becomes two (host/common/parting.hpp).
+/// A smooth face that meets itself at the profile's only corner becomes two.
 void part_at_corner(const std::vector<CurvePoint>& points, Outline& outline) {
     const std::size_t n = points.size();
-    std::size_t corner = 0;
-    while (corner < n && angle_between(points[corner].before, points[corner].after) <= kSmoothJoint) ++corner;
-    if (corner == n || n < 3) return;
+    const auto corner = std::find_if(points.begin(), points.end(), [](const CurvePoint& p) {
+        return angle_between(p.before, p.after) > kSmoothJoint;
+    });
+    if (corner == points.end()) return;
     std::vector<double> turns;
-    for (std::size_t i = 1; i < n; ++i) {
-        const Vec3& p = points[(corner + i) % n].point;
-        turns.push_back(angle_between(difference(p, points[(corner + i - 1) % n].point),
-                                      difference(points[(corner + i + 1) % n].point, p)));
+    for (std::size_t i = 0; i < n; ++i) {
+        const Vec3& p = points[i].point;
+        turns.push_back(angle_between(difference(p, points[(i + n - 1) % n].point),
+                                      difference(points[(i + 1) % n].point, p)));
     }
-    for (std::size_t i = best_parting(turns); i < n; ++i) outline.face[(corner + i) % n] = 1;
+    outline.face = parts_of_ring(std::move(turns), static_cast<std::size_t>(corner - points.begin()));
     outline.faces = 2;
     outline.one_name = true;
 }

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <limits>
 #include <numeric>
+#include <utility>
 
 #include "host/common/parting.hpp"
 #include "host/model/outlines/polygon_triangles.hpp"
@@ -65,14 +66,21 @@ bool is_convex(const Loop& loop) {
     return true;
 }
 
+/// The first edge that begins at a corner; the number of edges if there is none.
+std::size_t edge_behind_corner(const Loop& loop, double sharp_angle) {
+    const std::size_t n = loop.size();
+    std::size_t i = 0;
+    while (i < n && is_smooth_after(loop, i + n - 1, sharp_angle)) ++i;
+    return i;
+}
+
 /// Per edge the number of the side that it is part of, from 0.
 std::vector<std::uint32_t> sides_of(const Loop& loop, double sharp_angle) {
     const std::size_t n = loop.size();
     std::vector<std::uint32_t> side(n, 0);
     const bool curved = sharp_angle > 0 && is_curved(loop, sharp_angle);
     // From a corner on, so that no side is cut where the loop happens to begin.
-    std::size_t first = 0;
-    while (curved && first < n && is_smooth_after(loop, first + n - 1, sharp_angle)) ++first;
+    const std::size_t first = curved ? edge_behind_corner(loop, sharp_angle) : 0;
     if (first == n) return side;
     std::uint32_t count = 0;
     for (std::size_t i = 0; i < n; ++i) {
@@ -85,16 +93,14 @@ std::vector<std::uint32_t> sides_of(const Loop& loop, double sharp_angle) {
 /// Per edge the number of the curved surface that it sweeps: its side, but if a side meets itself at a
 /// corner, as that of a teardrop, it becomes two. A single surface could not tell the two sides of the corner
 /// apart.
-std::vector<std::uint32_t> parts_of(const Loop& loop, std::vector<std::uint32_t> side, double sharp_angle) {
+std::vector<std::uint32_t> parts_of(const Loop& loop, const std::vector<std::uint32_t>& side,
+                                    double sharp_angle) {
     const std::size_t n = loop.size();
-    if (*std::max_element(side.begin(), side.end()) > 0) return side;
-    std::size_t first = 0;
-    while (first < n && is_smooth_after(loop, first + n - 1, sharp_angle)) ++first;
-    if (first == n) return side;
-    std::vector<double> turns(n - 1);
-    for (std::size_t i = 0; i + 1 < n; ++i) turns[i] = turn_after(loop, first + i);
-    for (std::size_t i = best_parting(turns); i < n; ++i) side[(first + i) % n] = 1;
-    return side;
+    const std::size_t corner = edge_behind_corner(loop, sharp_angle);
+    if (corner == n || *std::max_element(side.begin(), side.end()) > 0) return side;
+    std::vector<double> turns(n);
+    for (std::size_t i = 0; i < n; ++i) turns[i] = turn_after(loop, i + n - 1);
+    return parts_of_ring(std::move(turns), corner);
 }
 
 /// The outline as polygons of point numbers. Their holes are joined to the outer loop by bridges, from the
