@@ -19,28 +19,35 @@ nlohmann::json measure_mesh(const Task& task) {
     mesher.generate(make_model("sphere"), options);  // loads the kernels
     options.level = task.level;
 
+    // Each mesh after the first is made in the memory of the one before, as `mortise batch` makes them. The
+    // first, for whose memory the system must be asked, counts apart, unless it is the only one.
+    const int first_that_counts = task.repeats > 1 ? 1 : 0;
     nlohmann::json result = {{"idle_bytes", resident_bytes()}, {"runs", nlohmann::json::array()}};
-    for (int run = 0; run < task.repeats; ++run) {
-        MeshReport report;
+    MeshReport report;
+    for (int run = 0; run < task.repeats + first_that_counts; ++run) {
         const auto begin = std::chrono::steady_clock::now();
-        const Mesh mesh = mesher.generate(model, options, &report);
+        Mesh mesh = mesher.generate(model, options, &report);
         const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begin;
         nlohmann::json stages = nlohmann::json::array();
         for (const StageTime& stage : report.stages) {
             stages.push_back(
                 {{"stage", stage.stage}, {"wall", stage.wall_seconds}, {"cpu", stage.cpu_seconds}});
         }
-        result["runs"].push_back({{"seconds", wall.count()}, {"stages", stages}});
-        if (run > 0) continue;
-        result["peak_bytes"] = peak_resident_bytes();
-        result["device"] = report.device;
-        result["level"] = report.level;
-        result["elements"] = mesh.element_count();
-        result["nodes"] = mesh.node_count();
-        result["mesh_bytes"] = mesh_bytes(mesh);
-        result["geometry_bytes"] = geometry_bytes(mesh);
-        result["cnio_cells"] = report.cnio_cells;
+        if (run >= first_that_counts)
+            result["runs"].push_back({{"seconds", wall.count()}, {"stages", stages}});
+        if (run == 0) {
+            result["first_seconds"] = wall.count();
+            result["device"] = report.device;
+            result["level"] = report.level;
+            result["elements"] = mesh.element_count();
+            result["nodes"] = mesh.node_count();
+            result["mesh_bytes"] = mesh_bytes(mesh);
+            result["geometry_bytes"] = geometry_bytes(mesh);
+            result["cnio_cells"] = report.cnio_cells;
+        }
+        mesher.recycle(std::move(mesh));
     }
+    result["peak_bytes"] = peak_resident_bytes();
     return result;
 }
 

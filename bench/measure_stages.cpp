@@ -150,7 +150,7 @@ json measure_run(const Model& model, const MeshOptions& options, device::Device&
     add("entities",
         kernel_seconds(early,
                        {"classify", "find_points", "share_points", "leave_to_certificate", "find_misfits",
-                        "drop_misfits", "mark_vertices", "mark_exposed", "test_subsets", "decide"}),
+                        "drop_misfits", "mark_vertices", "mark_exposed", "test_subsets", "veto_needs"}),
         bytes.entities);
     add("compaction",
         kernel_seconds(early, {"scan_sums", "scan_fill", "mark_in", "mark_nio", "count_word", "promote_words",

@@ -71,6 +71,7 @@ void print_rates(const json& cases, double copy_bytes_per_second) {
                  {"nodes", ""},
                  {"time", "s"},
                  {"spread", ""},
+                 {"first", "s"},
                  {"elements", "M/s"},
                  {"nodes", "M/s"},
                  {"mesh made", "MB/s"},
@@ -84,6 +85,7 @@ void print_rates(const json& cases, double copy_bytes_per_second) {
         const double grown = one.at("peak_bytes").get<double>() - one.at("idle_bytes").get<double>();
         table.add({one.at("title"), grouped(one.at("elements")), grouped(one.at("nodes")),
                    short_number(median_seconds(one)), percent(one.at("spread")),
+                   short_number(one.at("first_seconds").get<double>()),
                    short_number(1e-6 * one.at("elements_per_second").get<double>()),
                    short_number(1e-6 * one.at("nodes_per_second").get<double>()),
                    short_number(1e-6 * one.at("geometry_bytes_per_second").get<double>()),
@@ -153,10 +155,11 @@ void print_complex(const json& cases) {
 
 json mesh_section(const Settings& settings, double copy_bytes_per_second) {
     std::printf(
-        "End to end in memory: Mesher::generate, from a parsed model to a finished mesh, kernels loaded, %s\n"
-        "  peak memory: largest resident size of the process during its first mesh; per element without "
-        "what\n"
-        "  was resident before (program, OpenCL, kernels); mesh made: its coordinates and connectivity\n",
+        "End to end in memory: Mesher::generate, from a parsed model to a finished mesh, kernels loaded, "
+        "each\n"
+        "  in the memory of the one before (Mesher::recycle), %s; first: the first of a process\n"
+        "  peak memory: largest resident size of the process; per element without what was resident before\n"
+        "  (program, OpenCL, kernels); mesh made: its coordinates and connectivity\n",
         count_of_threads(settings.threads).c_str());
     json cases = json::array();
     for (const Case& chosen : {Case{"sphere", 6}, Case{"sphere", 7}, Case{"sphere", 8}, Case{"bracket", 6},

@@ -61,7 +61,8 @@ Own own_side(const Settings& settings, const char* model, int level, bool tetrah
     own.task.tetrahedra = tetrahedra;
     own.row.name =
         std::string("Mortise") + (tetrahedra ? ", tetrahedra" : "") + ", level " + std::to_string(level);
-    own.row.note = "Mesher::generate, kernels loaded: improvement, features and scaled Jacobians included";
+    own.row.note =
+        "Mesher::generate, kernels loaded, memory warm: improvement, features, scaled Jacobians included";
     own.task.kind = "edges";
     own.task.path = surface;
     own.row.mean_edge = measure_in_child(own.task).at("mean_edge");

@@ -73,10 +73,10 @@ StageBytes stage_bytes(const octree::Octree& tree, const cnio::Extraction& extra
     constexpr double child = sizeof(ChildNode);
     bytes.descent = parents * kNode + tapes + cells * child + tapes + 2 * parents * kWord + parents * kNode +
                     cells * child + 2 * parents * kWord + undecided * kNode + in_nodes;
-    // classify: node, tape; candidate, points. mark_vertices: node, candidate; near, promoted bits.
-    // test_subsets: candidate, points; candidate. decide: node, candidate; moved.
+    // classify: node, tape; candidate, points. mark_vertices: node, candidate; vetoes, promoted bits.
+    // test_subsets: node, candidate, points; candidate, vetoes. veto_needs: candidate.
     bytes.entities = found * (kNode + kCandidate + kPoints) + leaf_tapes + found * (kNode + kCandidate + 1) +
-                     words + leaves * (2 * kCandidate + kPoints) + leaves * (kNode + kCandidate + 1);
+                     words + leaves * (kNode + 2 * kCandidate + kPoints + 1) + leaves * kCandidate;
     // Scans of the descent (two counts a parent), bitmaps (mark_in, mark_nio on cleared words), their ranks
     // (count and scan), promoted leaves (three bitmaps; two; ranks; old and new leaves with candidates; the
     // places of points, and those of promoted leaves), and the scan that numbers nodes.
@@ -86,7 +86,7 @@ StageBytes stage_bytes(const octree::Octree& tree, const cnio::Extraction& extra
                        (leaves - found) * kPoints + meshed * kScan;
     // own_nodes: tree, masks, extras; owned masks, counts.
     bytes.numbering = 4 * words + 2 * leaves * kWord + 2 * meshed * kWord;
-    // fill: node, candidate, moved, points; leaf, mask, counts. write_templates: node, leaf, mask, offsets,
+    // fill: node, candidate, vetoes, points; leaf, mask, counts. write_templates: node, leaf, mask, offsets,
     // owned, base; elements, facets.
     double template_elements = 0;
     double complex_elements = 0;

@@ -41,6 +41,13 @@ class Assembler {
         finish_fills();
         fill_facets();
         list_frontier();
+        if (input_.arena != nullptr) {
+            device_.finish();
+            owned_ = Buffer();
+            base_ = Buffer();
+            input_.arena->owned = std::move(numbering_.owned);
+            input_.arena->base = std::move(numbering_.base);
+        }
         piece_.mesh = std::move(mesh_);
         return std::move(piece_);
     }
@@ -113,12 +120,14 @@ class Assembler {
         const std::size_t meshed = meshed_count();
         used_ = device_.upload(numbering_.used);
         Buffer extra_counts = device_.upload(of_range(extras_.owned_count));
-        const auto share = [&](std::vector<std::uint32_t>& values, std::size_t count) {
+        const auto share = [&](std::vector<std::uint32_t>& values, std::vector<std::uint32_t> Arena::*old,
+                               std::size_t count) {
+            if (input_.arena != nullptr) take_memory(input_.arena->*old, count, values);
             resize_large(values, count, input_.threads);
             return device_.wrap(values.data(), count * sizeof(std::uint32_t));
         };
-        owned_ = share(numbering_.owned, meshed);
-        base_ = share(numbering_.base, meshed + 1);
+        owned_ = share(numbering_.owned, &Arena::owned, meshed);
+        base_ = share(numbering_.base, &Arena::base, meshed + 1);
         numbering_.first_rank = static_cast<std::uint32_t>(in_begin_ + nio_begin_);
         launch("own_nodes", word_count_, used_, extra_counts, owned_, base_, piece_range(), first_word());
         nodes_ = device_.exclusive_scan_u32(base_, base_, meshed);
@@ -130,16 +139,20 @@ class Assembler {
     void make_room() {
         // The largest arrays, each of which one thread fills with zeros.
         std::vector<std::function<void()>> resizes;
-        const auto grow = [&](auto& values, std::size_t count, std::size_t spare = 0) {
+        Mesh none;
+        Mesh& old = input_.arena != nullptr ? input_.arena->mesh : none;
+        const auto grow = [&](auto& values, auto& old_values, std::size_t count, std::size_t spare = 0) {
+            take_memory(old_values, count, values, spare);
             touch_large(values, count, input_.threads, spare);
             resizes.emplace_back([&values, count] { values.resize(count); });
         };
-        grow(mesh_.points, 3 * nodes_, 3 * (nodes_ / kSpareNodes));
+        grow(mesh_.points, old.points, 3 * nodes_, 3 * (nodes_ / kSpareNodes));
         for (std::size_t t = 0; t < kElementTypes; ++t) {
             ElementBlock& block = mesh_.elements[t];
-            grow(block.nodes, totals_[t] * static_cast<std::size_t>(kElementNodes[t]));
-            grow(block.region, totals_[t]);
-            grow(block.kind, totals_[t]);
+            ElementBlock& old_block = old.elements[t];
+            grow(block.nodes, old_block.nodes, totals_[t] * static_cast<std::size_t>(kElementNodes[t]));
+            grow(block.region, old_block.region, totals_[t]);
+            grow(block.kind, old_block.kind, totals_[t]);
         }
         parallel_chunks(resizes.size(), 1, input_.threads,
                         [&](std::size_t i, std::size_t, int) { resizes[i](); });

@@ -24,6 +24,12 @@ struct MortonRange {
     bool holds(std::uint64_t morton) const { return morton >= begin && morton < end; }
 };
 
+/// Memory that a run leaves to the next one; all of it may be empty.
+struct Arena {
+    Mesh mesh;                               ///< nobody needs it: its arrays serve the new one where they fit
+    std::vector<std::uint32_t> owned, base;  ///< of the numbering
+};
+
 struct Input {
     const tape::BoundModel& model;
     const octree::Octree& tree;
@@ -33,6 +39,7 @@ struct Input {
     const octree::InRegions& in_regions;
     int threads;
     MortonRange range{};
+    Arena* arena = nullptr;  ///< its arrays are used where they fit
 };
 
 /// An extra node of a CNIO leaf: the leaf's index and the node's place among its extras.

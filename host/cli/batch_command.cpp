@@ -148,7 +148,7 @@ Json mesh_one(Mesher& mesher, const Arguments& arguments, const MeshOptions& opt
         const Model model = read_model(item.model, arguments.read);
         document["warnings"] = model.warnings;
         MeshReport report;
-        const Mesh mesh = mesher.generate(model, options, &report);
+        Mesh mesh = mesher.generate(model, options, &report);
         const MeshFigures figures = figures_of(mesh, report.scaled_jacobians, options.threads);
         refuse_inverted(figures);
         warn_of_slivers(figures, options, report);
@@ -161,7 +161,9 @@ Json mesh_one(Mesher& mesher, const Arguments& arguments, const MeshOptions& opt
         outcome["line"] = item.model + ": " + std::to_string(mesh.element_count()) + " elements, " +
                           short_number(seconds_since(start), 3) + " s, " + item.output +
                           count_text(report.warnings.size());
-        refuse_below(below_floor(mesh, report.scaled_jacobians, arguments.quality_floor));
+        const auto below = below_floor(mesh, report.scaled_jacobians, arguments.quality_floor);
+        mesher.recycle(std::move(mesh));
+        refuse_below(below);
     } catch (const Error& error) {
         const std::string message = error.what();
         const bool names_it = message.find(item.model) != std::string::npos;

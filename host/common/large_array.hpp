@@ -32,6 +32,17 @@ void resize_large(std::vector<T>& values, std::size_t count, int threads, std::s
     values.resize(count);
 }
 
+/// Gives `values`, empty before, the memory of an array that nobody needs, which the system need not hand out
+/// and zero again, if it has room for `count` values and `spare` ones, and for no more than twice as many. Up
+/// to `count` of the values that it holds stay. touch_large() or resize_large() is to follow.
+template <class T>
+void take_memory(std::vector<T>& old, std::size_t count, std::vector<T>& values, std::size_t spare = 0) {
+    const std::size_t room = count + spare;
+    if (old.capacity() < room || old.capacity() / 2 > room) return;
+    values.swap(old);
+    if (values.size() > count) values.resize(count);
+}
+
 /// Appends lists, in their order; each gives its memory back.
 template <class T>
 void append_lists(std::vector<std::vector<T>>& lists, int threads, std::vector<T>& values) {

@@ -152,6 +152,7 @@ class Session {
 
     void close(const Zone& zone) {
         mesh_ = close_zone(std::move(mesh_), frame_, zone, options_.threads, trace_, known_);
+        if (options_.followed != nullptr) *options_.followed = without(*options_.followed, zone.taken[0]);
         frame_.on_lattice = false;
     }
 

@@ -28,6 +28,8 @@ struct Options {
     const std::vector<std::uint8_t>* is_open = nullptr;
     /// Poor elements that are not in all of these are left alone; uniform trees only. May be null.
     const std::vector<Slab>* slabs = nullptr;
+    /// Hexahedra; brought up to date: where those are that stay. May be null.
+    IndexRuns* followed = nullptr;
 };
 
 struct Counters {

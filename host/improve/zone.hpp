@@ -159,6 +159,9 @@ struct ZoneOptions {
 Zone open_zone(const Mesh& mesh, const CellFrame& frame, const Surfaces& surfaces,
                const std::vector<Tip>& tips, const ZoneOptions& options, const Known& known);
 
+/// Where runs of elements are when others have been taken: per element, not 0.
+IndexRuns without(const IndexRuns& runs, const std::vector<std::uint8_t>& taken);
+
 /// Puts the zone's elements, facets and moved nodes in place of those that were taken. `trace` may be null;
 /// it is brought up to date. Tells in `known` what needs no second look.
 Mesh close_zone(Mesh mesh, const CellFrame& frame, const Zone& zone, int threads, Trace* trace, Known& known);

@@ -61,9 +61,22 @@ MORTISE_SMALLEST_CORNERS(tetrahedra, 4, MORTISE_TETRAHEDRON_CORNERS)
 using SmallestCorners = void (*)(const double*, const NodeId*, std::size_t, float*);
 constexpr SmallestCorners kSmallestCorners[kElementTypes] = {hexahedra, wedges, pyramids, tetrahedra};
 
+/// Whether all of these are of kind kIn.
+bool are_cubes(const std::uint8_t* kinds, std::size_t count) {
+    return std::all_of(kinds, kinds + count,
+                       [](std::uint8_t kind) { return kind == static_cast<std::uint8_t>(ElementKind::kIn); });
+}
+
 }  // namespace
 
-std::vector<float> scaled_jacobians_in_lanes(const Mesh& mesh, int threads) {
+void correct_cubes(const Mesh& mesh, const IndexRuns& cubes, float* values) {
+    for (const IndexRun& run : cubes) {
+        for (std::size_t i = run.begin; i < run.end; ++i)
+            hexahedra(mesh.points.data(), mesh.elements[0].nodes.data() + 8 * i, 1, values + i);
+    }
+}
+
+std::vector<float> scaled_jacobians_in_lanes(const Mesh& mesh, int threads, const IndexRuns* moved_cubes) {
     std::vector<float> values;
     resize_large(values, mesh.element_count(), threads);
     float* out = values.data();
@@ -72,16 +85,27 @@ std::vector<float> scaled_jacobians_in_lanes(const Mesh& mesh, int threads) {
         const auto size = static_cast<std::size_t>(kElementNodes[t]);
         parallel_chunks(block.size(), kChunk, threads, [&](std::size_t begin, std::size_t end, int) {
             for (std::size_t i = begin; i < end; i += lanes::kWidth) {
-                kSmallestCorners[t](mesh.points.data(), block.nodes.data() + size * i,
-                                    std::min(lanes::kWidth, end - i), out + i);
+                const std::size_t count = std::min(lanes::kWidth, end - i);
+                if (t == 0 && moved_cubes != nullptr && are_cubes(block.kind.data() + i, count)) {
+                    std::fill_n(out + i, count, 1.0f);
+                    continue;
+                }
+                kSmallestCorners[t](mesh.points.data(), block.nodes.data() + size * i, count, out + i);
             }
         });
         out += block.size();
     }
+    if (moved_cubes != nullptr) correct_cubes(mesh, *moved_cubes, values.data());
     return values;
 }
 #else
-std::vector<float> scaled_jacobians_in_lanes(const Mesh& mesh, int) {
+void correct_cubes(const Mesh& mesh, const IndexRuns& cubes, float* values) {
+    if (cubes.empty()) return;
+    const std::vector<float> all = mortise::scaled_jacobians(mesh);
+    for (const IndexRun& run : cubes) std::copy(&all[run.begin], &all[run.end], values + run.begin);
+}
+
+std::vector<float> scaled_jacobians_in_lanes(const Mesh& mesh, int, const IndexRuns*) {
     return mortise::scaled_jacobians(mesh);
 }
 #endif

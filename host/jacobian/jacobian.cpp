@@ -111,11 +111,13 @@ std::optional<Method> wanted_method() {
 
 Method usual_method(std::size_t elements) { return elements < kWorthLoading ? Method::kHost : Method::kOwn; }
 
-std::vector<float> scaled_jacobians(Device& device, const Mesh& mesh, Method method, int threads) {
+std::vector<float> scaled_jacobians(Device& device, const Mesh& mesh, Method method, int threads,
+                                    const IndexRuns* moved_cubes, std::vector<float> old) {
     const std::size_t points_bytes = mesh.points.size() * sizeof(double);
     if (method == Method::kHost || points_bytes > device.info().max_allocation_bytes)
-        return scaled_jacobians_in_lanes(mesh, threads);
+        return scaled_jacobians_in_lanes(mesh, threads, moved_cubes);
     std::vector<float> values;
+    take_memory(old, mesh.element_count(), values);
     resize_large(values, mesh.element_count(), threads);
     if (values.empty()) return values;
     const Buffer points = wrap_constant(device, mesh.points.data(), mesh.points.size());
@@ -136,13 +138,16 @@ std::vector<float> scaled_jacobians(Device& device, const Mesh& mesh, Method met
                 product->run(points, elements, count, results);
             } else {
                 const std::size_t width = device.lanes() == 8 ? 8 : 1;  // WIDTH of own.cl
+                const Buffer kinds = wrap_constant(device, block.kind.data() + begin, count);
                 device.launch(device.kernel("jacobian/own.cl", kTypes[t].entry), (count + width - 1) / width,
-                              points, elements, results, static_cast<std::uint32_t>(count));
+                              points, elements, kinds, results, static_cast<std::uint32_t>(count),
+                              std::int32_t{moved_cubes != nullptr});
             }
             device.sync_to_host(results);
         }
         before += block.size();
     }
+    if (moved_cubes != nullptr && method == Method::kOwn) correct_cubes(mesh, *moved_cubes, values.data());
     return values;
 }
 

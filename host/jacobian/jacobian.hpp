@@ -10,6 +10,7 @@
 #include <optional>
 #include <vector>
 
+#include "host/common/index_run.hpp"
 #include "host/device/device.hpp"
 #include "mortise/mesh.hpp"
 
@@ -27,7 +28,10 @@ Method usual_method(std::size_t elements);
 
 /// Scaled Jacobian per element, in the order of mesh.elements. Node numbers must be in range. CLBlast builds
 /// its kernels, for many seconds where the driver has not kept them, at the first product of a process.
-/// Meshes whose coordinates exceed the device's largest allocation stay on the host. `threads` make room.
-std::vector<float> scaled_jacobians(device::Device& device, const Mesh& mesh, Method method, int threads = 0);
+/// Meshes whose coordinates exceed the device's largest allocation stay on the host. `threads` make room, in
+/// the memory of `old` if it fits. If `moved_cubes` is not null, all other hexahedra of kind kIn are boxes
+/// along the axes, and need not be looked at (kProduct does).
+std::vector<float> scaled_jacobians(device::Device& device, const Mesh& mesh, Method method, int threads = 0,
+                                    const IndexRuns* moved_cubes = nullptr, std::vector<float> old = {});
 
 }  // namespace mortise::jacobian

@@ -124,6 +124,13 @@ void share_memory(device::Device& device, Octree& tree, DeviceTree& on_device) {
 }
 
 InRegions::InRegions(const Octree& tree) {
+    const auto differs = [&](const InNode& node) { return node.region != tree.in_nodes.front().region; };
+    if (std::none_of(tree.in_nodes.begin(), tree.in_nodes.end(), differs)) {
+        if (tree.in_count > 0 && !tree.in_nodes.empty())
+            runs_.push_back({static_cast<std::uint32_t>(tree.in_count),
+                             static_cast<std::uint16_t>(tree.in_nodes.front().region)});
+        return;
+    }
     std::vector<std::pair<std::uint64_t, std::uint16_t>> nodes;  // by the code of their first cell
     for (const InNode& node : tree.in_nodes) {
         const int depth = tree.level - static_cast<int>(node.level);

@@ -55,16 +55,21 @@ void describe_mesh(const tape::CompiledModel& compiled, const tape::BoundModel& 
 /// Which regions have elements.
 std::vector<bool> regions_present(const Mesh& mesh) {
     std::vector<bool> present(mesh.region_names.size() + 1, false);
+    std::size_t missing = mesh.region_names.size();
     for (const ElementBlock& block : mesh.elements) {
-        for (const std::uint16_t region : block.region) present[region] = true;
+        for (std::size_t i = 0; i < block.size() && missing > 0; ++i) {
+            if (present[block.region[i]]) continue;
+            present[block.region[i]] = true;
+            --missing;
+        }
     }
     return present;
 }
 
 /// Extraction and assembly, range by range of the Morton order; the pieces do not know each other until they
-/// are merged.
+/// are merged. `arena`: as assembly::Input::arena.
 Extracted mesh_pieces(device::Device& device, const MeshOptions& options, Prepared& prepared, Stages& stages,
-                      Mesh* mesh) {
+                      assembly::Arena* arena, Mesh* mesh) {
     const octree::Octree& tree = prepared.tree;
     Extracted result;
     const std::uint64_t count = std::max(static_cast<std::uint64_t>(options.pieces),
@@ -80,7 +85,7 @@ Extracted mesh_pieces(device::Device& device, const MeshOptions& options, Prepar
         const double step = 0.5 / static_cast<double>(count);
         const double done = 0.4 + step * static_cast<double>(p);
         pieces.push_back(pipeline::make_piece(device, options, prepared, in_regions, range, stages, done,
-                                              done + step, result));
+                                              done + step, result, count == 1 ? arena : nullptr));
     }
     stages.begin("merge", 0.92);
     *mesh = assembly::merge(std::move(pieces), options.threads);
@@ -95,6 +100,21 @@ struct Mesher::Implementation {
     int work_group_size = 0;
     std::optional<device::Device> device;
     std::atomic<bool> is_busy{false};
+    bool recycles = false;  ///< the caller hands meshes back
+    assembly::Arena arena;  ///< what they, and what they were made of, leave; empty if the caller does not
+
+    /// Keeps what a mesh has; an array that it lacks stays.
+    void recycle(Mesh& mesh) {
+        const auto keep = [](auto& kept, auto& values) {
+            if (values.capacity() > 0) kept = std::move(values);
+        };
+        keep(arena.mesh.points, mesh.points);
+        for (std::size_t t = 0; t < kElementTypes; ++t) {
+            keep(arena.mesh.elements[t].nodes, mesh.elements[t].nodes);
+            keep(arena.mesh.elements[t].region, mesh.elements[t].region);
+            keep(arena.mesh.elements[t].kind, mesh.elements[t].kind);
+        }
+    }
 
     /// For a run that reports its progress, or not.
     device::Device& open(const MeshOptions& options) {
@@ -109,8 +129,10 @@ struct Mesher::Implementation {
     }
 };
 
-Mesher::Mesher(std::string device, int work_group_size)
-    : implementation_(new Implementation{std::move(device), work_group_size, {}}) {}
+Mesher::Mesher(std::string device, int work_group_size) : implementation_(new Implementation) {
+    implementation_->choice = std::move(device);
+    implementation_->work_group_size = work_group_size;
+}
 Mesher::~Mesher() = default;
 Mesher::Mesher(Mesher&&) noexcept = default;
 Mesher& Mesher::operator=(Mesher&&) noexcept = default;
@@ -144,12 +166,24 @@ Mesh generate_mesh(const Model& model, const MeshOptions& options, MeshReport* r
     return Mesher(options.device, options.work_group_size).generate(model, options, report);
 }
 
+void Mesher::recycle(Mesh&& mesh) {
+    refuse_moved(implementation_ == nullptr);
+    const Work work(implementation_->is_busy);
+    implementation_->recycle(mesh);
+    implementation_->recycles = true;
+    mesh = {};
+}
+
 Mesh Mesher::generate(const Model& model, const MeshOptions& options, MeshReport* report) {
     refuse_moved(implementation_ == nullptr);
     const Work work(implementation_->is_busy);
     MeshReport local;
     MeshReport& out = report != nullptr ? *report : local;
+    std::vector<float> jacobians = std::move(out.scaled_jacobians);
     out = MeshReport{};
+    assembly::Arena local_arena = std::move(implementation_->arena);  // gone if the run fails
+    implementation_->arena = {};
+    assembly::Arena* const arena = implementation_->recycles ? &local_arena : nullptr;
     pipeline::check_options(options);
     const std::optional<jacobian::Method> jacobian_method = jacobian::wanted_method();
     Stages stages(options, out);
@@ -157,13 +191,17 @@ Mesh Mesher::generate(const Model& model, const MeshOptions& options, MeshReport
     Prepared prepared = pipeline::prepare(open, model, options, stages, out);
     device::Device& device = open();
     Mesh mesh;
-    const Extracted extracted = mesh_pieces(device, options, prepared, stages, &mesh);
+    const Extracted extracted = mesh_pieces(device, options, prepared, stages, arena, &mesh);
+    if (!options.tetrahedra) local_arena.mesh = {};
     improve::Counters counters;
     improve::Options improve_options = pipeline::improvement_options(prepared, options);
     const std::vector<std::uint8_t> held = pipeline::held_surfaces(prepared.bound, prepared.periodic);
     if (!held.empty()) improve_options.held = &held;
+    IndexRuns moved_cubes;  ///< hexahedra of kind kIn, but for these, are boxes along the axes
+    improve_options.followed = &moved_cubes;
     if (options.improve) {
-        pipeline::reposition_nodes(device, prepared, options, improve_options.held, stages, mesh);
+        moved_cubes =
+            pipeline::reposition_nodes(device, prepared, options, improve_options.held, stages, mesh);
         if (!prepared.periodic.empty()) {
             stages.begin("planes", 0.925);
             stages.end(pipeline::improve_planes(prepared, improve_options, mesh));
@@ -186,7 +224,8 @@ Mesh Mesher::generate(const Model& model, const MeshOptions& options, MeshReport
     if (options.tetrahedra) {
         stages.begin("tetrahedra", 0.95);
         mesh = tetrahedra::split(std::move(mesh), options.threads, copy_of.empty() ? nullptr : &copy_of,
-                                 &cube_pieces);
+                                 &cube_pieces, arena != nullptr ? &arena->mesh : nullptr);
+        moved_cubes = {};
         stages.end(mesh.element_count());
     }
     // After elements have been split: what good ones are split into may be worse.
@@ -218,10 +257,11 @@ Mesh Mesher::generate(const Model& model, const MeshOptions& options, MeshReport
         stages.begin("jacobians", 0.99);
         out.scaled_jacobians = jacobian::scaled_jacobians(
             device, mesh, jacobian_method.value_or(jacobian::usual_method(mesh.element_count())),
-            options.threads);
+            options.threads, prepared.periodic.empty() ? &moved_cubes : nullptr, std::move(jacobians));
         stages.end(mesh.element_count());
     }
     pipeline::report_cells(prepared, extracted, model, options, out);
+    implementation_->arena = std::move(local_arena);
     return mesh;
 }
 

@@ -30,7 +30,8 @@ std::uint64_t piece_end(const octree::Octree& tree, std::uint64_t p, std::uint64
 
 assembly::Piece make_piece(device::Device& device, const MeshOptions& options, Prepared& prepared,
                            const octree::InRegions& in_regions, const assembly::MortonRange& range,
-                           Stages& stages, double begin, double end, Extracted& extracted) {
+                           Stages& stages, double begin, double end, Extracted& extracted,
+                           assembly::Arena* arena) {
     const octree::Octree& tree = prepared.tree;
     const bool whole = range.begin == 0 && range.end == assembly::MortonRange{}.end;
     stages.begin("extract", begin);
@@ -53,7 +54,7 @@ assembly::Piece make_piece(device::Device& device, const MeshOptions& options, P
     stages.begin("assemble", begin + 0.6 * (end - begin));
     assembly::Piece piece =
         assembly::assemble(device, {prepared.bound, tree, prepared.on_device, prepared.classification,
-                                    extraction, in_regions, options.threads, range});
+                                    extraction, in_regions, options.threads, range, arena});
     stages.end(piece.mesh.element_count());
     return piece;
 }

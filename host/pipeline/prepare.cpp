@@ -353,9 +353,9 @@ improve::Options improvement_options(const Prepared& prepared, const MeshOptions
     return result;
 }
 
-void reposition_nodes(device::Device& device, const Prepared& prepared, const MeshOptions& options,
-                      const std::vector<std::uint8_t>* held, Stages& stages, Mesh& mesh) {
-    if (options.smooth == 0) return;
+IndexRuns reposition_nodes(device::Device& device, const Prepared& prepared, const MeshOptions& options,
+                           const std::vector<std::uint8_t>* held, Stages& stages, Mesh& mesh) {
+    if (options.smooth == 0) return {};
     stages.begin("reposition", 0.92);
     reposition::Options reposition_options;
     reposition_options.level = prepared.tree.level;
@@ -363,7 +363,9 @@ void reposition_nodes(device::Device& device, const Prepared& prepared, const Me
     reposition_options.threads = options.threads;
     reposition_options.leaves = &prepared.leaves;
     reposition_options.held = held;
-    stages.end(reposition::reposition(device, prepared.bound, reposition_options, mesh).moved);
+    reposition::Counters counters = reposition::reposition(device, prepared.bound, reposition_options, mesh);
+    stages.end(counters.moved);
+    return std::move(counters.moved_cubes);
 }
 
 /// Degrees: from here on one element in four and more is short of what is asked.

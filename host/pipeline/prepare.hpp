@@ -53,8 +53,9 @@ Prepared prepare(const std::function<device::Device&()>& open_device, const Mode
 /// For all meshes of a run; whoever improves a part of one adds what is open.
 improve::Options improvement_options(const Prepared& prepared, const MeshOptions& options);
 /// The stage "reposition", of a mesh or of what is near its poor elements. `held`: see reposition::Options.
-void reposition_nodes(device::Device& device, const Prepared& prepared, const MeshOptions& options,
-                      const std::vector<std::uint8_t>* held, Stages& stages, Mesh& mesh);
+/// Returns reposition::Counters::moved_cubes.
+IndexRuns reposition_nodes(device::Device& device, const Prepared& prepared, const MeshOptions& options,
+                           const std::vector<std::uint8_t>* held, Stages& stages, Mesh& mesh);
 /// Throws Error(kMeshing) if something was left out and MeshOptions::strict is set.
 void report_improvement(const improve::Counters& counters, const MeshOptions& options,
                         const std::string& source, MeshReport& out);

@@ -21,13 +21,21 @@ NearCubes::NearCubes(const Mesh& mesh, const Frame& frame, const IndexSet& nodes
     : mesh_(mesh), frame_(frame) {
     if (!options.is_uniform()) return;
     find_bricks(nodes);
-    const std::size_t count = mesh.elements[0].size();
-    is_near_.resize(chunk_count(count, kRow));
-    parallel_chunks(
-        is_near_.size(), kRowsPerChunk, options.threads, [&](std::size_t begin, std::size_t end, int) {
-            for (std::size_t row = begin; row < end; ++row)
-                is_near_[row] = is_row_near(row * kRow, std::min(count, (row + 1) * kRow)) ? 1 : 0;
-        });
+    is_near_.resize(chunk_count(mesh.elements[0].size(), kRow));
+    parallel_chunks(is_near_.size(), kRowsPerChunk, options.threads,
+                    [&](std::size_t begin, std::size_t end, int) { mark_rows(begin, end); });
+}
+
+/// Looks at many rows at once: what is far is far as a whole, mostly.
+void NearCubes::mark_rows(std::size_t begin, std::size_t end) {
+    if (!are_near(begin * kRow, std::min(mesh_.elements[0].size(), end * kRow))) return;
+    if (end - begin == 1) {
+        is_near_[begin] = 1;
+        return;
+    }
+    const std::size_t middle = begin + (end - begin) / 2;
+    mark_rows(begin, middle);
+    mark_rows(middle, end);
 }
 
 bool NearCubes::is_cube(std::size_t hexahedron) const {
@@ -67,7 +75,7 @@ void NearCubes::find_bricks(const IndexSet& nodes) {
     bricks_.erase(std::unique(bricks_.begin(), bricks_.end()), bricks_.end());
 }
 
-bool NearCubes::is_row_near(std::size_t begin, std::size_t end) const {
+bool NearCubes::are_near(std::size_t begin, std::size_t end) const {
     while (begin < end && !is_cube(begin)) ++begin;
     while (begin < end && !is_cube(end - 1)) --end;
     if (begin == end) return false;

@@ -171,6 +171,26 @@ class Groups {
     DisjointSets sets_;
 };
 
+/// Hexahedra of kind kIn around nodes that have moved.
+IndexRuns find_moved_cubes(const Mesh& mesh, const Stars& stars, const std::vector<std::uint8_t>& moved) {
+    std::vector<std::uint32_t> cubes;
+    for (std::size_t i = 0; i < moved.size(); ++i) {
+        const MovableNode& node = stars.movable[i];
+        for (u32 n = node.first; n < node.first + node.elements && moved[i] != 0; ++n) {
+            const bool is_cube = stars.star[n].type == 0 && mesh.elements[0].kind[stars.index[n]] ==
+                                                                static_cast<std::uint8_t>(ElementKind::kIn);
+            if (is_cube) cubes.push_back(stars.index[n]);
+        }
+    }
+    std::sort(cubes.begin(), cubes.end());
+    IndexRuns runs;
+    for (const std::size_t cube : cubes) {
+        if (runs.empty() || runs.back().end < cube) runs.push_back({cube, cube});
+        runs.back().end = cube + 1;
+    }
+    return runs;
+}
+
 }  // namespace
 
 Counters reposition(Device& device, const tape::BoundModel& model, const Options& options, Mesh& mesh) {
@@ -202,6 +222,7 @@ Counters reposition(Device& device, const tape::BoundModel& model, const Options
                        mesh.points.data() + 3 * std::size_t{stars.node[local]});
         ++counters.moved;
     }
+    counters.moved_cubes = find_moved_cubes(mesh, stars, progress.moved);
     counters.left = static_cast<std::uint64_t>(
         std::count_if(poor.apart.begin(), poor.apart.end(),
                       [&](const ElementNumber& e) { return is_poor(mesh, frame, e); }));

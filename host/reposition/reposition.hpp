@@ -10,6 +10,7 @@
 #include <optional>
 #include <vector>
 
+#include "host/common/index_run.hpp"
 #include "host/common/leaf_grid.hpp"
 #include "host/device/device.hpp"
 #include "host/tape/compile.hpp"
@@ -36,6 +37,7 @@ struct Counters {
     std::uint64_t poor = 0;   ///< elements that were looked at, before
     std::uint64_t left = 0;   ///< and after
     std::uint64_t moved = 0;  ///< nodes
+    IndexRuns moved_cubes;    ///< hexahedra of kind kIn with such nodes
 };
 
 /// Moves nodes of `mesh`. Precondition: its nodes lie on the lattice of positions (kernels/shared/lattice.h)

@@ -137,12 +137,21 @@ class Gatherer {
 
     void add_elements() {
         const NearCubes near(mesh_, frame_, movable_, options_);
-        const std::vector<Incidence> found =
-            collect<Incidence>(mesh_, options_.threads, [&](auto& list, const ElementNumber& e) {
-                if (e.type == 0 && !near.may_hold(e.index)) return;
-                const NodeId* const node = e.nodes(mesh_);
-                for (std::size_t k = 0; k < e.count(); ++k) {
-                    if (movable_.holds(node[k])) list.push_back({place(node[k]), e.type, e.index});
+        const std::vector<Incidence> found = collect_runs<Incidence>(
+            mesh_, options_.threads, [&](auto& list, std::uint32_t type, std::size_t begin, std::size_t end) {
+                const auto count = static_cast<std::size_t>(kElementNodes[type]);
+                const NodeId* const nodes = mesh_.elements[type].nodes.data();
+                const auto look_at = [&](std::size_t i) {
+                    const NodeId* const node = nodes + i * count;
+                    for (std::size_t k = 0; k < count; ++k) {
+                        if (movable_.holds(node[k]))
+                            list.push_back({place(node[k]), type, static_cast<std::uint32_t>(i)});
+                    }
+                };
+                if (type == 0) {
+                    near.for_near(begin, end, look_at);
+                } else {
+                    for (std::size_t i = begin; i < end; ++i) look_at(i);
                 }
             });
         for (const Incidence& i : found) {
@@ -183,6 +192,7 @@ class Gatherer {
             used_.insert(node[k]);
         }
         stars_.star.push_back(e);
+        stars_.index.push_back(i.index);
     }
 
     /// From nodes of the mesh to places in the stars' own list.

@@ -42,10 +42,10 @@ class Classifier {
         if (on_device_.local_formulas) drop_misfits();  // promoted leaves, too
         Buffer plans = device_.allocate(sizeof(FacePlans));
         device_.upload(plans, &face_plans(), 1);
-        device_.launch(device_.kernel("snio/snap.cl", "test_subsets"), rows(), points_, promoted_points_,
-                       point_of_, candidates_, plans, snap_, static_cast<std::uint32_t>(count()));
-        moved_ = device_.allocate(count() * sizeof(std::uint8_t));
-        launch("snio/snap.cl", "decide", count(), on_device_.nio, candidates_, moved_);
+        vetoes_ = no_vetoes();
+        launch("snio/snap.cl", "test_subsets", rows(), on_device_.nio, points_, promoted_points_, point_of_,
+               candidates_, plans, vetoes_, snap_, static_cast<std::uint32_t>(count()));
+        launch("snio/snap.cl", "veto_needs", count(), on_device_.nio, candidates_, vetoes_);
         return fill();
     }
 
@@ -56,6 +56,13 @@ class Classifier {
     std::size_t rows() const {
         const std::size_t leaves = device_.lanes() == 8 ? kLeavesInRow : 1;
         return (count() + leaves - 1) / leaves;
+    }
+
+    /// VETOES_OF of kernels/shared/snio.h, for all leaves.
+    Buffer no_vetoes() {
+        Buffer vetoes = device_.allocate((count() + 3) / 4 * sizeof(std::uint32_t));
+        device_.fill_zero(vetoes);
+        return vetoes;
     }
 
     template <class... Arguments>
@@ -85,10 +92,10 @@ class Classifier {
     void promote() {
         const std::size_t words = tree_.words();
         const std::size_t bytes = words * sizeof(std::uint32_t);
-        Buffer near = device_.allocate(count() * sizeof(std::uint8_t));
+        const Buffer vetoes = no_vetoes();
         Buffer promoted = device_.allocate(bytes);
         device_.fill_zero(promoted);
-        launch("snio/snap.cl", "mark_vertices", count(), on_device_.nio, candidates_, near, promoted);
+        launch("snio/snap.cl", "mark_vertices", count(), on_device_.nio, candidates_, vetoes, promoted);
         if (on_device_.local_formulas) launch("snio/misfits.cl", "mark_exposed", words, promoted);
         Buffer in_bits = device_.allocate(bytes);
         Buffer nio_bits = device_.allocate(bytes);
@@ -103,7 +110,7 @@ class Classifier {
         point_of_ = device_.allocate(all * sizeof(std::uint32_t));
         promoted_points_ = device_.allocate((all - count()) * sizeof(SnioPoints));
         launch("snio/snap.cl", "promote_leaves", words, nio_bits, nio_rank, on_device_.nio, candidates_,
-               points_, near, nio, candidates, point_of_, promoted_points_);
+               points_, vetoes, nio, candidates, point_of_, promoted_points_);
         device_.finish();
         on_device_.nio = std::move(nio);
         on_device_.in_bits = std::move(in_bits);
@@ -136,8 +143,9 @@ class Classifier {
         Buffer used = device_.allocate(count() * sizeof(std::uint32_t));
         Buffer counts = device_.allocate(kElementTypes * count() * sizeof(std::uint32_t));
         Buffer facets = device_.allocate(count() * sizeof(std::uint32_t));
-        launch("snio/fill.cl", "fill", rows(), on_device_.nio, candidates_, moved_, points_, promoted_points_,
-               point_of_, leaves, used, counts, facets, static_cast<std::uint32_t>(count()), snap_);
+        launch("snio/fill.cl", "fill", rows(), on_device_.nio, candidates_, vetoes_, points_,
+               promoted_points_, point_of_, leaves, used, counts, facets, static_cast<std::uint32_t>(count()),
+               snap_);
         result.leaves = device_.download<SnioLeaf>(leaves, count());
         result.used = device_.download<std::uint32_t>(used, count());
         result.facets = device_.download<std::uint32_t>(facets, count());
@@ -156,7 +164,7 @@ class Classifier {
     Buffer points_;           ///< of the leaves that were found first
     Buffer promoted_points_;  ///< of the others
     Buffer point_of_;         ///< of each leaf: where its points are
-    Buffer moved_;
+    Buffer vetoes_;
 };
 
 }  // namespace

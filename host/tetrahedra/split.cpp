@@ -287,7 +287,7 @@ FacetBlock split_facets(const FacetBlock& facets, const Order& order, int thread
 
 }  // namespace
 
-Mesh split(Mesh mesh, int threads, const std::vector<NodeId>* rank, IndexRuns* cube_pieces) {
+Mesh split(Mesh mesh, int threads, const std::vector<NodeId>* rank, IndexRuns* cube_pieces, Mesh* old) {
     const Order order(rank);
     std::vector<Share> shares;
     std::size_t count = 0;
@@ -298,12 +298,19 @@ Mesh split(Mesh mesh, int threads, const std::vector<NodeId>* rank, IndexRuns* c
     }
     if (cube_pieces != nullptr) *cube_pieces = pieces_of_cubes(mesh.elements[0], shares[0]);
     ElementBlock tetrahedra;
-    resize_large(tetrahedra.nodes, 4 * count, threads);
-    resize_large(tetrahedra.region, count, threads);
-    resize_large(tetrahedra.kind, count, threads);
+    const auto make_room = [&](auto member, std::size_t size) {
+        if (old != nullptr)
+            take_memory(old->block(ElementType::kTetrahedron).*member, size, tetrahedra.*member);
+        resize_large(tetrahedra.*member, size, threads);
+    };
+    make_room(&ElementBlock::nodes, 4 * count);
+    make_room(&ElementBlock::region, count);
+    make_room(&ElementBlock::kind, count);
     for (std::size_t t = 0; t < kElementTypes; ++t) {
         split_block(mesh.elements[t], shares[t], mesh.points, threads, tetrahedra);
+        ElementBlock block = std::move(mesh.elements[t]);
         mesh.elements[t] = {};
+        if (old != nullptr) old->elements[t] = std::move(block);
     }
     mesh.block(ElementType::kTetrahedron) = std::move(tetrahedra);
     mesh.facets = split_facets(mesh.facets, order, threads);

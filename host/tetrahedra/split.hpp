@@ -15,8 +15,10 @@ namespace mortise::tetrahedra {
 /// Hexahedra of kind kIn must be cubes. `cube_pieces`, if wanted, receives the tetrahedra they are split
 /// into. Nodes are compared by `rank`, then by number; null: by number alone. Faces whose nodes have the same
 /// ranks are cut alike. `threads` host threads, 0: all cores; the result does not depend on them. Throws
-/// Error(kMeshing) if an element cannot be split into positive tetrahedra even from its centre.
+/// Error(kMeshing) if an element cannot be split into positive tetrahedra even from its centre. `old`, if
+/// not null: a mesh that nobody needs; its tetrahedra's memory is used, and it gets that of the elements
+/// that were split.
 Mesh split(Mesh mesh, int threads, const std::vector<NodeId>* rank = nullptr,
-           IndexRuns* cube_pieces = nullptr);
+           IndexRuns* cube_pieces = nullptr, Mesh* old = nullptr);
 
 }  // namespace mortise::tetrahedra

@@ -164,8 +164,13 @@ class Mesher {
     Mesher& operator=(Mesher&&) noexcept;
 
     /// As generate_mesh, with the same result, but on this device, whatever the options say of it. After an
-    /// error the mesher is as before.
+    /// error the mesher is as before. A report that has served before hands its arrays' memory on.
     Mesh generate(const Model& model, const MeshOptions& options = {}, MeshReport* report = nullptr);
+
+    /// Takes a mesh that is no longer needed, and leaves an empty one: the next of about that size is made in
+    /// its memory, without asking the system for new pages and zeroing them (docs/benchmarks.md tells what
+    /// that saves). Until then, or the mesher's end, the memory stays with the mesher.
+    void recycle(Mesh&& mesh);
 
     /// Meshes in parts that are handed on and forgotten: `sink` receives what generate() returns, in the
     /// same order and with the same numbers. What is kept takes memory with the model's boundary, not with

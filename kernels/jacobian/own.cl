@@ -2,7 +2,8 @@
 // elements.
 //
 // No loops over nodes and corners and no arrays of them, so that compilers keep the nodes in registers. Reads
-// points (x, y, z) and each element's nodes; writes values[element].
+// points (x, y, z), each element's nodes and kind; writes values[element]. `cubes`: hexahedra of kind 0 are
+// boxes along the axes, whose values are 1, or else their values do not count.
 #if LANES == 8
 #define WIDTH 8
 #else
@@ -65,19 +66,31 @@ static Points gather(__global const double* points, __global const uint* nodes, 
     ALL(FLAT(x, 0, 3, 4, 7) & FLAT(x, 1, 2, 5, 6) & (p0.x < p1.x) & FLAT(y, 0, 1, 4, 5) & \
         FLAT(y, 3, 2, 7, 6) & (p0.y < p3.y) & FLAT(z, 0, 1, 2, 3) & FLAT(z, 4, 5, 6, 7) & (p0.z < p4.z))
 
-#define SCALED_JACOBIANS(entry, NODES, ARE_ONE, CORNERS)                                 \
-    MORTISE_KERNEL void entry(__global const double* points, __global const uint* nodes, \
-                              __global float* values, uint elements, uint items) {       \
-        const uint item = get_global_id(0);                                              \
-        if (item >= items) return;                                                       \
-        const uint first = WIDTH * item;                                                 \
-        lanes_double smallest = 1;                                                       \
-        NODES                                                                            \
-        if (!(ARE_ONE)) {                                                                \
-            CORNERS(CORNER)                                                              \
-        }                                                                                \
-        store(root(smallest), values + first, elements - first);                         \
+#define SCALED_JACOBIANS(entry, NODES, ARE_CUBES, ARE_BOXES, CORNERS)                                        \
+    MORTISE_KERNEL void entry(__global const double* points, __global const uint* nodes,                     \
+                              __global const uchar* kinds, __global float* values, uint elements, int cubes, \
+                              uint items) {                                                                  \
+        const uint item = get_global_id(0);                                                                  \
+        if (item >= items) return;                                                                           \
+        const uint first = WIDTH * item;                                                                     \
+        lanes_double smallest = 1;                                                                           \
+        if (!(ARE_CUBES)) {                                                                                  \
+            NODES                                                                                            \
+            if (!(ARE_BOXES)) {                                                                              \
+                CORNERS(CORNER)                                                                              \
+            }                                                                                                \
+        }                                                                                                    \
+        store(root(smallest), values + first, elements - first);                                             \
     }
+
+// Whether the next elements are of kind 0; at the end they may be looked at one by one.
+static int are_cubes(__global const uchar* kinds, uint left) {
+#if WIDTH == 8
+    return left >= 8 && as_ulong(vload8(0, kinds)) == 0;
+#else
+    return kinds[0] == 0;
+#endif
+}
 
 static void store(lanes_double results, __global float* values, uint left) {
     if (left >= WIDTH) {
@@ -94,7 +107,8 @@ static void store(lanes_double results, __global float* values, uint left) {
 #define NODES_6(count) NODES_5(count) NODE(5, count)
 #define NODES_8(count) NODES_6(count) NODE(6, count) NODE(7, count)
 
-SCALED_JACOBIANS(hexahedron_jacobians, NODES_8(8), HEXAHEDRA_ARE_BOXES, MORTISE_HEXAHEDRON_CORNERS)
-SCALED_JACOBIANS(wedge_jacobians, NODES_6(6), 0, MORTISE_WEDGE_CORNERS)
-SCALED_JACOBIANS(pyramid_jacobians, NODES_5(5), 0, MORTISE_PYRAMID_CORNERS)
-SCALED_JACOBIANS(tetrahedron_jacobians, NODES_4(4), 0, MORTISE_TETRAHEDRON_CORNERS)
+SCALED_JACOBIANS(hexahedron_jacobians, NODES_8(8), cubes&& are_cubes(kinds + first, elements - first),
+                 HEXAHEDRA_ARE_BOXES, MORTISE_HEXAHEDRON_CORNERS)
+SCALED_JACOBIANS(wedge_jacobians, NODES_6(6), 0, 0, MORTISE_WEDGE_CORNERS)
+SCALED_JACOBIANS(pyramid_jacobians, NODES_5(5), 0, 0, MORTISE_PYRAMID_CORNERS)
+SCALED_JACOBIANS(tetrahedron_jacobians, NODES_4(4), 0, 0, MORTISE_TETRAHEDRON_CORNERS)

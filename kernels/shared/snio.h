@@ -58,6 +58,15 @@ typedef struct SnioPoints {
 #define kCandidateSafe 2      // a template whichever of the `near` corners are moved
 #define kCandidatePromoted 4  // was an IN leaf
 
+// Corners that may not move after all, whatever their leaves' `near` says: a bit for each, eight to a leaf.
+// Each leaf around a vertex takes the bits of all of them; the order does not matter.
+#define VETOES_OF(vetoes, leaf) (((vetoes)[(leaf) >> 2] >> (8 * ((leaf)&3))) & 0xffu)
+
+// Corners that move, once all vetoes are known.
+MORTISE_FUNCTION u32 moved_corners(SnioCandidate candidate, u32 vetoes) {
+    return (candidate.flags & kCandidateSafe) != 0 ? candidate.near & ~vetoes : 0;
+}
+
 // Whether a leaf has a template, now that it is known which of its corners move.
 MORTISE_FUNCTION int stays_simple(SnioCandidate candidate, u32 moved) {
     return (candidate.flags & kCandidateSimple) != 0 && (candidate.needed & ~moved) == 0;

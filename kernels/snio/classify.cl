@@ -12,6 +12,7 @@
 #include "shared/tape.h"
 #include "shared/template_table.h"
 #include "shared/tree.h"
+#include "snio/surface_lanes.h"
 
 // A face with the surface on both sides counts as on the surface, once its corners are, if the surface is
 // closer to its middle than this, in edges of the cell: 0.083 where the radius is 3 cells.
@@ -71,6 +72,72 @@ MORTISE_NOINLINE int is_close(__global const Surface* surface, __global const Ex
     return sample.value * sample.value < kLargestBulge * kLargestBulge * cell * cell * square;
 }
 
+// Signs of a leaf's surface at the leaf's corners (0 to 7), in the middles of its faces (8 to 13) and its own
+// (14), as they are asked for; those of a plane or quadric all at once.
+#define MIDDLE_OF_FACE 8
+#define MIDDLE 14
+typedef struct CellSigns {
+    __global const Surface* surface;
+    __global const ExpressionOp* ops;
+    double at[3];  // the leaf's first corner
+    double cell;
+    uint known;  // sets of places
+    uint inside;
+    uint zero;
+} CellSigns;
+
+static void place_in_cell(const CellSigns* signs, int place, double* at) {
+    const int axis = (place - MIDDLE_OF_FACE) >> 1;
+    for (int j = 0; j < 3; ++j) {
+        double offset = 0.5;
+        if (place < MIDDLE_OF_FACE)
+            offset = (place >> j) & 1;
+        else if (axis == j)
+            offset = place & 1;
+        at[j] = signs->at[j] + offset * signs->cell;
+    }
+}
+
+static void start_signs(CellSigns* signs) {
+    signs->known = 0;
+    signs->inside = 0;
+    signs->zero = 0;
+#if LANES == 8
+    if (has_lanes(signs->surface)) {
+        const double cell = signs->cell;
+        const double8 x = signs->at[0];
+        const double8 y = signs->at[1];
+        const double8 z = signs->at[2];
+        const double8 corners[3] = {x + (double8)(0, 1, 0, 1, 0, 1, 0, 1) * cell,
+                                    y + (double8)(0, 0, 1, 1, 0, 0, 1, 1) * cell,
+                                    z + (double8)(0, 0, 0, 0, 1, 1, 1, 1) * cell};
+        const double8 middles[3] = {x + (double8)(0, 1, 0.5, 0.5, 0.5, 0.5, 0.5, 0.5) * cell,
+                                    y + (double8)(0.5, 0.5, 0, 1, 0.5, 0.5, 0.5, 0.5) * cell,
+                                    z + (double8)(0.5, 0.5, 0.5, 0.5, 0, 1, 0.5, 0.5) * cell};
+        uint zero_middles;
+        signs->known = 0xffff;
+        signs->inside = signs_in_lanes(signs->surface, corners, cell, &signs->zero);
+        signs->inside |= signs_in_lanes(signs->surface, middles, cell, &zero_middles) << MIDDLE_OF_FACE;
+        signs->zero |= zero_middles << MIDDLE_OF_FACE;
+    }
+#endif
+}
+
+// As surface_sign.
+static int sign_at(CellSigns* signs, int place) {
+    const uint bit = 1u << place;
+    if ((signs->known & bit) == 0) {
+        double at[3];
+        int sign;
+        place_in_cell(signs, place, at);
+        sign = surface_sign(signs->surface, signs->ops, at[0], at[1], at[2], signs->cell);
+        signs->known |= bit;
+        if (sign < 0) signs->inside |= bit;
+        if (sign == 0) signs->zero |= bit;
+    }
+    return (signs->zero & bit) != 0 ? 0 : (signs->inside & bit) != 0 ? -1 : 1;
+}
+
 // Reads   the tree, nio (leaves), tapes, surfaces, ops.
 // Writes  candidates[i], without `near`. If `snap` is not set corners of sign 0 make a leaf complex.
 // One work-item handles one leaf.
@@ -85,10 +152,7 @@ MORTISE_KERNEL void classify(TREE_PARAMETERS, __global const TreeNode* nio, __gl
         __global const uint* tape = tapes + node.tape_offset;
         const double finest = 1.0 / (double)(1u << shape.level);
         const double cell = 1.0 / (double)(1u << leaf_level(&tree, node.morton));
-        const double x = (double)gather_bits(node.morton) * finest;
-        const double y = (double)gather_bits(node.morton >> 1) * finest;
-        const double z = (double)gather_bits(node.morton >> 2) * finest;
-        __global const Surface* surface = surfaces;
+        CellSigns signs;
         SnioCandidate candidate;
         int simple = 1;
         int value_inside = 0;
@@ -106,10 +170,13 @@ MORTISE_KERNEL void classify(TREE_PARAMETERS, __global const TreeNode* nio, __gl
             simple = (value_inside == 0) != (value_outside == 0);
         }
         if (simple) {
-            surface = surfaces + candidate.surface;
+            signs.surface = surfaces + candidate.surface;
+            signs.ops = ops;
+            for (int j = 0; j < 3; ++j) signs.at[j] = (double)gather_bits(node.morton >> j) * finest;
+            signs.cell = cell;
+            start_signs(&signs);
             for (int c = 0; c < 8 && simple; ++c) {
-                const int sign = surface_sign(surface, ops, x + (c & 1) * cell, y + ((c >> 1) & 1) * cell,
-                                              z + (c >> 2) * cell, cell);
+                const int sign = sign_at(&signs, c);
                 if (sign == 0) {
                     zero |= 1u << c;
                     simple = snap;
@@ -120,11 +187,6 @@ MORTISE_KERNEL void classify(TREE_PARAMETERS, __global const TreeNode* nio, __gl
             simple = simple && zero != 0xff;
         }
         for (int f = 0; f < 6 && simple; ++f) {
-            const int axis = f >> 1;
-            const double side = (f & 1) ? 1.0 : 0.0;
-            const double middle[3] = {x + (axis == 0 ? side : 0.5) * cell,
-                                      y + (axis == 1 ? side : 0.5) * cell,
-                                      z + (axis == 2 ? side : 0.5) * cell};
             uint in_face = 0;
             uint corners = 0;
             int fits;
@@ -134,21 +196,25 @@ MORTISE_KERNEL void classify(TREE_PARAMETERS, __global const TreeNode* nio, __gl
             }
             corners &= ~zero;
             if (in_face == 0 || in_face == corners) {
-                const int sign = surface_sign(surface, ops, middle[0], middle[1], middle[2], cell);
+                const int sign = sign_at(&signs, MIDDLE_OF_FACE + f);
                 fits = sign == 0 || corners == 0 ||
                        ((sign < 0 ? value_inside : value_outside) != 0) == (in_face != 0);
             } else {
                 fits = face_is_simple(inside, zero, f);
             }
             if (fits) continue;
-            simple = snap && is_close(surface, ops, middle, cell);
+            {
+                double middle[3];
+                place_in_cell(&signs, MIDDLE_OF_FACE + f, middle);
+                simple = snap && is_close(signs.surface, ops, middle, cell);
+            }
             needed |= corners;
         }
         if (simple && (zero | needed) == 0) {
             simple = inside == 0 || inside == 0xff || kTemplateRows[inside].shape != 0;
         }
         if (simple && (inside == 0 || (inside | zero) == 0xff)) {
-            const int sign = surface_sign(surface, ops, x + 0.5 * cell, y + 0.5 * cell, z + 0.5 * cell, cell);
+            const int sign = sign_at(&signs, MIDDLE);
             simple = sign == 0 || ((sign < 0 ? value_inside : value_outside) != 0) == (inside != 0);
         }
         candidate.region = (ushort)(value_inside != 0 ? value_inside : value_outside);

@@ -5,7 +5,7 @@
 
 // Neighbour of a leaf across a face: what it means for facets on that face.
 //   0: no volume there, and no certificate; 1: volume, or the certificate, which lists facets itself.
-static int has_volume(const Tree* tree, __global const SnioCandidate* candidates, __global const uchar* moved,
+static int has_volume(const Tree* tree, __global const SnioCandidate* candidates, __global const uint* vetoes,
                       int level, ulong morton, int f) {
     int direction[3] = {0, 0, 0};
     Leaf beyond;
@@ -14,10 +14,11 @@ static int has_volume(const Tree* tree, __global const SnioCandidate* candidates
     if (beyond.kind != kLeafNio) return beyond.kind == kLeafIn;
     {
         const SnioCandidate candidate = candidates[beyond.index];
-        if (!stays_simple(candidate, moved[beyond.index]) || (candidate.flags & kCandidatePromoted) != 0) {
+        const uint moved = moved_corners(candidate, VETOES_OF(vetoes, beyond.index));
+        if (!stays_simple(candidate, moved) || (candidate.flags & kCandidatePromoted) != 0) {
             return 1;
         }
-        return (candidate.inside & ~(candidate.zero | moved[beyond.index])) != 0;
+        return (candidate.inside & ~(candidate.zero | moved)) != 0;
     }
 }
 
@@ -96,11 +97,11 @@ MORTISE_NOINLINE void take(const Choice* choice, uint inside, SnioLeaf* leaf, ui
     }
 }
 
-// Reads the tree, nio, candidates, moved, points; writes leaves[i], used[i] (the node mask of
+// Reads the tree, nio, candidates, vetoes, points; writes leaves[i], used[i] (the node mask of
 // shared/tree.h), counts[t * stride + i] elements of type t and facet_counts[i], all zero for CNIO leaves.
 // One work-item handles LEAVES leaves.
 MORTISE_KERNEL void fill(TREE_PARAMETERS, __global const TreeNode* nio,
-                         __global const SnioCandidate* candidates, __global const uchar* moved,
+                         __global const SnioCandidate* candidates, __global const uint* vetoes,
                          POINTS_PARAMETERS, __global SnioLeaf* leaves, __global uint* used,
                          __global uint* counts, __global uint* facet_counts, uint stride, int snap,
                          uint items) {
@@ -114,7 +115,7 @@ MORTISE_KERNEL void fill(TREE_PARAMETERS, __global const TreeNode* nio,
         const SnioCandidate candidate = candidates[item];
         const ulong morton = nio[item].morton;
         const int level = leaf_level(&tree, morton);
-        const uint displaced = moved[item];
+        const uint displaced = moved_corners(candidate, VETOES_OF(vetoes, item));
         const uint on = candidate.zero | displaced;
         const uint inside = candidate.inside & ~on;
         uint elements[4] = {0, 0, 0, 0};
@@ -138,7 +139,7 @@ MORTISE_KERNEL void fill(TREE_PARAMETERS, __global const TreeNode* nio,
             uint on_face = 0;
             for (int i = 0; i < 4; ++i) on_face += (on >> kFaceCorners[f][i]) & 1;
             if (on_face < 3) continue;
-            if (has_volume(&tree, candidates, moved, level, morton, f)) {
+            if (has_volume(&tree, candidates, vetoes, level, morton, f)) {
                 facing |= 1u << f;
             } else if (on_face == 4) {
                 leaf.boundary |= (uchar)(1u << f);

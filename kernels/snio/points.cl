@@ -42,7 +42,7 @@ MORTISE_KERNEL void find_points(TREE_PARAMETERS, __global const TreeNode* nio,
         int by_lanes = 0;
         if ((candidate.flags & kCandidateSimple) == 0) return;
 #if LANES == 8
-        by_lanes = surface->kind == kSurfacePlane || surface->kind == kSurfaceQuadric;
+        by_lanes = has_lanes(surface);
         if (by_lanes && snap)
             found = snap_corners(surface, x, y, z, cell, ~(uint)candidate.zero & 0xff, points[item].moved);
 #endif

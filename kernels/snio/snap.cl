@@ -13,14 +13,34 @@
 #include "snio/alike.h"
 
 #define NO_SURFACE 0xffffffffu
+#define NO_LEAF 0xffffffffu
+#define NOT_ASKED 0xfffffffeu
 
-// Takes those corners out of `near` that may not move for what the leaves around them are, and marks IN
-// leaves to be promoted. A vertex between leaves of different levels does not move.
+static void veto(__global uint* vetoes, uint leaf, uint corner) {
+    atomic_or(vetoes + (leaf >> 2), 1u << (8 * (leaf & 3) + corner));
+}
+
+// No leaf of the leaf's own level around its corner c may move it.
+static void veto_vertex(const Tree* tree, ulong own, int level, uint c, __global uint* vetoes) {
+    for (uint d = 0; d < 8; ++d) {
+        const Leaf leaf = leaf_at_corner(tree, own, leaf_edge(tree, level), c, d);
+        if (leaf.kind == kLeafNio && leaf.level == level) veto(vetoes, leaf.index, 7 - d);
+    }
+}
+
+static void veto_corners(const Tree* tree, ulong own, __global uint* vetoes) {
+    const int level = leaf_level(tree, own);
+    for (uint c = 0; c < 8; ++c) veto_vertex(tree, own, level, c, vetoes);
+}
+
+// Vetoes vertices that may not move for what the leaves around them are, and marks IN leaves to be promoted.
+// A vertex between leaves of different levels does not move. The first leaf of a surface around a vertex
+// looks after it for all of that surface and level.
 //
-// Reads the tree and candidates; writes near[i] and sets bits of `promoted` (atomics, order does not matter).
-// One work-item handles one NIO leaf.
+// Reads the tree and candidates; sets bits of `vetoes` and `promoted` (atomics, order does not matter). One
+// work-item handles one NIO leaf.
 MORTISE_KERNEL void mark_vertices(TREE_PARAMETERS, __global const TreeNode* nio,
-                                  __global const SnioCandidate* candidates, __global uchar* near,
+                                  __global const SnioCandidate* candidates, __global uint* vetoes,
                                   __global uint* promoted, uint items) {
     const uint item = get_global_id(0);
     if (item >= items) return;
@@ -31,31 +51,35 @@ MORTISE_KERNEL void mark_vertices(TREE_PARAMETERS, __global const TreeNode* nio,
         const int level = leaf_level(&tree, own);
         const uint edge = leaf_edge(&tree, level);
         const uint corners = (candidate.flags & kCandidateSimple) ? candidate.near | candidate.zero : 0;
-        uint kept = candidate.near;
         for (uint c = 0; c < 8; ++c) {
             Leaf in_leaves[8];
             uint in_count = 0;
             int allowed = 1;
+            int is_first = 1;
             if (((corners >> c) & 1) == 0) continue;
-            for (uint d = 0; d < 8; ++d) {
-                const Leaf leaf = leaf_at_corner(&tree, own, edge, c, d);
+            for (uint d = 0; d < 8 && is_first; ++d) {
+                Leaf leaf;
+                if (d == 7 - c) continue;  // this one
+                leaf = leaf_at_corner(&tree, own, edge, c, d);
                 if (leaf.kind != kLeafNone && leaf.level != level) {
                     allowed = 0;
                 } else if (leaf.kind == kLeafIn) {
                     in_leaves[in_count++] = leaf;
                 } else if (leaf.kind == kLeafNio) {
                     const SnioCandidate other = candidates[leaf.index];
-                    allowed = allowed && (other.flags & kCandidateSimple) != 0 &&
-                              other.surface == candidate.surface && other.region == candidate.region;
+                    const int is_like =
+                        (other.flags & kCandidateSimple) != 0 && other.surface == candidate.surface;
+                    allowed = allowed && is_like && other.region == candidate.region;
+                    is_first = !(is_like && d < 7 - c && (((other.near | other.zero) >> (7 - d)) & 1) != 0);
                 }
             }
-            if (!allowed) kept &= ~(1u << c);
+            if (!is_first) continue;
+            if (!allowed) veto_vertex(&tree, own, level, c, vetoes);
             if (!allowed && ((candidate.zero >> c) & 1) == 0) continue;
             for (uint i = 0; i < in_count; ++i) {
                 atomic_or(promoted + in_leaves[i].word, 1u << (uint)(in_leaves[i].code & 31));
             }
         }
-        near[item] = (uchar)kept;
     }
 }
 
@@ -72,14 +96,14 @@ MORTISE_KERNEL void promote_words(__global const uint* in_bits, __global const u
 // Leaves and candidates of the new NIO bitmap, in Morton order.
 //
 // Reads the tree as it was (its NIO bitmap and rank; IN leaves are not looked at), the new bitmap and rank,
-// the old lists and `near`; writes new_nio, new_candidates, point_of, and promoted_points of leaves that are
+// the old lists and vetoes; writes new_nio, new_candidates, point_of, and promoted_points of leaves that are
 // promoted: the others keep their points where they are. A promoted leaf takes surface, region and its
 // corners from the old leaves around it; if these are not of one surface it is not simple, and keeps its
 // corners. One work-item handles one word.
 MORTISE_KERNEL void promote_leaves(TREE_PARAMETERS, __global const uint* new_nio_bits,
                                    __global const uint* new_nio_rank, __global const TreeNode* nio,
                                    __global const SnioCandidate* candidates,
-                                   __global const SnioPoints* points, __global const uchar* near,
+                                   __global const SnioPoints* points, __global const uint* vetoes,
                                    __global TreeNode* new_nio, __global SnioCandidate* new_candidates,
                                    __global uint* point_of, __global SnioPoints* promoted_points,
                                    uint items) {
@@ -98,11 +122,12 @@ MORTISE_KERNEL void promote_leaves(TREE_PARAMETERS, __global const uint* new_nio
             if ((nio_bits[word] >> bit) & 1) {
                 node = nio[from];
                 candidate = candidates[from];
-                candidate.near = near[from];
+                candidate.near &= ~(uchar)VETOES_OF(vetoes, from);
                 point_of[to] = from++;
             } else {
                 const uint edge = leaf_edge(&tree, leaf_level(&tree, own));
                 __global SnioPoints* own_points = promoted_points + (to - from);
+                uint around[27];  // simple leaves of this one's size, in NIO order
                 point_of[to] = kPromotedPoints | (to - from);
                 node.morton = own;
                 node.tape_offset = 0;
@@ -115,24 +140,34 @@ MORTISE_KERNEL void promote_leaves(TREE_PARAMETERS, __global const uint* new_nio
                 candidate.flags = kCandidateSimple | kCandidatePromoted;
                 candidate.needed = 0;
                 candidate.padding = 0;
+                for (uint i = 0; i < 27; ++i) around[i] = NOT_ASKED;
                 for (uint c = 0; c < 8; ++c) {
                     for (uint d = 0; d < 8; ++d) {
-                        const Leaf leaf = leaf_at_corner(&tree, own, edge, c, d);
+                        const uint place = (c & 1) + (d & 1) + 3 * (((c >> 1) & 1) + ((d >> 1) & 1)) +
+                                           9 * ((c >> 2) + (d >> 2));
                         SnioCandidate other;
-                        if (leaf.kind != kLeafNio || leaf_edge(&tree, leaf.level) != edge) continue;
-                        other = candidates[leaf.index];
-                        if ((other.flags & kCandidateSimple) == 0) continue;
-                        if ((((other.zero | near[leaf.index]) >> (7 - d)) & 1) == 0) continue;
+                        uint other_near;
+                        if (around[place] == NOT_ASKED) {
+                            const Leaf leaf = leaf_at_corner(&tree, own, edge, c, d);
+                            const int is_like = leaf.kind == kLeafNio &&
+                                                leaf_edge(&tree, leaf.level) == edge &&
+                                                (candidates[leaf.index].flags & kCandidateSimple) != 0;
+                            around[place] = is_like ? leaf.index : NO_LEAF;
+                        }
+                        if (around[place] == NO_LEAF) continue;
+                        other = candidates[around[place]];
+                        other_near = other.near & ~VETOES_OF(vetoes, around[place]);
+                        if ((((other.zero | other_near) >> (7 - d)) & 1) == 0) continue;
                         if (candidate.surface == NO_SURFACE) {
                             candidate.surface = other.surface;
                             candidate.region = other.region;
                         }
                         if (candidate.surface != other.surface) mixed = 1;
                         candidate.zero |= ((other.zero >> (7 - d)) & 1u) << c;
-                        if (((near[leaf.index] >> (7 - d)) & 1) == 0) continue;
+                        if (((other_near >> (7 - d)) & 1) == 0) continue;
                         candidate.near |= 1u << c;
                         for (int j = 0; j < 3; ++j) {
-                            own_points->moved[c][j] = points[leaf.index].moved[7 - d][j];
+                            own_points->moved[c][j] = points[around[place]].moved[7 - d][j];
                         }
                     }
                 }
@@ -188,35 +223,43 @@ MORTISE_NOINLINE uchar tested_flags(__global const SnioPoints* points, const Sni
     }
 }
 
-// Tests all simple leaves. Reads points, plans; reads and writes candidates. One work-item handles LEAVES
-// leaves.
-MORTISE_KERNEL void test_subsets(POINTS_PARAMETERS, __global SnioCandidate* candidates,
-                                 __global const FacePlans* plans, int snap, uint leaves, uint items) {
+// Tests all simple leaves. The corners of one that is not safe stay, in all leaves around them.
+//
+// Reads the tree, nio, points, plans; reads and writes candidates; sets bits of `vetoes`. One work-item
+// handles LEAVES leaves.
+MORTISE_KERNEL void test_subsets(TREE_PARAMETERS, __global const TreeNode* nio, POINTS_PARAMETERS,
+                                 __global SnioCandidate* candidates, __global const FacePlans* plans,
+                                 __global uint* vetoes, int snap, uint leaves, uint items) {
     const uint first = LEAVES * get_global_id(0);
+    const Tree tree = TREE_OF_PARAMETERS;
     Seen seen[PLACES];
     uchar flags[PLACES];
     if (get_global_id(0) >= items) return;
     for (uint i = 0; i < PLACES; ++i) seen[i].known = 0;
     for (uint leaf = first; leaf < first + LEAVES && leaf < leaves; ++leaf) {
         const SnioCandidate candidate = candidates[leaf];
-        __global const SnioPoints* points;
-        Look look;
-        uint at;
-        if ((candidate.flags & kCandidateSimple) == 0 || (candidate.needed & ~candidate.near) != 0) continue;
-        look.states = candidate.inside | ((uint)candidate.zero << 8) | ((uint)candidate.near << 16) |
-                      ((uint)candidate.needed << 24);
-        look.others = candidate.flags;
-        look.corners = candidate.near;
-        look.cuts = cut_edges(candidate.inside, candidate.zero);
-        points = POINTS_OF(leaf);
-        at = place_of_look(look, points);
-        if (!looks_like(look, points, seen + at)) {
-            seen[at].points = points;
-            seen[at].look = look;
-            seen[at].known = 1;
-            flags[at] = tested_flags(points, candidate, plans, look.cuts, snap);
+        uint tested = candidate.flags;
+        if ((tested & kCandidateSimple) != 0 && (candidate.needed & ~candidate.near) == 0) {
+            __global const SnioPoints* points = POINTS_OF(leaf);
+            Look look;
+            uint at;
+            look.states = candidate.inside | ((uint)candidate.zero << 8) | ((uint)candidate.near << 16) |
+                          ((uint)candidate.needed << 24);
+            look.others = candidate.flags;
+            look.corners = candidate.near;
+            look.cuts = cut_edges(candidate.inside, candidate.zero);
+            at = place_of_look(look, points);
+            if (!looks_like(look, points, seen + at)) {
+                seen[at].points = points;
+                seen[at].look = look;
+                seen[at].known = 1;
+                flags[at] = tested_flags(points, candidate, plans, look.cuts, snap);
+            }
+            tested = flags[at];
+            candidates[leaf].flags = (uchar)tested;
         }
-        candidates[leaf].flags = flags[at];
+        if ((tested & kCandidateSafe) == 0 && candidate.near != 0)
+            veto_corners(&tree, nio[leaf].morton, vetoes);
     }
 }
 
@@ -256,30 +299,15 @@ static int has_needed(const Tree* tree, __global const TreeNode* nio,
     return 1;
 }
 
-// Final states: the corners that move.
+// Leaves that need what does not move keep all their corners.
 //
-// Reads the tree and candidates; writes moved[i]. One work-item handles one NIO leaf.
-MORTISE_KERNEL void decide(TREE_PARAMETERS, __global const TreeNode* nio,
-                           __global const SnioCandidate* candidates, __global uchar* moved, uint items) {
+// Reads the tree and candidates; sets bits of `vetoes`. One work-item handles one NIO leaf.
+MORTISE_KERNEL void veto_needs(TREE_PARAMETERS, __global const TreeNode* nio,
+                               __global const SnioCandidate* candidates, __global uint* vetoes, uint items) {
     const uint item = get_global_id(0);
     if (item >= items) return;
-    {
+    if (candidates[item].needed != 0 && (candidates[item].flags & kCandidateSafe) != 0) {
         const Tree tree = TREE_OF_PARAMETERS;
-        const SnioCandidate candidate = candidates[item];
-        const ulong own = nio[item].morton;
-        uint kept = (candidate.flags & kCandidateSafe) ? candidate.near : 0;
-        for (uint c = 0; c < 8; ++c) {
-            const uint edge = kept != 0 ? leaf_edge(&tree, leaf_level(&tree, own)) : 0;
-            if (((kept >> c) & 1) == 0) continue;
-            for (uint d = 0; d < 8; ++d) {
-                const Leaf leaf = leaf_at_corner(&tree, own, edge, c, d);
-                if (leaf.kind != kLeafNio) continue;
-                if ((candidates[leaf.index].flags & kCandidateSafe) == 0 ||
-                    (candidates[leaf.index].needed != 0 && !has_needed(&tree, nio, candidates, leaf.index))) {
-                    kept &= ~(1u << c);
-                }
-            }
-        }
-        moved[item] = (uchar)kept;
+        if (!has_needed(&tree, nio, candidates, item)) veto_corners(&tree, nio[item].morton, vetoes);
     }
 }

@@ -4,40 +4,9 @@
 #define MORTISE_SNIO_SNAP_LANES_H
 
 #include "shared/snap.h"
+#include "snio/surface_lanes.h"
 
 #if LANES == 8
-
-typedef struct LaneSample {
-    double8 value;
-    double8 gradient[3];
-} LaneSample;
-
-// As surface_value and surface_sample.
-static LaneSample sample_lanes(__global const Surface* s, const double8* at) {
-    LaneSample result;
-    if (s->kind == kSurfacePlane) {
-        result.value = s->map[0] * at[0] + s->map[1] * at[1] + s->map[2] * at[2] + s->map[3];
-        for (int j = 0; j < 3; ++j) result.gradient[j] = s->map[j];
-    } else {
-        double8 u[3];
-        for (int i = 0; i < 3; ++i) {
-            u[i] = s->map[4 * i] * at[0] + s->map[4 * i + 1] * at[1] + s->map[4 * i + 2] * at[2] +
-                   s->map[4 * i + 3];
-        }
-        result.value =
-            s->form[0] * (u[0] * u[0]) + s->form[1] * (u[1] * u[1]) + s->form[2] * (u[2] * u[2]) + s->form[3];
-        for (int i = 0; i < 3; ++i) u[i] = 2 * s->form[i] * u[i];
-        for (int j = 0; j < 3; ++j)
-            result.gradient[j] = u[0] * s->map[j] + u[1] * s->map[4 + j] + u[2] * s->map[8 + j];
-    }
-    return result;
-}
-
-static double8 squared_lanes(const double8* v) {
-    double8 square = 0;
-    for (int j = 0; j < 3; ++j) square += v[j] * v[j];
-    return square;
-}
 
 // Displacements, in lattice units, of those of a leaf's `corners` that have one: the set of these is
 // returned.
@@ -52,6 +21,7 @@ MORTISE_NOINLINE uint snap_corners(__global const Surface* s, double x, double y
     const int is_plane = s->kind == kSurfacePlane;
     double8 at[3] = {first[0], first[1], first[2]};
     double8 offset[3];
+    double8 side = 0;  // value at the corner
     double8 way = kMortiseInfinity;  // of the last step
     long8 settles = ((long8)corners & bit) != 0;
     long8 goes_on = settles;
@@ -60,6 +30,7 @@ MORTISE_NOINLINE uint snap_corners(__global const Surface* s, double x, double y
         const double8 square = squared_lanes(sample.gradient);
         double8 value = sample.value;
         double8 length = 0;
+        if (step == 0) side = value;
         for (int j = 0; j < 3; ++j) value += sample.gradient[j] * (first[j] - at[j]);
         settles &= ~goes_on | ((square > 0) & (square < kMortiseInfinity) &
                                (value * value < 4 * reach * reach * square));
@@ -76,7 +47,6 @@ MORTISE_NOINLINE uint snap_corners(__global const Surface* s, double x, double y
     for (int j = 0; j < 3; ++j) offset[j] = at[j] - first[j];
     settles &= (way <= still * still) & (squared_lanes(offset) < reach * reach);
     if (!is_plane && any(settles)) {
-        const double8 side = sample_lanes(s, first).value;
         const LaneSample sample = sample_lanes(s, at);
         const double8 sign = select((double8)1.0, (double8)-1.0, side < 0);
         const double8 step = sign * kVertexSnapThickness * cell / sqrt(squared_lanes(sample.gradient));

@@ -228,6 +228,7 @@ TEST_CASE("a mesher that has been moved from refuses work until it is assigned t
     Sink sink;
     CHECK(contains(refusal(ExitCode::kUsage, [&] { first.generate(good_model(), coarse()); }), "moved"));
     CHECK(contains(refusal(ExitCode::kUsage, [&] { first.stream(good_model(), coarse(), sink); }), "moved"));
+    CHECK(contains(refusal(ExitCode::kUsage, [&] { first.recycle(Mesh{}); }), "moved"));
     first = std::move(second);
     CHECK(first.generate(good_model(), coarse()).element_count() > 0);
 }

@@ -173,6 +173,40 @@ TEST_CASE("singular elements are 0, elements inside out negative") {
     }
 }
 
+TEST_CASE("cubes inside are 1 without a look, but for those that have moved") {
+    Mesh mesh;
+    Random random;
+    constexpr std::size_t kCount = 4099;
+    add_random(mesh, ElementType::kHexahedron, kCount, 0, random);
+    add_random(mesh, ElementType::kTetrahedron, 9, 0.1, random);
+    const auto warp = [&](std::size_t cube) {
+        const NodeId* const node = mesh.elements[0].nodes.data() + 8 * cube;
+        double* const p = mesh.points.data() + 3 * std::size_t{node[0]};
+        p[1] += 0.3 * (mesh.points[3 * std::size_t{node[1]}] - p[0]);
+    };
+    const IndexRuns moved = {{5, 6}, {2000, 2010}, {kCount - 1, kCount}};
+    for (const IndexRun& run : moved) {
+        for (std::size_t i = run.begin; i < run.end; ++i) warp(i);
+    }
+    mesh.elements[0].kind.assign(kCount, static_cast<std::uint8_t>(ElementKind::kIn));
+    for (const std::size_t other : {std::size_t{100}, std::size_t{2011}, kCount - 2}) {
+        warp(other);
+        mesh.elements[0].kind[other] = static_cast<std::uint8_t>(ElementKind::kSnio);
+    }
+    const std::vector<float> all = jacobian::scaled_jacobians(shared_device(), mesh, Method::kHost);
+    CHECK(std::count_if(all.begin(), all.begin() + kCount, [](float v) { return v < 1; }) == 12 + 3);
+    for (const Method method : {Method::kHost, Method::kOwn, Method::kProduct}) {
+        CHECK(same_bits(all, jacobian::scaled_jacobians(shared_device(), mesh, method, 2, &moved)));
+        CHECK(same_bits(all, jacobian::scaled_jacobians(scalar_device(), mesh, method, 2, &moved)));
+    }
+    // Far from those that count, so that a look would tell.
+    warp(3000);
+    for (const Method method : {Method::kHost, Method::kOwn}) {
+        CHECK(same_bits(all, jacobian::scaled_jacobians(shared_device(), mesh, method, 2, &moved)));
+        CHECK_FALSE(same_bits(all, jacobian::scaled_jacobians(shared_device(), mesh, method, 2)));
+    }
+}
+
 TEST_CASE("empty meshes") {
     Mesh mesh;
     samples::add_node(mesh, 1, 2, 3);

@@ -126,7 +126,41 @@ double off_surface(const RawMesh& raw, const Mesh& mesh, NodeId node, std::uint3
            std::ldexp(1, raw.level);
 }
 
+/// Cubes inside around moved nodes, from what has moved.
+std::vector<std::size_t> moved_cubes(const Mesh& before, const Mesh& after) {
+    const std::vector<bool> moved = moved_nodes(before, after);
+    std::vector<std::size_t> cubes;
+    for (std::size_t i = 0; i < after.elements[0].size(); ++i) {
+        if (after.elements[0].kind[i] == static_cast<std::uint8_t>(ElementKind::kIn) &&
+            has_moved(after, 0, i, moved))
+            cubes.push_back(i);
+    }
+    return cubes;
+}
+
+std::vector<std::size_t> listed(const IndexRuns& runs) {
+    std::vector<std::size_t> list;
+    for (const IndexRun& run : runs) {
+        for (std::size_t i = run.begin; i < run.end; ++i) list.push_back(i);
+    }
+    return list;
+}
+
 }  // namespace
+
+TEST_CASE("cubes inside around nodes that move are told") {
+    std::size_t count = 0;
+    for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+        CAPTURE(seed);
+        const RawMesh raw = raw_mesh(random_ball(seed), 6);
+        reposition::Counters counters;
+        const Mesh mesh = repositioned(raw, options_of(raw), &counters);
+        const std::vector<std::size_t> expected = moved_cubes(raw.mesh, mesh);
+        CHECK(listed(counters.moved_cubes) == expected);
+        count += expected.size();
+    }
+    CHECK(count > 0);
+}
 
 TEST_CASE("smooth surfaces: every element becomes good") {
     std::uint64_t poor = 0;

@@ -1,0 +1,67 @@
+// Values of planes and quadrics at eight points at a time: the operations of shared/surface.h in their order,
+// lane by lane, and so the same bits.
+#ifndef MORTISE_SNIO_SURFACE_LANES_H
+#define MORTISE_SNIO_SURFACE_LANES_H
+
+#include "shared/surface.h"
+
+#if LANES == 8
+
+static int has_lanes(__global const Surface* s) {
+    return s->kind == kSurfacePlane || s->kind == kSurfaceQuadric;
+}
+
+typedef struct LaneSample {
+    double8 value;
+    double8 gradient[3];
+} LaneSample;
+
+// As surface_value and surface_sample.
+static LaneSample sample_lanes(__global const Surface* s, const double8* at) {
+    LaneSample result;
+    if (s->kind == kSurfacePlane) {
+        result.value = s->map[0] * at[0] + s->map[1] * at[1] + s->map[2] * at[2] + s->map[3];
+        for (int j = 0; j < 3; ++j) result.gradient[j] = s->map[j];
+    } else {
+        double8 u[3];
+        for (int i = 0; i < 3; ++i) {
+            u[i] = s->map[4 * i] * at[0] + s->map[4 * i + 1] * at[1] + s->map[4 * i + 2] * at[2] +
+                   s->map[4 * i + 3];
+        }
+        result.value =
+            s->form[0] * (u[0] * u[0]) + s->form[1] * (u[1] * u[1]) + s->form[2] * (u[2] * u[2]) + s->form[3];
+        for (int i = 0; i < 3; ++i) u[i] = 2 * s->form[i] * u[i];
+        for (int j = 0; j < 3; ++j)
+            result.gradient[j] = u[0] * s->map[j] + u[1] * s->map[4 + j] + u[2] * s->map[8 + j];
+    }
+    return result;
+}
+
+static double8 squared_lanes(const double8* v) {
+    double8 square = 0;
+    for (int j = 0; j < 3; ++j) square += v[j] * v[j];
+    return square;
+}
+
+// A set of eight points, bit by bit.
+static uint set_of_lanes(long8 flags) {
+    const long8 bits = flags & (long8)(1, 2, 4, 8, 16, 32, 64, 128);
+    const long4 halves = bits.lo | bits.hi;
+    const long2 quarters = halves.lo | halves.hi;
+    return (uint)(quarters.x | quarters.y);
+}
+
+// As surface_sign: the points that are inside, and in *zero those on the surface.
+static uint signs_in_lanes(__global const Surface* s, const double8* at, double cell, uint* zero) {
+    const LaneSample sample = sample_lanes(s, at);
+    const double8 squared = sample.gradient[0] * sample.gradient[0] + sample.gradient[1] * sample.gradient[1] +
+                            sample.gradient[2] * sample.gradient[2];
+    const double8 tolerance =
+        select((double8)0, kSignTolerance * cell * sqrt(squared), squared < kMortiseInfinity);
+    const long8 inside = sample.value < -tolerance;
+    *zero = set_of_lanes(~inside & (fabs(sample.value) <= tolerance));
+    return set_of_lanes(inside);
+}
+
+#endif
+#endif
