@@ -61,12 +61,6 @@ MORTISE_KERNEL void layout(__global uint* out, uint items) {
     OFFSET(InNode, morton)
     OFFSET(InNode, level)
     OFFSET(InNode, region)
-    SIZE(LoopEdges);
-    OFFSET(LoopEdges, corners)
-    OFFSET(LoopEdges, count)
-    OFFSET(LoopEdges, from)
-    OFFSET(LoopEdges, to)
-    OFFSET(LoopEdges, other)
     SIZE(FaceMeshPlan);
     OFFSET(FaceMeshPlan, no_apex)
     OFFSET(FaceMeshPlan, count)
@@ -78,12 +72,16 @@ MORTISE_KERNEL void layout(__global uint* out, uint items) {
     OFFSET(FacePlan, count)
     OFFSET(FacePlan, node)
     OFFSET(FacePlan, padding)
-    OFFSET(FacePlan, edges)
     OFFSET(FacePlan, mesh)
+    SIZE(LoopPlan);
+    OFFSET(LoopPlan, size)
+    OFFSET(LoopPlan, node)
     SIZE(FacePlans);
     OFFSET(FacePlans, states)
     OFFSET(FacePlans, corners)
+    OFFSET(FacePlans, cell_states)
     OFFSET(FacePlans, plan)
+    OFFSET(FacePlans, loop)
     SIZE(SnioLeaf);
     OFFSET(SnioLeaf, surface)
     OFFSET(SnioLeaf, pattern)

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <type_traits>
 
 #include "host/common/large_array.hpp"
 #include "host/common/parallel.hpp"
@@ -8,39 +9,87 @@ namespace mortise::improve {
 namespace {
 
 constexpr std::size_t kChunk = 65536;
+constexpr std::size_t kLeastPart = 8192;
 
-/// Takes out what is marked, `stride` values each; what stays keeps its order. Threads close the gaps within
-/// chunks, which are then moved together.
+/// Some consecutive elements. Others may be moved over the last of them, which are kept aside.
 template <class T>
-void keep(std::vector<T>& values, const std::vector<std::uint8_t>& taken, std::size_t stride, int threads) {
-    const auto whole = static_cast<std::size_t>(std::find(taken.begin(), taken.end(), 1) - taken.begin());
-    const std::size_t rest = taken.size() - whole;
-    if (rest == 0) return;
+struct Part {
+    std::size_t begin = 0, end = 0;
+    std::size_t gone = 0;         ///< elements taken before it
+    std::size_t aside_begin = 0;  ///< from here on the elements are in `aside`
+    std::vector<T> aside;
+};
+
+/// As many parts as can be moved at once: none moves farther than the one before it is long.
+template <class T>
+std::vector<Part<T>> divide(const std::vector<std::uint8_t>& taken, int threads) {
+    const std::size_t count = taken.size();
+    const std::size_t most = std::max<std::size_t>(1, count / kLeastPart);
+    std::vector<Part<T>> parts(std::min(static_cast<std::size_t>(thread_count(threads)), most));
+    for (std::size_t p = 0; p < parts.size(); ++p) {
+        parts[p].begin = count * p / parts.size();
+        parts[p].end = parts[p].aside_begin = count * (p + 1) / parts.size();
+    }
+    parallel_chunks(parts.size() - 1, 1, threads, [&](std::size_t p, std::size_t, int) {
+        const auto at = [&](std::size_t i) { return taken.begin() + static_cast<std::ptrdiff_t>(i); };
+        parts[p + 1].gone = static_cast<std::size_t>(std::count(at(parts[p].begin), at(parts[p].end), 1));
+    });
+    for (std::size_t p = 1; p < parts.size(); ++p) {
+        parts[p].gone += parts[p - 1].gone;
+        if (parts[p].gone > parts[p - 1].end - parts[p - 1].begin) {
+            parts.resize(1);
+            parts[0].end = parts[0].aside_begin = count;
+        }
+    }
+    return parts;
+}
+
+struct Unchanged {};
+
+/// Takes out what is marked, `stride` values each. What stays keeps its order, and becomes change(value).
+template <class T, class Change>
+void keep(std::vector<T>& values, const std::vector<std::uint8_t>& taken, std::size_t stride, int threads,
+          const Change& change) {
+    std::vector<Part<T>> parts = divide<T>(taken, threads);
     const auto value = [&](std::size_t i) {
         return values.begin() + static_cast<std::ptrdiff_t>(i * stride);
     };
-    std::vector<std::size_t> kept(chunk_count(rest, kChunk));
-    parallel_chunks(rest, kChunk, threads, [&](std::size_t begin, std::size_t end, int) {
-        const auto mark = [&](std::size_t i) { return taken.begin() + static_cast<std::ptrdiff_t>(i); };
-        const auto next = [&](std::size_t from, int wanted) {
-            return static_cast<std::size_t>(std::find(mark(from), mark(whole + end), wanted) - taken.begin());
-        };
-        std::size_t to = whole + begin;
-        for (std::size_t run = next(to, 0); run < whole + end;) {
-            const std::size_t after = next(run, 1);
-            if (to != run) std::move(value(run), value(after), value(to));
-            to += after - run;
-            run = next(after, 0);
-        }
-        kept[begin / kChunk] = to - whole - begin;
+    parallel_chunks(parts.size() - 1, 1, threads, [&](std::size_t p, std::size_t, int) {
+        const Part<T>& next = parts[p + 1];
+        parts[p].aside_begin = next.begin - next.gone;
+        parts[p].aside.assign(value(parts[p].aside_begin), value(next.begin));
     });
-    std::size_t to = whole;
-    for (std::size_t chunk = 0; chunk < kept.size(); ++chunk) {
-        const std::size_t from = whole + chunk * kChunk;
-        if (to != from) std::move(value(from), value(from + kept[chunk]), value(to));
-        to += kept[chunk];
-    }
-    values.erase(value(to), values.end());
+    std::size_t kept = 0;  // by the last part
+    parallel_chunks(parts.size(), 1, threads, [&](std::size_t p, std::size_t, int) {
+        const Part<T>& part = parts[p];
+        const std::uint8_t* const first = taken.data();
+        std::size_t to = part.begin - part.gone;
+        const auto move = [&](const T* from, std::size_t count) {
+            T* const place = values.data() + to * stride;
+            if constexpr (std::is_same_v<Change, Unchanged>) {
+                if (from != place) std::copy_n(from, count * stride, place);
+            } else {
+                std::transform(from, from + count * stride, place, change);
+            }
+            to += count;
+        };
+        for (std::size_t i = part.begin; i < part.end;) {
+            i = static_cast<std::size_t>(std::find(first + i, first + part.end, 0) - first);
+            const auto end = static_cast<std::size_t>(std::find(first + i, first + part.end, 1) - first);
+            const std::size_t middle = std::clamp(part.aside_begin, i, end);
+            move(values.data() + i * stride, middle - i);
+            if (middle < end) move(part.aside.data() + (middle - part.aside_begin) * stride, end - middle);
+            i = end;
+        }
+        if (p + 1 == parts.size()) kept = to;
+    });
+    values.erase(value(kept), values.end());
+}
+
+template <class T>
+void keep(std::vector<T>& values, const std::vector<std::uint8_t>& taken, std::size_t stride, int threads) {
+    if (std::find(taken.begin(), taken.end(), 1) == taken.end()) return;
+    keep(values, taken, stride, threads, Unchanged{});
 }
 
 /// Nodes of the mesh for those of the zone. New nodes take the numbers of nodes that are gone; `unused`
@@ -66,12 +115,12 @@ std::vector<NodeId> number_nodes(const Zone& zone, std::size_t count, std::vecto
     return node;
 }
 
-/// Takes nodes out that no element uses; the others keep their order.
-void remove_nodes(const std::vector<NodeId>& unused, int threads, Mesh& mesh, Trace* trace) {
-    if (trace != nullptr) trace->node.resize(mesh.node_count(), kNone);
-    if (unused.empty()) return;
-    const std::size_t count = mesh.node_count();
+/// Takes nodes out that no element uses; the others keep their order. Their new numbers, by the old ones;
+/// empty if all stay.
+std::vector<NodeId> remove_nodes(const std::vector<NodeId>& unused, int threads, Mesh& mesh, Trace* trace) {
     std::vector<NodeId> number;
+    if (unused.empty()) return number;
+    const std::size_t count = mesh.node_count();
     resize_large(number, count, threads);
     std::vector<std::uint8_t> is_gone(count, 0);
     parallel_chunks(count, kChunk, threads, [&](std::size_t begin, std::size_t end, int) {
@@ -85,16 +134,11 @@ void remove_nodes(const std::vector<NodeId>& unused, int threads, Mesh& mesh, Tr
     });
     keep(mesh.points, is_gone, 3, threads);
     if (trace != nullptr) keep(trace->node, is_gone, 1, threads);
-    const auto renumber = [&](std::vector<NodeId>& nodes) {
-        parallel_chunks(nodes.size(), kChunk, threads, [&](std::size_t begin, std::size_t end, int) {
-            for (std::size_t i = begin; i < end; ++i) nodes[i] = number[nodes[i]];
-        });
-    };
-    for (ElementBlock& block : mesh.elements) renumber(block.nodes);
-    renumber(mesh.facets.nodes);
+    return number;
 }
 
-/// Where runs of elements are when others have been taken.
+}  // namespace
+
 IndexRuns without(const IndexRuns& runs, const std::vector<std::uint8_t>& taken) {
     IndexRuns result;
     std::size_t at = 0, gone = 0;
@@ -111,13 +155,11 @@ IndexRuns without(const IndexRuns& runs, const std::vector<std::uint8_t>& taken)
     return result;
 }
 
-}  // namespace
-
 Mesh close_zone(Mesh mesh, const CellFrame& frame, const Zone& zone, int threads, Trace* trace,
                 Known& known) {
     Mesh result = std::move(mesh);
     std::vector<NodeId> unused;
-    const std::vector<NodeId> node = number_nodes(zone, result.node_count(), &unused);
+    std::vector<NodeId> node = number_nodes(zone, result.node_count(), &unused);
     for (std::size_t i = 0; i < zone.points.size(); ++i) {
         if (node[i] == kNone) continue;
         if (zone.mesh_node[i] != kNone && zone.points[i] == zone.original[i]) continue;
@@ -126,10 +168,21 @@ Mesh close_zone(Mesh mesh, const CellFrame& frame, const Zone& zone, int threads
             result.points[3 * std::size_t{node[i]} + j] = frame.origin[j] + frame.cell * zone.points[i][j];
         }
     }
+    if (trace != nullptr) trace->node.resize(result.node_count(), kNone);
+    const std::vector<NodeId> number = remove_nodes(unused, threads, result, trace);
+    const auto renumber = [&](NodeId n) { return number.empty() ? n : number[n]; };
+    for (NodeId& n : node) n = n == kNone ? kNone : renumber(n);
+    const auto keep_nodes = [&](std::vector<NodeId>& nodes, const std::vector<std::uint8_t>& taken,
+                                std::size_t stride) {
+        if (number.empty())
+            keep(nodes, taken, stride, threads);
+        else
+            keep(nodes, taken, stride, threads, [&number](NodeId n) { return number[n]; });
+    };
     for (int t = 0; t < kElementTypes; ++t) {
         const auto type = static_cast<std::size_t>(t);
         ElementBlock& block = result.elements[type];
-        keep(block.nodes, zone.taken[type], static_cast<std::size_t>(kElementNodes[type]), threads);
+        keep_nodes(block.nodes, zone.taken[type], static_cast<std::size_t>(kElementNodes[type]));
         keep(block.region, zone.taken[type], 1, threads);
         keep(block.kind, zone.taken[type], 1, threads);
         if (trace != nullptr) keep(trace->element[type], zone.taken[type], 1, threads);
@@ -164,7 +217,7 @@ Mesh close_zone(Mesh mesh, const CellFrame& frame, const Zone& zone, int threads
         }
     }
     std::sort(fronts.begin(), fronts.end());
-    keep(facets.nodes, zone.facet_taken, 4, threads);
+    keep_nodes(facets.nodes, zone.facet_taken, 4);
     keep(facets.surface, zone.facet_taken, 1, threads);
     keep(facets.inside, zone.facet_taken, 1, threads);
     keep(facets.outside, zone.facet_taken, 1, threads);
@@ -191,7 +244,6 @@ Mesh close_zone(Mesh mesh, const CellFrame& frame, const Zone& zone, int threads
             facets.outside.push_back(outside);
         }
     }
-    remove_nodes(unused, threads, result, trace);
     if (trace != nullptr) {
         for (std::size_t t = 0; t < kElementTypes; ++t)
             trace->element[t].resize(result.elements[t].size(), kNone);

@@ -40,11 +40,11 @@ class Classifier {
         }
         if (!templates) return all_complex();
         if (on_device_.local_formulas) drop_misfits();  // promoted leaves, too
-        Buffer plans = device_.allocate(sizeof(FacePlans));
-        device_.upload(plans, &face_plans(), 1);
+        plans_ = device_.allocate(sizeof(FacePlans));
+        device_.upload(plans_, &face_plans(), 1);
         vetoes_ = no_vetoes();
         launch("snio/snap.cl", "test_subsets", rows(), on_device_.nio, points_, promoted_points_, point_of_,
-               candidates_, plans, vetoes_, snap_, static_cast<std::uint32_t>(count()));
+               candidates_, plans_, vetoes_, snap_, static_cast<std::uint32_t>(count()));
         launch("snio/snap.cl", "veto_needs", count(), on_device_.nio, candidates_, vetoes_);
         return fill();
     }
@@ -144,8 +144,8 @@ class Classifier {
         Buffer counts = device_.allocate(kElementTypes * count() * sizeof(std::uint32_t));
         Buffer facets = device_.allocate(count() * sizeof(std::uint32_t));
         launch("snio/fill.cl", "fill", rows(), on_device_.nio, candidates_, vetoes_, points_,
-               promoted_points_, point_of_, leaves, used, counts, facets, static_cast<std::uint32_t>(count()),
-               snap_);
+               promoted_points_, point_of_, plans_, leaves, used, counts, facets,
+               static_cast<std::uint32_t>(count()), snap_);
         result.leaves = device_.download<SnioLeaf>(leaves, count());
         result.used = device_.download<std::uint32_t>(used, count());
         result.facets = device_.download<std::uint32_t>(facets, count());
@@ -164,6 +164,7 @@ class Classifier {
     Buffer points_;           ///< of the leaves that were found first
     Buffer promoted_points_;  ///< of the others
     Buffer point_of_;         ///< of each leaf: where its points are
+    Buffer plans_;
     Buffer vetoes_;
 };
 

@@ -4,7 +4,6 @@
 #ifndef MORTISE_SHARED_CORNER_CHOICES_H
 #define MORTISE_SHARED_CORNER_CHOICES_H
 
-#include "face_plan.h"
 #include "leaf_template.h"
 
 // One face of a leaf for one choice of its corners.
@@ -13,15 +12,17 @@ typedef struct FaceChoice {
     MORTISE_GLOBAL FaceMeshPlan* mesh;  // not of a face without a polygon
 } FaceChoice;
 
-// The faces of one leaf. At first known[] is 0, and apex kNoApex.
+// The faces of one leaf. At first known[] is 0, apex and seen_from are kNoApex, and all faces are stale.
 typedef struct CornerChoices {
-    u32 known[6];  // bit k: the mesh is known for choice k of the face's corners, in the order of its frame
-    u32 apex;      // of the last cone that was found
-    u32 whole;     // bit f: face f is a quadrilateral that is not split
-    u32 failed;    // bit f: face f has no polygon
+    u32 known[6];   // bit k: the mesh is known for choice k of the face's corners, in the order of its frame
+    u32 seen[6];    // the same: whether the apex `seen_from` sees it, which bit 16 + k tells
+    u32 seen_from;  // a node's code, + 32 if it has moved
+    u32 apex;       // of the last cone that was found
+    u32 whole;      // bit f: face f is a quadrilateral that is not split
     u8 mesh[6][16];
-    FaceChoice face[6];  // of the last choice, as what follows
-    LoopEdges edges[6];
+    u32 stale;      // bit f: for face f what follows is of an older choice than the last one
+    u32 choice[6];  // of the face's corners
+    FaceChoice face[6];
 } CornerChoices;
 
 // Whether all elements are positive that join an apex to the facets of a face.
@@ -37,11 +38,14 @@ MORTISE_FUNCTION int sees_face(MORTISE_GLOBAL FaceMeshPlan* mesh, const double (
 
 // Whether Γ, with a loop of n nodes, can be divided for an apex: fans first. No facet of it lies on a face of
 // the cell, since it is not known yet which faces have volume behind them.
-MORTISE_FUNCTION int sees_surface(const u8* loop, int n, const double (*p)[3], int apex) {
+MORTISE_FUNCTION int sees_surface(MORTISE_GLOBAL LoopPlan* plan, const double (*p)[3], int apex) {
+    const int n = plan->size;
+    u8 loop[kLargestLoop];
     u32 faces[kLargestLoop];
     int place = -1;
     if (n == 0) return 1;
     for (int i = 0; i < n; ++i) {
+        loop[i] = plan->node[i];
         faces[i] = kNodeFaces[loop[i]];
         if (loop[i] == apex) place = i;
     }
@@ -63,25 +67,48 @@ MORTISE_FUNCTION int sees_surface(const u8* loop, int n, const double (*p)[3], i
     }
 }
 
+// Whether all faces, as they are in the last choice, are seen from an apex of which `moved` tells whether it
+// has moved. What is known of a face from the same place is not asked again: most choices differ in others.
+MORTISE_FUNCTION int sees_faces(const double (*p)[3], u32 apex, u32 moved, CornerChoices* choices) {
+    const u32 from = apex | (((moved >> apex) & 1u) << 5);
+    if (apex == kCellInteriorNode) {  // somewhere else each time
+        for (int f = 0; f < 6; ++f) {
+            if (!sees_face(choices->face[f].mesh, p, apex)) return 0;
+        }
+        return 1;
+    }
+    if (choices->seen_from != from) {
+        choices->seen_from = from;
+        for (int f = 0; f < 6; ++f) choices->seen[f] = 0;
+    }
+    for (int f = 0; f < 6; ++f) {
+        const u32 k = choices->choice[f];
+        if (((choices->seen[f] >> k) & 1) == 0)
+            choices->seen[f] |= (1u | ((u32)sees_face(choices->face[f].mesh, p, apex) << 16)) << k;
+        if (((choices->seen[f] >> (16 + k)) & 1) == 0) return 0;
+    }
+    return 1;
+}
+
 // Whether best_cone finds a cone. The apex of the last choice is tried first.
-MORTISE_FUNCTION int has_cone(const FaceChoice* face, const u8* loop, int n, double (*p)[3], u32* last_apex) {
+MORTISE_FUNCTION int has_cone(MORTISE_GLOBAL LoopPlan* loop, u32 moved, double (*p)[3],
+                              CornerChoices* choices) {
     u32 nodes = 0;
     u32 forbidden = 0;
     for (int f = 0; f < 6; ++f) {
-        nodes |= face[f].plan->nodes;
-        forbidden |= face[f].mesh->no_apex;
+        nodes |= choices->face[f].plan->nodes;
+        forbidden |= choices->face[f].mesh->no_apex;
     }
     {
         u32 apexes = (nodes | (1u << kCellInteriorNode)) & ~forbidden;
-        u32 apex = *last_apex;
+        u32 apex = choices->apex;
         if (apex > kCellInteriorNode || ((apexes >> apex) & 1) == 0)
             apex = apexes != 0 ? mortise_lowest_bit(apexes) : kNoApex;
         while (apexes != 0) {
-            int valid = 1;
             if (apex == kCellInteriorNode) place_interior_node(nodes, p);
-            for (int f = 0; f < 6 && valid; ++f) valid = sees_face(face[f].mesh, (const double(*)[3])p, apex);
-            if (valid && sees_surface(loop, n, (const double(*)[3])p, (int)apex)) {
-                *last_apex = apex;
+            if (sees_faces((const double(*)[3])p, apex, moved, choices) &&
+                sees_surface(loop, (const double(*)[3])p, (int)apex)) {
+                choices->apex = apex;
                 return 1;
             }
             apexes &= ~(1u << apex);
@@ -92,9 +119,9 @@ MORTISE_FUNCTION int has_cone(const FaceChoice* face, const u8* loop, int n, dou
 }
 
 // Whether the wedge that a leaf's inside part may be is positive.
-MORTISE_FUNCTION int has_wedge(u32 inside, u32 on, const double (*p)[3]) {
+MORTISE_FUNCTION int has_wedge(MORTISE_GLOBAL FacePlans* plans, u32 inside, u32 on, const double (*p)[3]) {
     CellBoundary b;
-    if (make_boundary(inside, on, p, &b) != kMethodCone) return 0;
+    if (make_boundary(plans, inside, on, p, &b) != kMethodCone) return 0;
     {
         const int axis = wedge_axis(inside, on, &b);
         int n[6];
@@ -112,52 +139,46 @@ MORTISE_FUNCTION int mesh_of_plan(MORTISE_GLOBAL FacePlan* plan, u32 inside, con
     return face_mesh_of(node, plan->count, inside, p);
 }
 
-// Takes what belongs to some faces (bits of `changed`) from their plans.
+// Brings faces up to date; all of them have polygons.
 MORTISE_FUNCTION void choose_faces(MORTISE_GLOBAL FacePlans* plans, u32 inside, u32 on, u32 moved,
-                                   u32 changed, const double (*p)[3], CornerChoices* choices) {
+                                   const double (*p)[3], CornerChoices* choices) {
     const u64 states = plans->states[inside] + 2 * plans->states[on];
     const u32 moved_corners = plans->corners[moved];
-    for (u32 rest = changed; rest != 0; rest &= rest - 1) {
+    for (u32 rest = choices->stale; rest != 0; rest &= rest - 1) {
         const u32 f = mortise_lowest_bit(rest);
         const u32 k = (moved_corners >> (4 * f)) & 15;
         MORTISE_GLOBAL FacePlan* plan = &plans->plan[f][(states >> (8 * f)) & 0xff];
         choices->whole &= ~(1u << f);
-        choices->failed &= ~(1u << f);
+        choices->choice[f] = k;
         choices->face[f].plan = plan;
-        if (plan->count == kNoPolygon) {
-            choices->failed |= 1u << f;
-            continue;
-        }
         if (((choices->known[f] >> k) & 1) == 0) {
             choices->mesh[f][k] = (u8)mesh_of_plan(plan, inside, p);
             choices->known[f] |= 1u << k;
         }
         choices->face[f].mesh = &plan->mesh[choices->mesh[f][k] - kFaceWhole];
-        choices->edges[f] = plan->edges;
         if (plan->count == 4 && choices->mesh[f][k] == kFaceWhole) choices->whole |= 1u << f;
     }
+    choices->stale = 0;
 }
 
 // Whether a leaf has a template for given corner states and positions p: one of several choices of corners
-// that move, of which `moved` are those among `on` that do. `changed`: the faces that are not as in the last
-// choice. rows_only: leaves without corners on the surface take their row, others none.
-MORTISE_FUNCTION int has_template(MORTISE_GLOBAL FacePlans* plans, u32 inside, u32 on, u32 moved, u32 changed,
+// that move, of which `moved` are those among `on` that do. rows_only: leaves without corners on the surface
+// take their row, others none.
+MORTISE_FUNCTION int has_template(MORTISE_GLOBAL FacePlans* plans, u32 inside, u32 on, u32 moved,
                                   double (*p)[3], int rows_only, CornerChoices* choices) {
-    u8 loop[kLargestLoop];
-    int loop_size;
-    choose_faces(plans, inside, on, moved, changed, (const double(*)[3])p, choices);
+    MORTISE_GLOBAL LoopPlan* loop_plan =
+        &plans->loop[plans->cell_states[inside] + 2 * plans->cell_states[on]];
+    const int loop_size = loop_plan->size;
     if (inside == 0) return on != 0xff;
-    if (choices->failed != 0) return 0;
-    loop_size = link_loop(choices->edges, loop);
-    if (loop_size < 0) return 0;
+    if (loop_size == kNoLoop) return 0;
+    choose_faces(plans, inside, on, moved, (const double(*)[3])p, choices);
     if (loop_size == 0 && choices->whole == 0x3f) return hexahedron_is_positive((const double(*)[3])p);
     if (on == 0) {
         const TemplateRow row = kTemplateRows[inside];
         return row.shape != 0 && row_is_positive(&row, p);
     }
     if (rows_only) return 0;
-    return has_cone(choices->face, loop, loop_size, p, &choices->apex) ||
-           has_wedge(inside, on, (const double(*)[3])p);
+    return has_cone(loop_plan, moved, p, choices) || has_wedge(plans, inside, on, (const double(*)[3])p);
 }
 
 #endif

@@ -1,13 +1,14 @@
-// What the states of a face's four corners tell of it, whatever their positions: its polygon, its share of
-// Γ's loop, and the facets of each mesh that the polygon may have. The host makes all of them once
-// (host/snio/face_plans.cpp) from the functions of cell_boundary.h and cone.h.
+// What the states of a face's four corners tell of it, whatever their positions: its polygon, and the facets
+// of each mesh that the polygon may have; and what those of a cell's eight tell of Γ: its loop. The host
+// makes all of them once (host/snio/face_plans.cpp) from the functions of cell_boundary.h and cone.h.
 #ifndef MORTISE_SHARED_FACE_PLAN_H
 #define MORTISE_SHARED_FACE_PLAN_H
 
 #include "cone.h"
 
-#define kFaceStates 81  // of four corners, three each
-#define kFaceMeshes 3   // kFaceWhole, kFaceSplit02, kFaceSplit13; an empty face has the first, without facets
+#define kFaceStates 81    // of four corners, three each
+#define kCellStates 6561  // of eight
+#define kFaceMeshes 3  // kFaceWhole, kFaceSplit02, kFaceSplit13; an empty face has the first, without facets
 #define kMostFaceCorners 4
 #define kNoPolygon 255
 
@@ -26,14 +27,24 @@ typedef struct FacePlan {
     u8 count;   // and in order; kNoPolygon: two opposite I face two opposite O
     u8 node[5];
     u8 padding[2];
-    LoopEdges edges;
     FaceMeshPlan mesh[kFaceMeshes];
 } FacePlan;
 
+#define kNoLoop 255
+
+// The loop of Γ as link_loop makes it; size kNoLoop: several, or one that touches itself or is too long, or a
+// face without a polygon.
+typedef struct LoopPlan {
+    u8 size;
+    u8 node[kLargestLoop];
+} LoopPlan;
+
 typedef struct FacePlans {
-    u64 states[256];   // of a set of corners: byte f is the sum of 3^i over corners i of face f's frame
-    u32 corners[256];  // the same: bits 4 f to 4 f + 3 are the corners of face f's frame
+    u64 states[256];       // of a set of corners: byte f is the sum of 3^i over corners i of face f's frame
+    u32 corners[256];      // the same: bits 4 f to 4 f + 3 are the corners of face f's frame
+    u32 cell_states[256];  // the same: the sum of 3^c over the corners c
     FacePlan plan[6][kFaceStates];  // state: sum of I corners + 2 (sum of N corners)
+    LoopPlan loop[kCellStates];     // by the cell's state
 } FacePlans;
 
 MORTISE_FUNCTION void make_face_mesh_plan(const u8* node, int count, int mesh, int f, FaceMeshPlan* plan) {
@@ -55,8 +66,9 @@ MORTISE_FUNCTION void make_face_mesh_plan(const u8* node, int count, int mesh, i
     }
 }
 
-// Of face f, for sets of the cell's corners; only those of the face matter.
-MORTISE_FUNCTION void make_face_plan(u32 inside, u32 on, int f, FacePlan* plan) {
+// Of face f, for sets of the cell's corners; only those of the face matter. `edges`: of a face with a
+// polygon, for link_loop.
+MORTISE_FUNCTION void make_face_plan(u32 inside, u32 on, int f, FacePlan* plan, LoopEdges* edges) {
     u8 node[5];
     const int count = face_outline(inside, on, f, node);
     plan->count = (u8)(count < 0 ? kNoPolygon : count);
@@ -65,11 +77,27 @@ MORTISE_FUNCTION void make_face_plan(u32 inside, u32 on, int f, FacePlan* plan) 
         plan->node[i] = node[i];
         plan->nodes |= 1u << node[i];
     }
-    find_loop_edges(inside, f, node, count, &plan->edges);
+    find_loop_edges(inside, f, node, count, edges);
     make_face_mesh_plan(node, count, count > 0 ? kFaceWhole : kFaceEmpty, f, &plan->mesh[0]);
     if (count < 4) return;
     make_face_mesh_plan(node, count, kFaceSplit02, f, &plan->mesh[1]);
     make_face_mesh_plan(node, count, kFaceSplit13, f, &plan->mesh[2]);
+}
+
+// What make_outline makes.
+MORTISE_FUNCTION void planned_outline(MORTISE_GLOBAL FacePlans* plans, u32 inside, u32 on, CellBoundary* b) {
+    const u64 states = plans->states[inside] + 2 * plans->states[on];
+    MORTISE_GLOBAL LoopPlan* loop = &plans->loop[plans->cell_states[inside] + 2 * plans->cell_states[on]];
+    b->nodes = 0;
+    b->loop_size = loop->size == kNoLoop ? -1 : (i32)loop->size;
+    if (b->loop_size < 0) return;
+    for (int i = 0; i < kLargestLoop; ++i) b->loop[i] = loop->node[i];
+    for (int f = 0; f < 6; ++f) {
+        MORTISE_GLOBAL FacePlan* plan = &plans->plan[f][(states >> (8 * f)) & 0xff];
+        b->count[f] = plan->count;
+        for (int i = 0; i < 5; ++i) b->node[f][i] = plan->node[i];
+        b->nodes |= plan->nodes;
+    }
 }
 
 #endif

@@ -2,7 +2,7 @@
 #ifndef MORTISE_SHARED_LEAF_TEMPLATE_H
 #define MORTISE_SHARED_LEAF_TEMPLATE_H
 
-#include "cone.h"
+#include "face_plan.h"
 #include "snio.h"
 #include "template_table.h"
 #include "tree.h"
@@ -142,13 +142,14 @@ MORTISE_FUNCTION int hexahedron_is_positive(const double (*p)[3]) {
 
 // Outlines and face meshes of a leaf. Returns the method if they tell it: kMethodNothing, kMethodHexahedron,
 // -1 for none; else kMethodCone.
-MORTISE_FUNCTION int make_boundary(u32 inside, u32 on, const double (*p)[3], CellBoundary* b) {
+MORTISE_FUNCTION int make_boundary(MORTISE_GLOBAL FacePlans* plans, u32 inside, u32 on, const double (*p)[3],
+                                   CellBoundary* b) {
     int whole = 0;
     b->nodes = 0;
     b->loop_size = 0;
     // All corners on the surface, and volume between them: no template tells where it is.
     if (inside == 0) return on != 0xff ? kMethodNothing : -1;
-    make_outline(inside, on, b);
+    planned_outline(plans, inside, on, b);
     if (b->loop_size < 0) return -1;
     for (int f = 0; f < 6; ++f) {
         b->mesh[f] = (u8)face_mesh_of(b->node[f], b->count[f], inside, p);
@@ -160,12 +161,12 @@ MORTISE_FUNCTION int make_boundary(u32 inside, u32 on, const double (*p)[3], Cel
 
 // The best template of a leaf for which has_template (corner_choices.h) holds; facing: faces beyond which
 // there is volume.
-MORTISE_FUNCTION void choose_template(u32 inside, u32 on, double (*p)[3], u32 facing, int rows_only,
-                                      LeafTemplate* result) {
+MORTISE_FUNCTION void choose_template(MORTISE_GLOBAL FacePlans* plans, u32 inside, u32 on, double (*p)[3],
+                                      u32 facing, int rows_only, LeafTemplate* result) {
     CellBoundary* b = &result->boundary;
     Cone cone;
     double found = -1;
-    result->method = make_boundary(inside, on, (const double(*)[3])p, b);
+    result->method = make_boundary(plans, inside, on, (const double(*)[3])p, b);
     if (result->method != kMethodCone) return;
     result->method = -1;
     if (on == 0) {

@@ -28,13 +28,13 @@ typedef struct Choice {
     int interior[3];  // in lattice units
 } Choice;
 
-MORTISE_NOINLINE void choose(__global const SnioPoints* points, const Look look, uint facing, int snap,
-                             Choice* choice) {
+MORTISE_NOINLINE void choose(__global const FacePlans* plans, __global const SnioPoints* points,
+                             const Look look, uint facing, int snap, Choice* choice) {
     const uint inside = look.states & 0xff;
     const uint on = (look.states >> 8) & 0xff;
     double p[kCellNodes][3];
     leaf_positions(points, look.corners, look.cuts, p);
-    choose_template(inside, on, p, facing, !snap, &choice->found);
+    choose_template(plans, inside, on, p, facing, !snap, &choice->found);
     for (int j = 0; j < 3; ++j) {
         choice->interior[j] = 0;
         if (choice->found.method == kMethodRow && kTemplateRows[inside].interior_mean != 0)
@@ -97,14 +97,14 @@ MORTISE_NOINLINE void take(const Choice* choice, uint inside, SnioLeaf* leaf, ui
     }
 }
 
-// Reads the tree, nio, candidates, vetoes, points; writes leaves[i], used[i] (the node mask of
+// Reads the tree, nio, candidates, vetoes, points, plans; writes leaves[i], used[i] (the node mask of
 // shared/tree.h), counts[t * stride + i] elements of type t and facet_counts[i], all zero for CNIO leaves.
 // One work-item handles LEAVES leaves.
 MORTISE_KERNEL void fill(TREE_PARAMETERS, __global const TreeNode* nio,
                          __global const SnioCandidate* candidates, __global const uint* vetoes,
-                         POINTS_PARAMETERS, __global SnioLeaf* leaves, __global uint* used,
-                         __global uint* counts, __global uint* facet_counts, uint stride, int snap,
-                         uint items) {
+                         POINTS_PARAMETERS, __global const FacePlans* plans, __global SnioLeaf* leaves,
+                         __global uint* used, __global uint* counts, __global uint* facet_counts, uint stride,
+                         int snap, uint items) {
     const uint first = LEAVES * get_global_id(0);
     const Tree tree = TREE_OF_PARAMETERS;
     Seen seen[PLACES];
@@ -176,7 +176,7 @@ MORTISE_KERNEL void fill(TREE_PARAMETERS, __global const TreeNode* nio,
                 seen[at].points = points;
                 seen[at].look = look;
                 seen[at].known = 1;
-                choose(points, look, facing, snap, choices + at);
+                choose(plans, points, look, facing, snap, choices + at);
             }
             take(choices + at, inside, &leaf, elements, &mask, &facets);
         }

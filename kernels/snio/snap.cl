@@ -191,7 +191,6 @@ MORTISE_NOINLINE uchar tested_flags(__global const SnioPoints* points, const Sni
     uint count = 0;
     CornerChoices choices;
     uint subset = needed;
-    uint changed = 0x3f;
     leaf_positions(points, candidate.near, cuts, p);
     for (uint c = 0; c < 8; ++c) {
         const int is_moved = (needed >> c) & 1;
@@ -203,22 +202,22 @@ MORTISE_NOINLINE uchar tested_flags(__global const SnioPoints* points, const Sni
     }
     for (uint f = 0; f < 6; ++f) choices.known[f] = 0;
     choices.apex = kNoApex;
+    choices.seen_from = kNoApex;
     choices.whole = 0;
-    choices.failed = 0;
+    choices.stale = 0x3f;
     // All subsets of `near` that hold `needed`, this one first; each differs from the one before in one
     // corner.
     for (uint i = 0;;) {
         const uint on = candidate.zero | subset;
-        const int valid =
-            has_template(plans, candidate.inside & ~on, on, subset, changed, p, !snap, &choices) ||
-            (subset == 0 && (candidate.flags & kCandidatePromoted) != 0);
+        const int valid = has_template(plans, candidate.inside & ~on, on, subset, p, !snap, &choices) ||
+                          (subset == 0 && (candidate.flags & kCandidatePromoted) != 0);
         if (!valid) return subset == 0 ? candidate.flags & ~kCandidateSimple : candidate.flags;
         if (++i >> count != 0) return candidate.flags | kCandidateSafe;
         {
             const uint c = others[mortise_lowest_bit(i)];
             const int is_moved = ((subset ^= 1u << c) >> c) & 1;
             for (int j = 0; j < 3; ++j) p[c][j] = is_moved ? moved[c][j] : (double)((c >> j) & 1);
-            changed = kNodeFaces[c];
+            choices.stale |= kNodeFaces[c];
         }
     }
 }
