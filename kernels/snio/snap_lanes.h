@@ -21,7 +21,7 @@ MORTISE_NOINLINE uint snap_corners(__global const Surface* s, double x, double y
     const int is_plane = s->kind == kSurfacePlane;
     double8 at[3] = {first[0], first[1], first[2]};
     double8 offset[3];
-    double8 side = 0;  // value at the corner
+    double8 side = 0;                // value at the corner
     double8 way = kMortiseInfinity;  // of the last step
     long8 settles = ((long8)corners & bit) != 0;
     long8 goes_on = settles;

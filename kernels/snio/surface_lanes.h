@@ -54,8 +54,8 @@ static uint set_of_lanes(long8 flags) {
 // As surface_sign: the points that are inside, and in *zero those on the surface.
 static uint signs_in_lanes(__global const Surface* s, const double8* at, double cell, uint* zero) {
     const LaneSample sample = sample_lanes(s, at);
-    const double8 squared = sample.gradient[0] * sample.gradient[0] + sample.gradient[1] * sample.gradient[1] +
-                            sample.gradient[2] * sample.gradient[2];
+    const double8 squared = sample.gradient[0] * sample.gradient[0] +
+                            sample.gradient[1] * sample.gradient[1] + sample.gradient[2] * sample.gradient[2];
     const double8 tolerance =
         select((double8)0, kSignTolerance * cell * sqrt(squared), squared < kMortiseInfinity);
     const long8 inside = sample.value < -tolerance;
