@@ -2,6 +2,7 @@
 #include "host/io/temporary_file.hpp"
 
 #include <fcntl.h>
+#include <signal.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -68,6 +69,22 @@ const char* obstacle(const std::filesystem::path& target) {
         default: return "";
     }
 }
+
+/// No signal arrives in this thread meanwhile: what has been made is in the list before a handler removes it.
+class SignalsHeld {
+  public:
+    SignalsHeld() {
+        sigset_t all;
+        sigfillset(&all);
+        pthread_sigmask(SIG_SETMASK, &all, &before_);
+    }
+    ~SignalsHeld() { pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
+    SignalsHeld(const SignalsHeld&) = delete;
+    SignalsHeld& operator=(const SignalsHeld&) = delete;
+
+  private:
+    sigset_t before_{};
+};
 
 }  // namespace
 
@@ -160,6 +177,7 @@ void TemporaryFile::fail(const char* action, int error) const {
 }
 
 NewFolder::NewFolder(const std::string& path) : path_(path) {
+    const SignalsHeld held;
     const auto fail = [this](int error) {
         throw Error(ExitCode::kFiles, "cannot create '" + path_ + "': " + std::strerror(error));
     };
