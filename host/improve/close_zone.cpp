@@ -1,6 +1,6 @@
 #include <algorithm>
-#include <type_traits>
 
+#include "host/common/compaction.hpp"
 #include "host/common/large_array.hpp"
 #include "host/common/parallel.hpp"
 #include "host/improve/zone.hpp"
@@ -9,88 +9,6 @@ namespace mortise::improve {
 namespace {
 
 constexpr std::size_t kChunk = 65536;
-constexpr std::size_t kLeastPart = 8192;
-
-/// Some consecutive elements. Others may be moved over the last of them, which are kept aside.
-template <class T>
-struct Part {
-    std::size_t begin = 0, end = 0;
-    std::size_t gone = 0;         ///< elements taken before it
-    std::size_t aside_begin = 0;  ///< from here on the elements are in `aside`
-    std::vector<T> aside;
-};
-
-/// As many parts as can be moved at once: none moves farther than the one before it is long.
-template <class T>
-std::vector<Part<T>> divide(const std::vector<std::uint8_t>& taken, int threads) {
-    const std::size_t count = taken.size();
-    const std::size_t most = std::max<std::size_t>(1, count / kLeastPart);
-    std::vector<Part<T>> parts(std::min(static_cast<std::size_t>(thread_count(threads)), most));
-    for (std::size_t p = 0; p < parts.size(); ++p) {
-        parts[p].begin = count * p / parts.size();
-        parts[p].end = parts[p].aside_begin = count * (p + 1) / parts.size();
-    }
-    parallel_chunks(parts.size() - 1, 1, threads, [&](std::size_t p, std::size_t, int) {
-        const auto at = [&](std::size_t i) { return taken.begin() + static_cast<std::ptrdiff_t>(i); };
-        parts[p + 1].gone = static_cast<std::size_t>(std::count(at(parts[p].begin), at(parts[p].end), 1));
-    });
-    for (std::size_t p = 1; p < parts.size(); ++p) {
-        parts[p].gone += parts[p - 1].gone;
-        if (parts[p].gone > parts[p - 1].end - parts[p - 1].begin) {
-            parts.resize(1);
-            parts[0].end = parts[0].aside_begin = count;
-        }
-    }
-    return parts;
-}
-
-struct Unchanged {};
-
-/// Takes out what is marked, `stride` values each. What stays keeps its order, and becomes change(value).
-template <class T, class Change>
-void keep(std::vector<T>& values, const std::vector<std::uint8_t>& taken, std::size_t stride, int threads,
-          const Change& change) {
-    std::vector<Part<T>> parts = divide<T>(taken, threads);
-    const auto value = [&](std::size_t i) {
-        return values.begin() + static_cast<std::ptrdiff_t>(i * stride);
-    };
-    parallel_chunks(parts.size() - 1, 1, threads, [&](std::size_t p, std::size_t, int) {
-        const Part<T>& next = parts[p + 1];
-        parts[p].aside_begin = next.begin - next.gone;
-        parts[p].aside.assign(value(parts[p].aside_begin), value(next.begin));
-    });
-    std::size_t kept = 0;  // by the last part
-    parallel_chunks(parts.size(), 1, threads, [&](std::size_t p, std::size_t, int) {
-        const Part<T>& part = parts[p];
-        const std::uint8_t* const first = taken.data();
-        std::size_t to = part.begin - part.gone;
-        const auto move = [&](const T* from, std::size_t count) {
-            T* const place = values.data() + to * stride;
-            if constexpr (std::is_same_v<Change, Unchanged>) {
-                if (from != place) std::copy_n(from, count * stride, place);
-            } else {
-                std::transform(from, from + count * stride, place, change);
-            }
-            to += count;
-        };
-        for (std::size_t i = part.begin; i < part.end;) {
-            i = static_cast<std::size_t>(std::find(first + i, first + part.end, 0) - first);
-            const auto end = static_cast<std::size_t>(std::find(first + i, first + part.end, 1) - first);
-            const std::size_t middle = std::clamp(part.aside_begin, i, end);
-            move(values.data() + i * stride, middle - i);
-            if (middle < end) move(part.aside.data() + (middle - part.aside_begin) * stride, end - middle);
-            i = end;
-        }
-        if (p + 1 == parts.size()) kept = to;
-    });
-    values.erase(value(kept), values.end());
-}
-
-template <class T>
-void keep(std::vector<T>& values, const std::vector<std::uint8_t>& taken, std::size_t stride, int threads) {
-    if (std::find(taken.begin(), taken.end(), 1) == taken.end()) return;
-    keep(values, taken, stride, threads, Unchanged{});
-}
 
 /// Nodes of the mesh for those of the zone. New nodes take the numbers of nodes that are gone; `unused`
 /// receives the numbers that are left over, ascending.
@@ -132,8 +50,9 @@ std::vector<NodeId> remove_nodes(const std::vector<NodeId>& unused, int threads,
             ++next;
         }
     });
-    keep(mesh.points, is_gone, 3, threads);
-    if (trace != nullptr) keep(trace->node, is_gone, 1, threads);
+    const Compaction compaction(is_gone, threads);
+    compaction.keep(mesh.points, 3);
+    if (trace != nullptr) compaction.keep(trace->node, 1);
     return number;
 }
 
@@ -172,20 +91,21 @@ Mesh close_zone(Mesh mesh, const CellFrame& frame, const Zone& zone, int threads
     const std::vector<NodeId> number = remove_nodes(unused, threads, result, trace);
     const auto renumber = [&](NodeId n) { return number.empty() ? n : number[n]; };
     for (NodeId& n : node) n = n == kNone ? kNone : renumber(n);
-    const auto keep_nodes = [&](std::vector<NodeId>& nodes, const std::vector<std::uint8_t>& taken,
+    const auto keep_nodes = [&](std::vector<NodeId>& nodes, const Compaction& compaction,
                                 std::size_t stride) {
         if (number.empty())
-            keep(nodes, taken, stride, threads);
+            compaction.keep(nodes, stride);
         else
-            keep(nodes, taken, stride, threads, [&number](NodeId n) { return number[n]; });
+            compaction.keep(nodes, stride, [&number](NodeId n) { return number[n]; });
     };
     for (int t = 0; t < kElementTypes; ++t) {
         const auto type = static_cast<std::size_t>(t);
         ElementBlock& block = result.elements[type];
-        keep_nodes(block.nodes, zone.taken[type], static_cast<std::size_t>(kElementNodes[type]));
-        keep(block.region, zone.taken[type], 1, threads);
-        keep(block.kind, zone.taken[type], 1, threads);
-        if (trace != nullptr) keep(trace->element[type], zone.taken[type], 1, threads);
+        const Compaction compaction(zone.taken[type], threads);
+        keep_nodes(block.nodes, compaction, static_cast<std::size_t>(kElementNodes[type]));
+        compaction.keep(block.region, 1);
+        compaction.keep(block.kind, 1);
+        if (trace != nullptr) compaction.keep(trace->element[type], 1);
         known.old[type] = block.size();
     }
     known.poor = zone.left_poor;
@@ -217,11 +137,12 @@ Mesh close_zone(Mesh mesh, const CellFrame& frame, const Zone& zone, int threads
         }
     }
     std::sort(fronts.begin(), fronts.end());
-    keep_nodes(facets.nodes, zone.facet_taken, 4);
-    keep(facets.surface, zone.facet_taken, 1, threads);
-    keep(facets.inside, zone.facet_taken, 1, threads);
-    keep(facets.outside, zone.facet_taken, 1, threads);
-    if (trace != nullptr) keep(trace->facet, zone.facet_taken, 1, threads);
+    const Compaction compaction(zone.facet_taken, threads);
+    keep_nodes(facets.nodes, compaction, 4);
+    compaction.keep(facets.surface, 1);
+    compaction.keep(facets.inside, 1);
+    compaction.keep(facets.outside, 1);
+    if (trace != nullptr) compaction.keep(trace->facet, 1);
     ElementBlock& tetrahedra = result.block(ElementType::kTetrahedron);
     for (const Tetrahedron& t : zone.tetrahedra) {
         for (const ZoneNode n : t.node) tetrahedra.nodes.push_back(node[n]);

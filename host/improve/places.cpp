@@ -1,8 +1,8 @@
 #include "host/improve/places.hpp"
 
 #include <atomic>
-#include <cstring>
 
+#include "host/common/cubes.hpp"
 #include "host/common/large_array.hpp"
 #include "host/common/parallel.hpp"
 
@@ -117,9 +117,7 @@ class CellFinder {
         for (std::size_t row = begin; row < end; row += step) {
             const std::size_t row_end = std::min(end, row + step);
             const bool are_far = all_are_far || are_cubes_far(mesh_, frame_, bricks_, row, row_end);
-            const auto next = [&](std::size_t i) {
-                return are_far ? next_other(block_, type_, i, row_end) : i;
-            };
+            const auto next = [&](std::size_t i) { return are_far ? next_no_cube(block_, i, row_end) : i; };
             for (std::size_t i = next(row); i < row_end; i = next(i + 1)) add_if_near(i, at, found);
         }
     }
@@ -137,19 +135,6 @@ class CellFinder {
 
 bool is_cube(const ElementBlock& block, int type, std::size_t i) {
     return type == 0 && block.kind[i] == static_cast<std::uint8_t>(ElementKind::kIn);
-}
-
-/// The next element from `i` on that is no cube; at most `end`. Most are, so eight are looked at at a time.
-std::size_t next_other(const ElementBlock& block, int type, std::size_t i, std::size_t end) {
-    if (type != 0) return i;
-    static_assert(static_cast<std::uint8_t>(ElementKind::kIn) == 0);
-    const std::uint8_t* const kinds = block.kind.data();
-    for (std::uint64_t eight = 0; i + sizeof eight <= end; i += sizeof eight) {
-        std::memcpy(&eight, kinds + i, sizeof eight);
-        if (eight != 0) break;
-    }
-    while (i < end && is_cube(block, type, i)) ++i;
-    return i;
 }
 
 Element element(const Mesh& mesh, int t, std::size_t i) {

@@ -39,9 +39,6 @@ Point centroid(const Mesh& mesh, const CellFrame& frame, const Element& element)
 /// Whether an element is a cube inside the solid.
 bool is_cube(const ElementBlock& block, int type, std::size_t i);
 
-/// The next element from `i` on that is no cube; at most `end`.
-std::size_t next_other(const ElementBlock& block, int type, std::size_t i, std::size_t end);
-
 /// A point in the cell that an element belongs to: its centroid, for cubes without looking at all nodes.
 Point place_of(const Mesh& mesh, const CellFrame& frame, int type, std::size_t i);
 

@@ -3,6 +3,7 @@
 #include <atomic>
 #include <cmath>
 
+#include "host/common/cubes.hpp"
 #include "host/common/good_elements.hpp"
 #include "host/common/parallel.hpp"
 #include "kernels/shared/corners.h"
@@ -103,7 +104,7 @@ std::vector<CellId> poor_cells(const Mesh& mesh, const CellFrame& frame, const C
                     i = run->end - 1;
                     continue;
                 }
-                i = next_other(block, t, i, before + end);
+                if (t == 0) i = next_no_cube(block, i, before + end);
                 if (i == before + end) break;
                 if (is_quick)
                     filter.look_at(i);

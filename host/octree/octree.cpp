@@ -124,19 +124,17 @@ void share_memory(device::Device& device, Octree& tree, DeviceTree& on_device) {
 }
 
 InRegions::InRegions(const Octree& tree) {
-    const auto differs = [&](const InNode& node) { return node.region != tree.in_nodes.front().region; };
-    if (std::none_of(tree.in_nodes.begin(), tree.in_nodes.end(), differs)) {
-        if (tree.in_count > 0 && !tree.in_nodes.empty())
-            runs_.push_back({static_cast<std::uint32_t>(tree.in_count),
-                             static_cast<std::uint16_t>(tree.in_nodes.front().region)});
-        return;
-    }
     std::vector<std::pair<std::uint64_t, std::uint16_t>> nodes;  // by the code of their first cell
     for (const InNode& node : tree.in_nodes) {
         const int depth = tree.level - static_cast<int>(node.level);
         nodes.push_back({node.morton << (3 * depth), static_cast<std::uint16_t>(node.region)});
     }
-    std::sort(nodes.begin(), nodes.end());
+    // Levels follow one another, each in Morton order.
+    for (auto sorted = std::is_sorted_until(nodes.begin(), nodes.end()); sorted != nodes.end();) {
+        const auto next = std::is_sorted_until(sorted, nodes.end());
+        std::inplace_merge(nodes.begin(), sorted, next);
+        sorted = next;
+    }
     for (std::size_t i = 0; i < nodes.size(); ++i) {
         const auto end = i + 1 < nodes.size() ? tree.in_index(nodes[i + 1].first)
                                               : static_cast<std::uint32_t>(tree.in_count);

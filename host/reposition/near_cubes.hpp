@@ -3,9 +3,9 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <cstring>
 #include <vector>
 
+#include "host/common/cubes.hpp"
 #include "host/common/index_set.hpp"
 #include "host/reposition/stars.hpp"
 
@@ -20,19 +20,14 @@ class NearCubes {
     /// Calls visit(i) for hexahedra from `begin` to `end`, but for some without a node of the set.
     template <class Visit>
     void for_near(std::size_t begin, std::size_t end, const Visit& visit) const {
-        const std::uint8_t* const kinds = mesh_.elements[0].kind.data();
-        for (std::size_t i = begin; i < end;) {
-            const std::size_t row_end = std::min(end, (i / kRow + 1) * kRow);
-            const bool is_near = is_near_.empty() || is_near_[i / kRow] != 0;
-            for (; i < row_end; ++i) {
-                std::uint64_t eight = 1;
-                if (!is_near && i + sizeof eight <= row_end) std::memcpy(&eight, kinds + i, sizeof eight);
-                if (eight == 0) {  // cubes
-                    i += sizeof eight - 1;
-                } else if (is_near || !is_cube(i)) {
-                    visit(i);
-                }
-            }
+        const ElementBlock& hexahedra = mesh_.elements[0];
+        for (std::size_t row = begin; row < end; row = (row / kRow + 1) * kRow) {
+            const std::size_t row_end = std::min(end, (row / kRow + 1) * kRow);
+            const bool are_near = is_near_.empty() || is_near_[row / kRow] != 0;
+            const auto next = [&](std::size_t i) {
+                return are_near ? i : next_no_cube(hexahedra, i, row_end);
+            };
+            for (std::size_t i = next(row); i < row_end; i = next(i + 1)) visit(i);
         }
     }
 

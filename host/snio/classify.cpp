@@ -58,7 +58,7 @@ class Classifier {
         return (count() + leaves - 1) / leaves;
     }
 
-    /// VETOES_OF of kernels/shared/snio.h, for all leaves.
+    /// vetoes_of of kernels/shared/snio.h, for all leaves.
     Buffer no_vetoes() {
         Buffer vetoes = device_.allocate((count() + 3) / 4 * sizeof(std::uint32_t));
         device_.fill_zero(vetoes);

@@ -66,6 +66,8 @@ static Points gather(__global const double* points, __global const uint* nodes, 
     ALL(FLAT(x, 0, 3, 4, 7) & FLAT(x, 1, 2, 5, 6) & (p0.x < p1.x) & FLAT(y, 0, 1, 4, 5) & \
         FLAT(y, 3, 2, 7, 6) & (p0.y < p3.y) & FLAT(z, 0, 1, 2, 3) & FLAT(z, 4, 5, 6, 7) & (p0.z < p4.z))
 
+#define HEXAHEDRA_ARE_CUBES (cubes && are_cubes(kinds + first, elements - first))
+
 #define SCALED_JACOBIANS(entry, NODES, ARE_CUBES, ARE_BOXES, CORNERS)                                        \
     MORTISE_KERNEL void entry(__global const double* points, __global const uint* nodes,                     \
                               __global const uchar* kinds, __global float* values, uint elements, int cubes, \
@@ -107,8 +109,8 @@ static void store(lanes_double results, __global float* values, uint left) {
 #define NODES_6(count) NODES_5(count) NODE(5, count)
 #define NODES_8(count) NODES_6(count) NODE(6, count) NODE(7, count)
 
-SCALED_JACOBIANS(hexahedron_jacobians, NODES_8(8), cubes&& are_cubes(kinds + first, elements - first),
-                 HEXAHEDRA_ARE_BOXES, MORTISE_HEXAHEDRON_CORNERS)
+SCALED_JACOBIANS(hexahedron_jacobians, NODES_8(8), HEXAHEDRA_ARE_CUBES, HEXAHEDRA_ARE_BOXES,
+                 MORTISE_HEXAHEDRON_CORNERS)
 SCALED_JACOBIANS(wedge_jacobians, NODES_6(6), 0, 0, MORTISE_WEDGE_CORNERS)
 SCALED_JACOBIANS(pyramid_jacobians, NODES_5(5), 0, 0, MORTISE_PYRAMID_CORNERS)
 SCALED_JACOBIANS(tetrahedron_jacobians, NODES_4(4), 0, 0, MORTISE_TETRAHEDRON_CORNERS)

@@ -60,7 +60,9 @@ typedef struct SnioPoints {
 
 // Corners that may not move after all, whatever their leaves' `near` says: a bit for each, eight to a leaf.
 // Each leaf around a vertex takes the bits of all of them; the order does not matter.
-#define VETOES_OF(vetoes, leaf) (((vetoes)[(leaf) >> 2] >> (8 * ((leaf)&3))) & 0xffu)
+MORTISE_FUNCTION u32 vetoes_of(MORTISE_GLOBAL u32* vetoes, u32 leaf) {
+    return (vetoes[leaf >> 2] >> (8 * (leaf & 3))) & 0xffu;
+}
 
 // Corners that move, once all vetoes are known.
 MORTISE_FUNCTION u32 moved_corners(SnioCandidate candidate, u32 vetoes) {

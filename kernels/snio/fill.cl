@@ -14,7 +14,7 @@ static int has_volume(const Tree* tree, __global const SnioCandidate* candidates
     if (beyond.kind != kLeafNio) return beyond.kind == kLeafIn;
     {
         const SnioCandidate candidate = candidates[beyond.index];
-        const uint moved = moved_corners(candidate, VETOES_OF(vetoes, beyond.index));
+        const uint moved = moved_corners(candidate, vetoes_of(vetoes, beyond.index));
         if (!stays_simple(candidate, moved) || (candidate.flags & kCandidatePromoted) != 0) {
             return 1;
         }
@@ -115,7 +115,7 @@ MORTISE_KERNEL void fill(TREE_PARAMETERS, __global const TreeNode* nio,
         const SnioCandidate candidate = candidates[item];
         const ulong morton = nio[item].morton;
         const int level = leaf_level(&tree, morton);
-        const uint displaced = moved_corners(candidate, VETOES_OF(vetoes, item));
+        const uint displaced = moved_corners(candidate, vetoes_of(vetoes, item));
         const uint on = candidate.zero | displaced;
         const uint inside = candidate.inside & ~on;
         uint elements[4] = {0, 0, 0, 0};

@@ -122,12 +122,12 @@ MORTISE_KERNEL void promote_leaves(TREE_PARAMETERS, __global const uint* new_nio
             if ((nio_bits[word] >> bit) & 1) {
                 node = nio[from];
                 candidate = candidates[from];
-                candidate.near &= ~(uchar)VETOES_OF(vetoes, from);
+                candidate.near &= ~(uchar)vetoes_of(vetoes, from);
                 point_of[to] = from++;
             } else {
                 const uint edge = leaf_edge(&tree, leaf_level(&tree, own));
                 __global SnioPoints* own_points = promoted_points + (to - from);
-                uint around[27];  // simple leaves of this one's size, in NIO order
+                uint around[27];  // simple leaves of its size beside it and at its edges and corners
                 point_of[to] = kPromotedPoints | (to - from);
                 node.morton = own;
                 node.tape_offset = 0;
@@ -156,7 +156,7 @@ MORTISE_KERNEL void promote_leaves(TREE_PARAMETERS, __global const uint* new_nio
                         }
                         if (around[place] == NO_LEAF) continue;
                         other = candidates[around[place]];
-                        other_near = other.near & ~VETOES_OF(vetoes, around[place]);
+                        other_near = other.near & ~vetoes_of(vetoes, around[place]);
                         if ((((other.zero | other_near) >> (7 - d)) & 1) == 0) continue;
                         if (candidate.surface == NO_SURFACE) {
                             candidate.surface = other.surface;
