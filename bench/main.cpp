@@ -184,6 +184,7 @@ int worker(int argc, char** argv) {
     app.add_option("kind", task.kind)->required();
     app.add_option("--model", task.model)->capture_default_str();
     app.add_option("--level", task.level)->check(CLI::Range(2, 10))->capture_default_str();
+    app.add_option("--size", task.size)->check(CLI::PositiveNumber);
     app.add_option("--threads", task.threads)->check(CLI::PositiveNumber)->capture_default_str();
     app.add_option("--repeats", task.repeats)->check(CLI::PositiveNumber)->capture_default_str();
     app.add_option("--bytes", task.bytes)->check(CLI::PositiveNumber)->capture_default_str();

@@ -9,7 +9,7 @@ namespace mortise::bench {
 nlohmann::json measure_edges(const Task& task) {
     MeshOptions options;
     options.threads = task.threads;
-    options.level = task.level;
+    set_size_of_cells(task, options);
     options.tetrahedra = task.tetrahedra;
     const Mesh mesh = generate_mesh(make_model(task.model), options);
     if (!task.path.empty()) write_surface(mesh, task.path);

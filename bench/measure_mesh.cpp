@@ -17,7 +17,7 @@ nlohmann::json measure_mesh(const Task& task) {
     options.level = std::min(task.level, 3);
     Mesher mesher;
     mesher.generate(make_model("sphere"), options);  // loads the kernels
-    options.level = task.level;
+    set_size_of_cells(task, options);
 
     // Each mesh after the first is made in the memory of the one before, as `mortise batch` makes them. The
     // first, for whose memory the system must be asked, counts apart, unless it is the only one.
@@ -40,6 +40,7 @@ nlohmann::json measure_mesh(const Task& task) {
             result["peak_bytes"] = peak_resident_bytes();
             result["device"] = report.device;
             result["level"] = report.level;
+            result["cell_size"] = report.cell_size;
             result["elements"] = mesh.element_count();
             result["nodes"] = mesh.node_count();
             result["mesh_bytes"] = mesh_bytes(mesh);

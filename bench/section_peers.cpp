@@ -7,8 +7,8 @@
 // its third power, as if time grew linearly with the number of elements; most grow faster.
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
-#include <iterator>
 #include <optional>
 #include <vector>
 
@@ -45,30 +45,65 @@ struct Row {
     double seconds_at(double edge) const { return seconds.median() * std::pow(mean_edge / edge, 3); }
 };
 
-/// Mortise's own side: the same model at the target's level, as tetrahedra, and larger, where fixed costs do
-/// not count any more.
+/// A mesh of Mortise's own: of the target's level, or larger, where fixed costs do not count any more.
 struct Own {
     Row row;
     Task task;
 };
 
-Own own_side(const Settings& settings, const char* model, int level, bool tetrahedra,
-             const std::string& surface) {
+/// Hexahedra and tetrahedra, in meshes that belong together.
+struct OwnPair {
+    std::string name;
+    Own hybrid, tetrahedra;
+};
+
+/// Finds the size of cells that gives about so many elements.
+void set_elements(double wanted, Task& task) {
+    for (int round = 0; round < kRounds; ++round) {
+        const json measured = measure_in_child(task);
+        const double excess = measured.at("elements").get<double>() / wanted;
+        if (std::fabs(excess - 1) <= kTolerance) break;
+        task.size = measured.at("cell_size").get<double>() * std::cbrt(excess);
+    }
+}
+
+/// `elements`: how many it shall have, or 0 for those of the level.
+Own own_side(const Settings& settings, const Task& base, const std::string& name, double elements,
+             bool tetrahedra) {
     Own own;
-    own.task.model = model;
-    own.task.level = level;
-    own.task.threads = settings.threads;
+    own.task = base;
     own.task.tetrahedra = tetrahedra;
-    own.row.name =
-        std::string("Mortise") + (tetrahedra ? ", tetrahedra" : "") + ", level " + std::to_string(level);
+    own.row.name = std::string("Mortise") + (tetrahedra ? ", tetrahedra" : "") + ", " + name;
     own.row.note =
         "Mesher::generate, kernels loaded, memory warm: improvement, features, scaled Jacobians included";
+    own.task.kind = "mesh";
+    if (elements > 0) set_elements(elements, own.task);
     own.task.kind = "edges";
-    own.task.path = surface;
     own.row.mean_edge = measure_in_child(own.task).at("mean_edge");
     own.task.kind = "mesh";
+    own.task.path.clear();
     own.task.repeats = settings.repeats < 3 ? settings.repeats : 3;
     return own;
+}
+
+/// The boundary of the tetrahedra that belong to the target goes to `surface`.
+std::vector<OwnPair> own_meshes(const Settings& settings, const char* model, int level,
+                                const std::string& surface) {
+    Task base;
+    base.model = model;
+    base.level = level;
+    base.threads = settings.threads;
+    Task with_surface = base;
+    with_surface.path = surface;
+    const std::string name = "level " + std::to_string(level);
+    std::vector<OwnPair> meshes = {
+        {name, own_side(settings, base, name, 0, false), own_side(settings, with_surface, name, 0, true)}};
+    for (const double elements : settings.large_meshes) {
+        const std::string large = grouped(static_cast<std::uint64_t>(elements)) + " elements";
+        meshes.push_back({large, own_side(settings, base, large, elements, false),
+                          own_side(settings, base, large, elements, true)});
+    }
+    return meshes;
 }
 
 void run_own(Own& own) {
@@ -128,58 +163,46 @@ void print(const std::vector<Row>& rows, double target) {
     table.print();
 }
 
-/// Mortise's rates as multiples of each peer's: at the same edge length, and with the larger mesh.
-json print_ratios(const std::vector<Row>& rows, double target) {
-    const Row& same = rows[0];
-    const Row& tetrahedra = rows[1];
-    const Row& large = rows[2];
-    const Row& large_tetrahedra = rows[3];
+/// Mortise's rates as multiples of each peer's, for each pair of its own meshes.
+json print_ratios(const std::vector<OwnPair>& own, const std::vector<Row>& theirs, double target) {
     json ratios = json::array();
-    Table table({{"Mortise to", ""},
-                 {"nodes/s", same.name.substr(9)},
-                 {"elements/s", ""},
-                 {"time", ""},
-                 {"tetrahedra:", "tets/s"},
-                 {"nodes/s", large.name.substr(9)},
-                 {"elements/s", ""},
-                 {"tetrahedra:", "tets/s"}});
-    for (const Row& row : rows) {
-        if (!row.is_peer) continue;
-        const json ratio = {
-            {"peer", row.name},
-            {"nodes_per_second", same.nodes_per_second() / row.nodes_per_second()},
-            {"elements_per_second", same.elements_per_second() / row.elements_per_second()},
-            {"time_at_equal_edge", row.seconds_at(target) / same.seconds.median()},
-            {"tetrahedra_per_second", tetrahedra.elements_per_second() / row.elements_per_second()},
-            {"large_nodes_per_second", large.nodes_per_second() / row.nodes_per_second()},
-            {"large_elements_per_second", large.elements_per_second() / row.elements_per_second()},
-            {"large_tetrahedra_per_second",
-             large_tetrahedra.elements_per_second() / row.elements_per_second()}};
-        std::vector<std::string> cells = {row.name};
-        for (const char* field :
-             {"nodes_per_second", "elements_per_second", "time_at_equal_edge", "tetrahedra_per_second",
-              "large_nodes_per_second", "large_elements_per_second", "large_tetrahedra_per_second"})
-            cells.push_back(short_number(ratio.at(field)));
-        table.add(cells);
-        ratios.push_back(ratio);
+    for (const OwnPair& pair : own) {
+        const Row& hybrid = pair.hybrid.row;
+        const bool is_target = hybrid.mean_edge == target;
+        Table table({{"Mortise to", pair.name},
+                     {"nodes/s", ""},
+                     {"elements/s", ""},
+                     {"tetrahedra:", "tets/s"},
+                     {is_target ? "time at" : "", is_target ? "target edge" : ""}});
+        for (const Row& row : theirs) {
+            json ratio = {{"mesh", pair.name},
+                          {"peer", row.name},
+                          {"nodes_per_second", hybrid.nodes_per_second() / row.nodes_per_second()},
+                          {"elements_per_second", hybrid.elements_per_second() / row.elements_per_second()},
+                          {"tetrahedra_per_second",
+                           pair.tetrahedra.row.elements_per_second() / row.elements_per_second()}};
+            if (is_target) ratio["time_at_equal_edge"] = row.seconds_at(target) / hybrid.seconds.median();
+            std::vector<std::string> cells = {row.name};
+            for (const char* field :
+                 {"nodes_per_second", "elements_per_second", "tetrahedra_per_second", "time_at_equal_edge"})
+                cells.push_back(ratio.contains(field) ? short_number(ratio.at(field)) : "");
+            table.add(cells);
+            ratios.push_back(ratio);
+        }
+        if (!theirs.empty()) table.print();
     }
-    if (!ratios.empty()) table.print();
     return ratios;
 }
 
 json compare(const Settings& settings, const char* model, std::vector<Peer> peers,
              const ScratchFolder& folder) {
     const int level = settings.level(5);
-    const int large_level = settings.level(7);
     PeerJob job;
     job.model = model;
     job.surface = folder.path() / (job.model + ".smesh");
     announce(job.model + " beside others: Mortise's edge lengths");
-    std::vector<Own> own = {own_side(settings, model, level, false, ""),
-                            own_side(settings, model, level, true, job.surface.string()),
-                            own_side(settings, model, large_level, false, ""),
-                            own_side(settings, model, large_level, true, "")};
-    const double target = own[0].row.mean_edge;
+    std::vector<OwnPair> own = own_meshes(settings, model, level, job.surface.string());
+    const double target = own[0].hybrid.row.mean_edge;
     std::vector<PeerJob> jobs;
     std::vector<Row> theirs;
     for (auto peer = peers.begin(); peer != peers.end();) {
@@ -201,7 +224,10 @@ json compare(const Settings& settings, const char* model, std::vector<Peer> peer
     }
     for (int run = 0; run < std::min(settings.repeats, settings.peer_repeats); ++run) {
         announce(job.model + ": all in turn, run " + std::to_string(run + 1));
-        for (Own& one : own) run_own(one);
+        for (OwnPair& pair : own) {
+            run_own(pair.hybrid);
+            run_own(pair.tetrahedra);
+        }
         for (std::size_t i = 0; i < peers.size(); ++i) {
             PeerRun made;
             try {
@@ -216,10 +242,12 @@ json compare(const Settings& settings, const char* model, std::vector<Peer> peer
             theirs[i].seconds.values.push_back(made.seconds);
         }
     }
+    theirs.erase(std::remove_if(theirs.begin(), theirs.end(),
+                                [](const Row& row) { return row.seconds.values.empty(); }),
+                 theirs.end());
     std::vector<Row> rows;
-    for (const Own& one : own) rows.push_back(one.row);
-    std::copy_if(theirs.begin(), theirs.end(), std::back_inserter(rows),
-                 [](const Row& row) { return !row.seconds.values.empty(); });
+    for (const OwnPair& pair : own) rows.insert(rows.end(), {pair.hybrid.row, pair.tetrahedra.row});
+    rows.insert(rows.end(), theirs.begin(), theirs.end());
     std::printf("  %s: target edge length %s (Mortise's hybrid mesh of level %d)\n", model,
                 short_number(target).c_str(), level);
     print(rows, target);
@@ -232,7 +260,7 @@ json compare(const Settings& settings, const char* model, std::vector<Peer> peer
     }
     json result = {{"model", model}, {"level", level}, {"target_edge", target}, {"rows", json::array()}};
     for (const Row& row : rows) result["rows"].push_back(to_json(row, target));
-    result["ratios"] = print_ratios(rows, target);
+    result["ratios"] = print_ratios(own, theirs, target);
     std::printf("\n");
     return result;
 }

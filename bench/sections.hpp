@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 namespace mortise::bench {
 
@@ -15,11 +16,12 @@ struct Settings {
     int finer = 0;        ///< added to every level
     int level_limit = 9;  ///< higher levels are lowered to this one; a sphere of level 10 takes 60 GB
     std::size_t copy_bytes = std::size_t{256} << 20;
-    std::string program;          ///< the command `mortise`; empty: not measured
-    bool with_lattice = false;    ///< section mesh: the lattice of struts, too
-    bool with_billion = false;    ///< section stream: 10^9 elements, too
-    bool with_peers = true;       ///< false: all other meshers count as not installed
-    int peer_repeats = 3;         ///< if there are not fewer `repeats`
+    std::string program;                            ///< the command `mortise`; empty: not measured
+    bool with_lattice = false;                      ///< section mesh: the lattice of struts, too
+    bool with_billion = false;                      ///< section stream: 10^9 elements, too
+    bool with_peers = true;                         ///< false: all other meshers count as not installed
+    int peer_repeats = 3;                           ///< if there are not fewer `repeats`
+    std::vector<double> large_meshes = {1e6, 1e7};  ///< elements of Mortise's other meshes beside peers'
     double peer_seconds = 30;     ///< a peer whose run would take longer makes a coarser mesh
     std::string cgal_program;     ///< made from cgal_mesh.cpp; empty: none
     std::string quartet_program;  ///< empty: none

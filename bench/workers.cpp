@@ -5,8 +5,14 @@
 
 #include "bench/process.hpp"
 #include "mortise/error.hpp"
+#include "mortise/mesher.hpp"
 
 namespace mortise::bench {
+
+void set_size_of_cells(const Task& task, MeshOptions& options) {
+    options.level = task.size > 0 ? 0 : task.level;
+    options.size = task.size;
+}
 
 void run_worker(const Task& task) {
     nlohmann::json result;
@@ -45,6 +51,7 @@ nlohmann::json measure_in_child(const Task& task) {
     if (task.kind != "copy") {
         arguments.insert(arguments.end(), {"--model", task.model, "--level", std::to_string(task.level)});
     }
+    if (task.size > 0) arguments.insert(arguments.end(), {"--size", nlohmann::json(task.size).dump()});
     if (task.tetrahedra) arguments.push_back("--tetrahedra");
     if (!task.path.empty()) arguments.insert(arguments.end(), {"--path", task.path});
     // PoCL up to 3 reads the first variable, later ones the second.

@@ -8,6 +8,10 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+namespace mortise {
+struct MeshOptions;
+}
+
 namespace mortise::bench {
 
 /// What a worker is to measure.
@@ -15,12 +19,15 @@ struct Task {
     std::string kind;              ///< as run_worker names them
     std::string model = "sphere";  ///< for make_model; not for "copy", "balance"
     int level = 6;                 ///< not for "copy"
+    double size = 0;               ///< "mesh", "edges": edge of a cell, if positive, instead of the level
     int threads = 1;               ///< host threads, and device threads if the device is PoCL's CPU
     int repeats = 1;
     std::size_t bytes = std::size_t{64} << 20;  ///< "copy"; "stream": of memory
     bool tetrahedra = false;                    ///< "mesh", "edges": MeshOptions::tetrahedra
     std::string path;                           ///< "edges": file for the boundary (write_surface), or empty
 };
+
+void set_size_of_cells(const Task& task, MeshOptions& options);
 
 /// Copies `bytes` with memcpy, cut into one part per thread.
 /// {"runs": [{"seconds"}]}
@@ -44,7 +51,7 @@ nlohmann::json measure_balance(const Task& task);
 nlohmann::json measure_graded(const Task& task);
 
 /// Meshes the model in memory by one Mesher, after a small mesh that loads the kernels.
-/// {"device", "level", "elements", "nodes", "mesh_bytes", "geometry_bytes" (coordinates and
+/// {"device", "level", "cell_size", "elements", "nodes", "mesh_bytes", "geometry_bytes" (coordinates and
 ///  connectivity), "cnio_cells", "idle_bytes" (resident after the small mesh), "peak_bytes" (after the first
 ///  run), "runs": [{"seconds", "stages": [{"stage", "wall", "cpu"}]}]}
 nlohmann::json measure_mesh(const Task& task);

@@ -99,7 +99,8 @@ void add_size_options(CLI::App& app, Arguments& arguments, Words& words) {
     app.add_flag("--no-model-sizes", words.no_model_sizes, "ignore element sizes in the file (-maxh)");
     app.add_option("--interior-coarsening", words.coarsening, "cells inside up to N levels larger")
         ->option_text("N");
-    app.add_flag("--box-fit", words.box_fit, "place the grid so that faces of the model lie on its planes");
+    app.add_flag("--box-fit", words.box_fit,
+                 "enlarge cells a little so that faces of the model lie on the grid");
 }
 
 void add_element_options(CLI::App& app, Arguments& arguments, Words& words) {

@@ -23,7 +23,10 @@ std::string build_options(const FoundDevice& device, int lanes, int work_group_s
 }
 
 std::string with_prelude(const std::string& source) {
+    // Processors without 512-bit registers get vectors of eight in pieces; Clang warns of a calling
+    // convention that only calls between programs would have to agree on.
     return "#pragma OPENCL FP_CONTRACT OFF\n"
+           "#ifdef __clang__\n#pragma clang diagnostic ignored \"-Wpsabi\"\n#endif\n"
            "#define MORTISE_KERNEL __kernel __attribute__((reqd_work_group_size(MORTISE_WORK_GROUP, 1, "
            "1)))\n" +
            source;

@@ -3,20 +3,36 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <vector>
 
 namespace mortise::pipeline {
 namespace {
 
 constexpr int kDefaultLevel = 6;
-constexpr double kOnPlane = 1e-6;         ///< cells: closer than signs can tell (kSignTolerance)
-constexpr double kFewestCells = 0.8;      ///< share of the cells across the model that fitting keeps
-constexpr double kWhole = 1e-9;           ///< cells
+constexpr double kOnPlane = 1e-6;      ///< cells: closer than signs can tell (kSignTolerance)
+constexpr double kFewestCells = 0.8;   ///< share of the cells across the model that fitting keeps
+constexpr double kWhole = 1e-9;        ///< cells
+constexpr double kSamePlane = 1e-12;   ///< of the extent
+constexpr double kFarFromGrid = 0.36;  ///< cells: vertices do not move onto a plane (snap.h), edges are long
+constexpr int kParted = 3;             ///< a plane that parts, on the grid, counts as so many far from it
+constexpr int kPlacements = 32;        ///< of the grid within a cell, tried for an axis
 constexpr std::size_t kMostPlanes = 512;  ///< per axis, of models with more the first
 
-/// Places of the planes across each axis, ascending, inside the bounds.
-std::array<std::vector<double>, 3> axis_planes(const tape::CompiledModel& compiled, const Box3& bounds) {
-    std::array<std::vector<double>, 3> result;
+/// Across an axis.
+struct Plane {
+    double place = 0;
+    bool parts = false;  ///< primitives lie on both sides
+};
+using Planes = std::array<std::vector<Plane>, 3>;
+
+/// The planes across each axis, ascending, inside the bounds.
+Planes axis_planes(const tape::CompiledModel& compiled, const Box3& bounds) {
+    struct Side {
+        double place = 0;
+        bool is_upper = false;
+    };
+    std::array<std::vector<Side>, 3> sides;
     for (const tape::WorldSurface& surface : compiled.surfaces) {
         if (surface.surface.kind != kSurfacePlane) continue;
         const double* row = surface.surface.map;
@@ -27,13 +43,23 @@ std::array<std::vector<double>, 3> axis_planes(const tape::CompiledModel& compil
             const double place = -row[3] / row[j];
             const double slack = kOnPlane * (bounds.max[j] - bounds.min[j]);
             if (place >= bounds.min[j] - slack && place <= bounds.max[j] + slack &&
-                result[j].size() < kMostPlanes)
-                result[j].push_back(place);
+                sides[j].size() < kMostPlanes)
+                sides[j].push_back({place, row[j] > 0});
         }
     }
-    for (auto& planes : result) {
-        std::sort(planes.begin(), planes.end());
-        planes.erase(std::unique(planes.begin(), planes.end()), planes.end());
+    Planes result;
+    for (std::size_t j = 0; j < 3; ++j) {
+        std::sort(sides[j].begin(), sides[j].end(),
+                  [](const Side& a, const Side& b) { return a.place < b.place; });
+        const double same = kSamePlane * (bounds.max[j] - bounds.min[j]);
+        bool is_upper = false;
+        for (const Side& side : sides[j]) {
+            if (result[j].empty() || side.place - result[j].back().place > same) {
+                result[j].push_back({side.place, false});
+                is_upper = side.is_upper;
+            }
+            result[j].back().parts |= side.is_upper != is_upper;
+        }
     }
     return result;
 }
@@ -44,17 +70,17 @@ struct Fit {
 };
 
 /// The origin in [low, high] that puts the most planes on the grid, the one nearest the middle of these.
-Fit fit_axis(const std::vector<double>& planes, double low, double high, double cell) {
+Fit fit_axis(const std::vector<Plane>& planes, double low, double high, double cell) {
     Fit best{0.5 * (low + high), 0};
     double best_shift = high - low;
-    for (const double anchor : planes) {
+    for (const Plane& anchor : planes) {
         // Grid planes through the anchor; the origin nearest the middle of its range.
         const double middle = 0.5 * (low + high);
-        const double origin = anchor - cell * std::round((anchor - middle) / cell);
+        const double origin = anchor.place - cell * std::round((anchor.place - middle) / cell);
         if (origin < low - kOnPlane * cell || origin > high + kOnPlane * cell) continue;
         Fit fit{origin, 0};
-        for (const double place : planes) {
-            const double at = (place - origin) / cell;
+        for (const Plane& plane : planes) {
+            const double at = (plane.place - origin) / cell;
             if (std::fabs(at - std::round(at)) < kOnPlane) ++fit.on_planes;
         }
         const double shift = std::fabs(origin - middle);
@@ -66,11 +92,57 @@ Fit fit_axis(const std::vector<double>& planes, double low, double high, double 
     return best;
 }
 
+/// Counts if cells at the plane's creases have good elements as they are: `at` cells from a grid plane, it is
+/// on the grid, or so far from it that no vertex would have to be moved onto it. Where primitives lie on both
+/// sides, each has surfaces of its own, and only on the grid no cell has those of both.
+int placing(const Plane& plane, double at) {
+    const double to_grid = std::fabs(at - std::round(at));
+    if (to_grid < kOnPlane) return plane.parts ? kParted : 1;
+    return to_grid > kFarFromGrid ? 1 : 0;
+}
+
+/// The origin in [low, high] at which the planes are best placed, the one nearest the middle of these.
+double place_axis(const std::vector<Plane>& planes, double low, double high, double cell) {
+    const double middle = 0.5 * (low + high);
+    double best = middle;
+    int most = -1;
+    const auto try_shift = [&](double shift) {
+        const double origin = middle + shift * cell;
+        if (origin < low - kOnPlane * cell || origin > high + kOnPlane * cell) return;
+        int sum = 0;
+        for (const Plane& plane : planes) sum += placing(plane, (plane.place - origin) / cell);
+        const bool is_nearer = std::fabs(origin - middle) < std::fabs(best - middle);
+        if (sum < most || (sum == most && !is_nearer)) return;
+        best = origin;
+        most = sum;
+    };
+    try_shift(0);
+    for (const Plane& plane : planes) {
+        const double at = (plane.place - middle) / cell;
+        try_shift(at - std::round(at));
+    }
+    for (int i = 1; i <= kPlacements / 2; ++i) {
+        try_shift(static_cast<double>(i) / kPlacements);
+        try_shift(-static_cast<double>(i) / kPlacements);
+    }
+    return best;
+}
+
+/// Shifts the grid, within a cell, for the planes across the axes.
+Root shift_root(const tape::CompiledModel& compiled, const Box3& bounds, const Root& plain) {
+    const Planes planes = axis_planes(compiled, bounds);
+    const double cell = plain.cell();
+    Root root = plain;
+    for (std::size_t j = 0; j < 3; ++j)
+        root.origin[j] = place_axis(planes[j], bounds.max[j] + cell - root.side, bounds.min[j] - cell, cell);
+    return root;
+}
+
 /// Tries cells of a whole number to the longest extent, and takes the grid with the most planes on it,
 /// weighed against its coarseness.
 Root fit_root(const tape::CompiledModel& compiled, const Box3& bounds, double extent, const Root& plain,
               bool fixed_size) {
-    const std::array<std::vector<double>, 3> planes = axis_planes(compiled, bounds);
+    const Planes planes = axis_planes(compiled, bounds);
     const double cells = std::ldexp(1.0, plain.level);
     const double most = cells - 2;
     Root best = plain;
@@ -170,8 +242,9 @@ Root choose_root(const tape::CompiledModel& compiled, const Box3& bounds, const 
             "the distances of periodic planes have no common cell of about this size; their faces may "
             "differ");
     }
-    if (options.box_fit && root.level >= 3) return fit_root(compiled, bounds, extent, root, fixed_size);
-    return root;
+    if (root.level < 3) return root;
+    return options.box_fit ? fit_root(compiled, bounds, extent, root, fixed_size)
+                           : shift_root(compiled, bounds, root);
 }
 
 }  // namespace mortise::pipeline

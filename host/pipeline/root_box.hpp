@@ -16,11 +16,14 @@ struct Root {
 };
 
 /// A cube about the bounds with at least one cell of margin on each side, of the level and cell size that the
-/// options ask for. The faces of the longest extent fall on grid planes.
+/// options ask for (Saxena & Perucchio 1992, §6.1: size and offset of the enclosing box). By `level`, the
+/// faces of the longest extent fall on grid planes. Along the other axes the cube is shifted so that as many
+/// as possible of the model's planes across them lie on grid planes, or so far from these that vertices do
+/// not move onto them: creases have poor elements elsewhere, and improvement is most of the time that a mesh
+/// of many creases takes. A plane with primitives on both sides counts most on the grid.
 ///
-/// With MeshOptions::box_fit (Saxena & Perucchio 1992, §6.1: size and offset of the enclosing box) cells may
-/// be up to a quarter larger than those of `level`, and the cube is shifted, so that as many as possible of
-/// the model's planes across the axes lie on grid planes, where cells stay whole.
+/// With MeshOptions::box_fit cells may be up to a quarter larger than those of `level`, and planes count on
+/// grid planes only, where cells stay whole.
 ///
 /// Planes of `periodic` pairs lie on grid planes, whatever the options say of the box: cells get larger for
 /// that, by less than a factor of two, or smaller with MeshOptions::size. If no such grid is found, a warning

@@ -6,11 +6,25 @@
 
 // A vertex closer than this, in edges of the finest cell, may be moved (quality.md, snapping rule).
 #define kVertexSnapDistance 0.335
+// The same for a plane of the grid's directions, which all vertices beside it are equally far from: where
+// they do not move, edges from them to the plane are long enough (kRepositionShortestEdge), so that not the
+// whole plane has poor elements.
+#define kGridPlaneSnapDistance 0.3501
 #define kProjectionSteps 12
 
 // A vertex stays where the part on its side of the surface is thinner than this beyond it, in edges of the
 // finest cell: a rod, or a hole, that has no other vertex would be gone.
 #define kVertexSnapThickness 1.5
+
+MORTISE_FUNCTION double snap_distance(MORTISE_GLOBAL Surface* s) {
+    const double x = mortise_fabs(s->map[0]);
+    const double y = mortise_fabs(s->map[1]);
+    const double z = mortise_fabs(s->map[2]);
+    const double sum = x + y + z;
+    const double largest = x > y ? (x > z ? x : z) : (y > z ? y : z);
+    const int is_grid_plane = s->kind == kSurfacePlane && sum - largest <= 1e-12 * largest;
+    return is_grid_plane ? kGridPlaneSnapDistance : kVertexSnapDistance;
+}
 
 // Displacement of the vertex at x to the surface's nearest point, in lattice units. Returns 0 if the vertex
 // is too far away, in a thin part, or if the iteration does not settle. A pure function of position.
@@ -18,7 +32,7 @@
 // Each step takes the point of the tangent plane at the last point that is nearest to x.
 MORTISE_NOINLINE int snap_displacement(MORTISE_GLOBAL Surface* s, MORTISE_GLOBAL ExpressionOp* ops,
                                        const double* x, double cell, i32* displacement) {
-    const double reach = kVertexSnapDistance * cell;
+    const double reach = snap_distance(s) * cell;
     const double still = cell / 1073741824.0;  // 2^-30 of a cell
     double y[3];
     double moved = kMortiseInfinity;

@@ -16,7 +16,7 @@ MORTISE_NOINLINE uint snap_corners(__global const Surface* s, double x, double y
                               y + (double8)(0, 0, 1, 1, 0, 0, 1, 1) * cell,
                               z + (double8)(0, 0, 0, 0, 1, 1, 1, 1) * cell};
     const long8 bit = (long8)(1, 2, 4, 8, 16, 32, 64, 128);
-    const double reach = kVertexSnapDistance * cell;
+    const double reach = snap_distance(s) * cell;
     const double still = cell / 1073741824.0;
     const int is_plane = s->kind == kSurfacePlane;
     double8 at[3] = {first[0], first[1], first[2]};

@@ -2,10 +2,13 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
+#include <vector>
 
 #include "tests/mesher/meshed.hpp"
+#include "tests/mesher/random_source.hpp"
 #include "tests/mesher/solids.hpp"
 
 namespace mortise::test {
@@ -258,6 +261,67 @@ TEST_CASE("a fitted box puts the faces of a model on grid planes") {
     CHECK(fitted.mesh.element_count() == fitted.mesh.block(ElementType::kHexahedron).size());
     CHECK(fitted.check.min_scaled_jacobian[0] == doctest::Approx(1));
     CHECK(plain.mesh.element_count() > plain.mesh.block(ElementType::kHexahedron).size());
+}
+
+/// Planes of boxes that lie on grid planes, or farther from these than vertices move, in a grid of such cells
+/// from there.
+int well_placed(const std::vector<double>& planes, double origin, double cell) {
+    int count = 0;
+    for (const double place : planes) {
+        const double at = (place - origin) / cell;
+        const double to_grid = std::fabs(at - std::round(at));
+        if (to_grid < 1e-7 || to_grid > 0.3501) ++count;
+    }
+    return count;
+}
+
+TEST_CASE("the grid is shifted so that planes lie well in it, cells keep their size") {
+    RandomSource random(7);
+    int placed = 0, centred = 0, best = 0, all = 0;
+    for (int i = 0; i < 10; ++i) {
+        Model model;
+        std::vector<std::uint32_t> boxes;
+        std::array<std::vector<double>, 3> planes;
+        Vec3 low = {9, 9, 9}, high = {-9, -9, -9};
+        for (int n = 0; n < 3; ++n) {
+            Vec3 a{}, b{};
+            for (std::size_t j = 0; j < 3; ++j) {
+                a[j] = random.uniform(-1, 0);
+                b[j] = a[j] + random.uniform(1, 2);
+                planes[j].insert(planes[j].end(), {a[j], b[j]});
+                low[j] = std::min(low[j], a[j]);
+                high[j] = std::max(high[j], b[j]);
+            }
+            boxes.push_back(model.add_primitive(box(a, b)));
+        }
+        model.regions.push_back({"boxes", model.add_operation(CsgNode::Op::kUnion, boxes), 0, {}});
+        MeshOptions options;
+        options.size = 0.11;
+        const Meshed meshed = mesh_and_check(model, options);
+        CHECK(meshed.defects == "");
+        CHECK(meshed.report.cell_size == doctest::Approx(options.size));
+        const Box3& root = meshed.report.root;
+        for (std::size_t j = 0; j < 3; ++j) {
+            CHECK(root.min[j] <= low[j] - 0.999 * options.size);
+            CHECK(root.max[j] >= high[j] + 0.999 * options.size);
+            const double middle = 0.5 * (low[j] + high[j] + root.min[j] - root.max[j]);
+            const int here = well_placed(planes[j], root.min[j], options.size);
+            const int there = well_placed(planes[j], middle, options.size);
+            int most = there;
+            for (int shift = 0; shift < 1000; ++shift)
+                most = std::max(most,
+                                well_placed(planes[j], middle + 1e-3 * shift * options.size, options.size));
+            CHECK(here >= there);
+            placed += here;
+            centred += there;
+            best += most;
+            all += static_cast<int>(planes[j].size());
+        }
+    }
+    MESSAGE("of ", all, " planes well in the grid: ", centred, " in the middle, ", placed, " shifted, ", best,
+            " by search");
+    CHECK(placed >= 0.9 * best);
+    CHECK(placed >= 1.5 * centred);
 }
 
 TEST_CASE("a graded tetrahedral mesh and one with a report are valid, too") {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 
 #include "host/improve/improve.hpp"
 #include "tests/mesher/meshed.hpp"
@@ -71,6 +72,7 @@ TEST_CASE("a ball: every angle that is asked for, as hexahedra and as tetrahedra
 }
 
 TEST_CASE("creases and corners: better elements, the same solid") {
+    std::size_t cubes_before = 0, cubes_after = 0;
     for (const char* name : {"bracket", "object_x", "block"}) {
         CAPTURE(name);
         const Meshed before = mesh_and_check(asset(name), 5);
@@ -84,8 +86,10 @@ TEST_CASE("creases and corners: better elements, the same solid") {
         CHECK(after.check.volume == doctest::Approx(before.check.volume).epsilon(5e-4));
         CHECK(after.check.euler_characteristic == before.check.euler_characteristic);
         CHECK(after.report.features.corners.size() == before.report.features.corners.size());
-        CHECK(after.mesh.elements[0].size() > before.mesh.elements[0].size() / 2);
+        cubes_before += before.mesh.elements[0].size();
+        cubes_after += after.mesh.elements[0].size();
     }
+    CHECK(static_cast<double>(cubes_after) > 0.7 * static_cast<double>(cubes_before));
 }
 
 TEST_CASE("asked for more than all elements can have, most come near it") {

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <vector>
 
 #include "mortise/io.hpp"
 #include "tests/mesher/meshed.hpp"
@@ -94,7 +95,8 @@ TEST_CASE("two boxes that make an L: one crease is concave") {
 }
 
 TEST_CASE("a cylinder's two circles close, and their length converges with order 2") {
-    double before = 0;
+    // Over two levels: where the grid lies across the axis differs from level to level.
+    std::vector<double> errors;
     for (const int level : {4, 5, 6}) {
         const Assessed cylinder =
             assess(one_solid([](Model& m) { return add_cylinder(m, 1, 0, 1.7); }), level);
@@ -107,10 +109,10 @@ TEST_CASE("a cylinder's two circles close, and their length converges with order
         const double error = 4 * kPi - cylinder.crease_length();
         MESSAGE("level ", level, ": circles too short by ", error);
         CHECK(error > 0);
-        if (before > 0) CHECK(before / error > 2.5);
-        before = error;
+        errors.push_back(error);
     }
-    CHECK(before < 0.001 * 4 * kPi);
+    CHECK(errors[0] / errors[2] > 10);
+    CHECK(errors[2] < 0.001 * 4 * kPi);
 }
 
 TEST_CASE("a ball has no features, and its distance to the mesh falls four times per level") {

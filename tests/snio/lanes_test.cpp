@@ -11,6 +11,7 @@
 #include "host/snio/classify.hpp"
 #include "host/snio/face_plans.hpp"
 #include "host/tape/compile.hpp"
+#include "kernels/shared/snap.h"
 #include "mortise/model.hpp"
 
 namespace mortise {
@@ -22,10 +23,14 @@ device::Device device_with(int lanes) {
     return device::Device("", options);
 }
 
-snio::Classification classify(device::Device& device, const Model& model, int level, bool snap) {
-    const tape::BoundModel bound = tape::bind(tape::compile(model), {-1.53, -1.47, -1.49}, 3.0);
+constexpr Vec3 kOrigin = {-1.53, -1.47, -1.49};
+constexpr double kSide = 3;
+constexpr int kLevel = 5;
+
+snio::Classification classify(device::Device& device, const Model& model, bool snap) {
+    const tape::BoundModel bound = tape::bind(tape::compile(model), kOrigin, kSide);
     octree::DeviceTree on_device;
-    octree::Octree tree = octree::build(device, bound, level, &on_device);
+    octree::Octree tree = octree::build(device, bound, kLevel, &on_device);
     return snio::classify(device, tree, on_device, true, snap);
 }
 
@@ -55,6 +60,20 @@ Model solid(const Primitive& primitive, std::mt19937_64* random = nullptr) {
     return model;
 }
 
+/// The cells' vertices are by less than `part` of a cell farther from its faces than others' may move.
+Model box_beside_grid_planes(double part) {
+    const double cell = std::ldexp(kSide, -kLevel);
+    const double apart = kVertexSnapDistance + part;
+    Vec3 low{}, high{};
+    for (std::size_t j = 0; j < 3; ++j) {
+        low[j] = kOrigin[j] + (5 + apart) * cell;
+        high[j] = kOrigin[j] + (26 - apart) * cell;
+    }
+    Model model;
+    model.regions.push_back({"solid", model.add_primitive(box(low, high)), 0, {}});
+    return model;
+}
+
 }  // namespace
 
 TEST_CASE("leaves are classified alike with eight lanes and with one") {
@@ -64,6 +83,7 @@ TEST_CASE("leaves are classified alike with eight lanes and with one") {
     std::vector<std::pair<std::string, Model>> models;
     models.push_back({"box along the grid", solid(sphere(5))});
     models.push_back({"cylinder along the grid", solid(infinite_cylinder(0.873))});
+    models.push_back({"box beside grid planes", box_beside_grid_planes(0.01)});
     for (int i = 0; i < 4; ++i) {
         models.push_back({"ball", solid(sphere(0.6 + 0.1 * i), &random)});
         models.push_back({"box", solid(sphere(5), &random)});
@@ -76,8 +96,8 @@ TEST_CASE("leaves are classified alike with eight lanes and with one") {
         CAPTURE(name);
         for (const bool snap : {true, false}) {
             CAPTURE(snap);
-            const snio::Classification a = classify(wide, model, 5, snap);
-            const snio::Classification b = classify(narrow, model, 5, snap);
+            const snio::Classification a = classify(wide, model, snap);
+            const snio::Classification b = classify(narrow, model, snap);
             CHECK(are_same(a.leaves, b.leaves));
             CHECK(are_same(a.used, b.used));
             CHECK(are_same(a.facets, b.facets));
