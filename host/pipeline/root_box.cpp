@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <vector>
 
 namespace mortise::pipeline {
@@ -15,8 +16,9 @@ constexpr double kFewestCells = 0.8;   ///< share of the cells across the model 
 constexpr double kWhole = 1e-9;        ///< cells
 constexpr double kSamePlane = 1e-12;   ///< of the extent
 constexpr double kFarFromGrid = 0.36;  ///< cells: vertices do not move onto a plane (snap.h), edges are long
-constexpr int kParted = 3;             ///< a plane that parts, on the grid, counts as so many far from it
-constexpr int kPlacements = 32;        ///< of the grid within a cell, tried for an axis
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr int kParted = 3;                ///< a plane that parts, on the grid, counts as so many far from it
+constexpr int kPlacements = 32;           ///< of the grid within a cell, tried for an axis
 constexpr std::size_t kMostPlanes = 512;  ///< per axis, of models with more the first
 
 /// Across an axis.
@@ -92,16 +94,46 @@ Fit fit_axis(const std::vector<Plane>& planes, double low, double high, double c
     return best;
 }
 
-/// Counts if cells at the plane's creases have good elements as they are: `at` cells from a grid plane, it is
-/// on the grid, or so far from it that no vertex would have to be moved onto it. Where primitives lie on both
-/// sides, each has surfaces of its own, and only on the grid no cell has those of both.
-int placing(const Plane& plane, double at) {
-    const double to_grid = std::fabs(at - std::round(at));
-    if (to_grid < kOnPlane) return plane.parts ? kParted : 1;
-    return to_grid > kFarFromGrid ? 1 : 0;
+/// Where a plane lies in the grid, in cells.
+struct Place {
+    double layer = 0;    ///< of cells, the one above if it is on the grid
+    double to_grid = 0;  ///< distance to the nearest plane of the grid
+
+    bool is_on_grid() const { return to_grid < kOnPlane; }
+};
+
+Place place_of(const Plane& plane, double origin, double cell) {
+    const double at = (plane.place - origin) / cell;
+    const double nearest = std::round(at);
+    const double to_grid = std::fabs(at - nearest);
+    return {to_grid < kOnPlane ? nearest : std::floor(at), to_grid};
 }
 
-/// The origin in [low, high] at which the planes are best placed, the one nearest the middle of these.
+/// How well a grid suits the planes. One counts if cells at its creases have good elements as they are: it is
+/// on the grid, or so far from it that no vertex would have to be moved onto it, and alone between two planes
+/// of the grid. Where primitives lie on both sides, each has surfaces of its own, and only on the grid no
+/// cell has those of both.
+int count_well_placed(const std::vector<Plane>& planes, double origin, double cell) {
+    int count = 0;
+    Place before{-kInfinity, 0};
+    Place here = planes.empty() ? before : place_of(planes[0], origin, cell);
+    for (std::size_t i = 0; i < planes.size(); ++i) {
+        const Place after =
+            i + 1 < planes.size() ? place_of(planes[i + 1], origin, cell) : Place{kInfinity, 0};
+        const auto shares_layer = [&](const Place& other) {
+            return other.layer == here.layer && !other.is_on_grid();
+        };
+        if (here.is_on_grid())
+            count += planes[i].parts ? kParted : 1;
+        else if (here.to_grid > kFarFromGrid && !shares_layer(before) && !shares_layer(after))
+            ++count;
+        before = here;
+        here = after;
+    }
+    return count;
+}
+
+/// The origin in [low, high] at which the most planes are well placed, the one nearest the middle of these.
 double place_axis(const std::vector<Plane>& planes, double low, double high, double cell) {
     const double middle = 0.5 * (low + high);
     double best = middle;
@@ -109,12 +141,11 @@ double place_axis(const std::vector<Plane>& planes, double low, double high, dou
     const auto try_shift = [&](double shift) {
         const double origin = middle + shift * cell;
         if (origin < low - kOnPlane * cell || origin > high + kOnPlane * cell) return;
-        int sum = 0;
-        for (const Plane& plane : planes) sum += placing(plane, (plane.place - origin) / cell);
+        const int count = count_well_placed(planes, origin, cell);
         const bool is_nearer = std::fabs(origin - middle) < std::fabs(best - middle);
-        if (sum < most || (sum == most && !is_nearer)) return;
+        if (count < most || (count == most && !is_nearer)) return;
         best = origin;
-        most = sum;
+        most = count;
     };
     try_shift(0);
     for (const Plane& plane : planes) {

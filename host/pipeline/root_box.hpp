@@ -19,8 +19,9 @@ struct Root {
 /// options ask for (Saxena & Perucchio 1992, §6.1: size and offset of the enclosing box). By `level`, the
 /// faces of the longest extent fall on grid planes. Along the other axes the cube is shifted so that as many
 /// as possible of the model's planes across them lie on grid planes, or so far from these that vertices do
-/// not move onto them: creases have poor elements elsewhere, and improvement is most of the time that a mesh
-/// of many creases takes. A plane with primitives on both sides counts most on the grid.
+/// not move onto them, and no two between the same planes of the grid: creases have poor elements elsewhere,
+/// and improvement is most of the time that a mesh of many creases takes. A plane with primitives on both
+/// sides counts most on the grid.
 ///
 /// With MeshOptions::box_fit cells may be up to a quarter larger than those of `level`, and planes count on
 /// grid planes only, where cells stay whole.

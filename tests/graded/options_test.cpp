@@ -324,6 +324,23 @@ TEST_CASE("the grid is shifted so that planes lie well in it, cells keep their s
     CHECK(placed >= 1.5 * centred);
 }
 
+// With both faces far from grid planes, all cells of a thin plate had two surfaces.
+TEST_CASE("a plate thinner than a cell has one face on a grid plane") {
+    for (const double thickness : {0.2, 0.25}) {
+        CAPTURE(thickness);
+        Model model;
+        const std::uint32_t plate = model.add_primitive(box({0, 0, 0.77}, {9, 9, 0.77 + thickness}));
+        model.regions.push_back({"plate", plate, 0, {}});
+        MeshOptions options;
+        options.size = 1;
+        const Meshed meshed = mesh_and_check(model, options);
+        CHECK(meshed.defects == "");
+        const double below = 0.77 - meshed.report.root.min[2];
+        const double above = below + thickness;
+        CHECK(std::min(std::fabs(below - std::round(below)), std::fabs(above - std::round(above))) < 1e-6);
+    }
+}
+
 TEST_CASE("a graded tetrahedral mesh and one with a report are valid, too") {
     const Model model = parse("difference() { cube([4, 4, 4]); sphere(r = 1.5); }", "csg");
     MeshOptions options;
