@@ -1,13 +1,45 @@
-// Functions in versions for wider registers, of which the loader takes the one for the machine. The bits are
-// the same: nothing is fused.
+// Functions in versions for registers of several widths, of which the loader takes the one for the machine.
+// The bits are the same: nothing is fused.
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
+
+/// Defines `result name parameters` by a template `name_in<lanes> arguments`, which is always inlined, with
+/// as many lanes of 64 bits as registers hold: of comparisons of wider ones GCC makes comparisons of single
+/// numbers.
 #if defined(__x86_64__) && defined(__gnu_linux__)
+#define MORTISE_FOR(machine, lanes, result, name, parameters, arguments) \
+    __attribute__((target(machine))) result name parameters { return name##_in<lanes> arguments; }
 #if defined(__clang__) || __GNUC__ < 12
-#define MORTISE_WIDE __attribute__((target_clones("default", "avx2", "avx512f")))
-#else  // the last one also multiplies 64-bit integers
-#define MORTISE_WIDE __attribute__((target_clones("default", "avx2", "avx512f", "arch=x86-64-v4")))
+#define MORTISE_FOR_MULTIPLICATION(result, name, parameters, arguments)
+#else  // of 64-bit integers
+#define MORTISE_FOR_MULTIPLICATION(result, name, parameters, arguments) \
+    MORTISE_FOR("arch=x86-64-v4", 8, result, name, parameters, arguments)
 #endif
+#define MORTISE_BY_WIDTH(result, name, parameters, arguments)      \
+    MORTISE_FOR("default", 2, result, name, parameters, arguments) \
+    MORTISE_FOR("avx2", 4, result, name, parameters, arguments)    \
+    MORTISE_FOR("avx512f", 8, result, name, parameters, arguments) \
+    MORTISE_FOR_MULTIPLICATION(result, name, parameters, arguments)
 #else
-#define MORTISE_WIDE
+#define MORTISE_BY_WIDTH(result, name, parameters, arguments) \
+    result name parameters { return name##_in<2> arguments; }
 #endif
+
+namespace mortise::lanes {
+
+template <std::size_t kWidth>
+struct Types {
+    typedef double Doubles __attribute__((vector_size(kWidth * sizeof(double))));
+    typedef std::uint64_t Words __attribute__((vector_size(kWidth * sizeof(std::uint64_t))));
+    typedef std::uint32_t HalfWords __attribute__((vector_size(kWidth * sizeof(std::uint32_t))));
+};
+template <std::size_t kWidth>
+using Doubles = typename Types<kWidth>::Doubles;
+template <std::size_t kWidth>
+using Words = typename Types<kWidth>::Words;
+template <std::size_t kWidth>
+using HalfWords = typename Types<kWidth>::HalfWords;
+
+}  // namespace mortise::lanes

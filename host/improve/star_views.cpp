@@ -13,50 +13,66 @@ namespace {
 /// What a group costs, in single evaluations.
 constexpr std::uint64_t kGroupCost = 2;
 
-using Lanes = double __attribute__((vector_size(8 * sizeof(double))));
+using Row = std::array<double, StarGroup::kLanes>;
 
-[[gnu::always_inline]] inline Lanes load(const std::array<double, 8>& row) {
+template <class Lanes>
+[[gnu::always_inline]] inline Lanes load(const Row& row, std::size_t first) {
     Lanes lanes;
-    std::memcpy(&lanes, row.data(), sizeof lanes);
+    std::memcpy(&lanes, row.data() + first, sizeof lanes);
     return lanes;
 }
-[[gnu::always_inline]] inline Vector<Lanes> load(const std::array<std::array<double, 8>, 3>& rows) {
-    return {load(rows[0]), load(rows[1]), load(rows[2])};
+template <class Lanes>
+[[gnu::always_inline]] inline Vector<Lanes> load(const std::array<Row, 3>& rows, std::size_t first) {
+    return {load<Lanes>(rows[0], first), load<Lanes>(rows[1], first), load<Lanes>(rows[2], first)};
 }
-[[gnu::always_inline]] inline void store(const Lanes& lanes, std::array<double, 8>& row) {
-    std::memcpy(row.data(), &lanes, sizeof lanes);
+template <class Lanes>
+[[gnu::always_inline]] inline void store(const Lanes& lanes, Row& row, std::size_t first) {
+    std::memcpy(row.data() + first, &lanes, sizeof lanes);
 }
+
+template <std::size_t kWidth>
+[[gnu::always_inline]] inline void evaluate_in(StarGroup& group, const Point& p, double rounding) {
+    using Lanes = lanes::Doubles<kWidth>;
+    for (std::size_t i = 0; i < StarGroup::kLanes; i += kWidth) {
+        OppositeFace<Lanes> face;
+        face.b = load<Lanes>(group.b, i);
+        face.c = load<Lanes>(group.c, i);
+        face.d = load<Lanes>(group.d, i);
+        face.normal = load<Lanes>(group.normal, i);
+        face.squared_normal = load<Lanes>(group.squared_normal, i);
+        face.l_bc = load<Lanes>(group.l_bc, i);
+        face.l_bd = load<Lanes>(group.l_bd, i);
+        face.l_cd = load<Lanes>(group.l_cd, i);
+        const Lanes zero = {};
+        const Vector<Lanes> place = {zero + p[0], zero + p[1], zero + p[2]};
+        store(squared_quality(face, place, rounding), group.square, i);
+    }
+}
+
+/// What does not depend on the node's place.
+template <std::size_t kWidth>
+[[gnu::always_inline]] inline void prepare_in(StarGroup& group) {
+    using Lanes = lanes::Doubles<kWidth>;
+    for (std::size_t i = 0; i < StarGroup::kLanes; i += kWidth) {
+        OppositeFace<Lanes> face;
+        face.b = load<Lanes>(group.b, i);
+        face.c = load<Lanes>(group.c, i);
+        face.d = load<Lanes>(group.d, i);
+        set_face(face);
+        store(face.normal.x, group.normal[0], i);
+        store(face.normal.y, group.normal[1], i);
+        store(face.normal.z, group.normal[2], i);
+        store(face.squared_normal, group.squared_normal, i);
+        store(face.l_bc, group.l_bc, i);
+        store(face.l_bd, group.l_bd, i);
+        store(face.l_cd, group.l_cd, i);
+    }
+}
+
+MORTISE_BY_WIDTH(void, evaluate, (StarGroup & group, const Point& p, double rounding), (group, p, rounding))
+MORTISE_BY_WIDTH(void, prepare, (StarGroup & group), (group))
 
 }  // namespace
-
-MORTISE_WIDE void StarViews::evaluate(Group& group, const Point& p, double rounding) {
-    OppositeFace<Lanes> face;
-    face.b = load(group.b);
-    face.c = load(group.c);
-    face.d = load(group.d);
-    face.normal = load(group.normal);
-    face.squared_normal = load(group.squared_normal);
-    face.l_bc = load(group.l_bc);
-    face.l_bd = load(group.l_bd);
-    face.l_cd = load(group.l_cd);
-    const Lanes zero = {};
-    store(squared_quality(face, {zero + p[0], zero + p[1], zero + p[2]}, rounding), group.square);
-}
-
-MORTISE_WIDE void StarViews::prepare(Group& group) {
-    OppositeFace<Lanes> face;
-    face.b = load(group.b);
-    face.c = load(group.c);
-    face.d = load(group.d);
-    set_face(face);
-    store(face.normal.x, group.normal[0]);
-    store(face.normal.y, group.normal[1]);
-    store(face.normal.z, group.normal[2]);
-    store(face.squared_normal, group.squared_normal);
-    store(face.l_bc, group.l_bc);
-    store(face.l_bd, group.l_bd);
-    store(face.l_cd, group.l_cd);
-}
 
 void StarViews::clear() {
     size_ = 0;
@@ -65,12 +81,12 @@ void StarViews::clear() {
 
 void StarViews::add(const std::array<std::uint32_t, 3>& nodes, const Point& b, const Point& c,
                     const Point& d) {
-    const std::size_t lane = size_ % kLanes;
+    const std::size_t lane = size_ % StarGroup::kLanes;
     if (lane == 0) {
         order_.push_back(static_cast<std::uint32_t>(order_.size()));
         if (groups_.size() < order_.size()) groups_.emplace_back();
     }
-    Group& group = groups_[order_.size() - 1];
+    StarGroup& group = groups_[order_.size() - 1];
     for (std::size_t j = 0; j < 3; ++j) {
         group.b[j][lane] = b[j];
         group.c[j][lane] = c[j];
@@ -83,8 +99,8 @@ void StarViews::add(const std::array<std::uint32_t, 3>& nodes, const Point& b, c
 void StarViews::finish() {
     if (size_ == 0) return;
     // Lanes without an element repeat the first.
-    Group& last = groups_[order_.size() - 1];
-    for (std::size_t lane = (size_ - 1) % kLanes + 1; lane < kLanes; ++lane) {
+    StarGroup& last = groups_[order_.size() - 1];
+    for (std::size_t lane = (size_ - 1) % StarGroup::kLanes + 1; lane < StarGroup::kLanes; ++lane) {
         for (std::array<Row, 3>* rows : {&last.b, &last.c, &last.d}) {
             for (Row& row : *rows) row[lane] = row[0];
         }
@@ -97,10 +113,10 @@ double StarViews::worst_at(const Point& p, double enough, double rounding, std::
     const double limit = enough < 0 ? kInvertedQuality : enough * enough;
     double worst = kNoElement * kNoElement;
     for (std::size_t i = 0; i < order_.size(); ++i) {
-        Group& group = groups_[order_[i]];
+        StarGroup& group = groups_[order_[i]];
         evaluate(group, p, rounding);
         cost_ += kGroupCost;
-        for (std::size_t lane = 0; lane < kLanes; ++lane) {
+        for (std::size_t lane = 0; lane < StarGroup::kLanes; ++lane) {
             if (except != kNobody) {
                 const auto& n = group.nodes[lane];
                 if (n[0] == except || n[1] == except || n[2] == except) continue;
@@ -116,7 +132,7 @@ double StarViews::worst_at(const Point& p, double enough, double rounding, std::
 }
 
 double StarViews::quality(std::size_t i) const {
-    const double square = groups_[i / kLanes].square[i % kLanes];
+    const double square = groups_[i / StarGroup::kLanes].square[i % StarGroup::kLanes];
     return square < 0 ? kInvertedQuality : std::sqrt(square);
 }
 

@@ -14,6 +14,17 @@
 
 namespace mortise::improve {
 
+/// Eight elements, as OppositeFace by lanes, in memory: there, registers' types would depend on the machine.
+struct StarGroup {
+    static constexpr std::size_t kLanes = 8;
+    using Row = std::array<double, kLanes>;
+
+    std::array<Row, 3> b, c, d, normal;
+    Row squared_normal, l_bc, l_bd, l_cd;
+    Row square;  ///< of the quality, as last evaluated; -1 of an inverted element
+    std::array<std::array<std::uint32_t, 3>, kLanes> nodes;
+};
+
 class StarViews {
   public:
     void clear();
@@ -40,21 +51,7 @@ class StarViews {
     static constexpr double kNoElement = 2;
 
   private:
-    static constexpr std::size_t kLanes = 8;
-    using Row = std::array<double, kLanes>;
-
-    /// OppositeFace by lanes, in memory: there, registers' types would depend on the machine.
-    struct Group {
-        std::array<Row, 3> b, c, d, normal;
-        Row squared_normal, l_bc, l_bd, l_cd;
-        Row square;  ///< of the quality, as last evaluated; -1 of an inverted element
-        std::array<std::array<std::uint32_t, 3>, kLanes> nodes;
-    };
-
-    static void evaluate(Group& group, const Point& p, double rounding);
-    static void prepare(Group& group);
-
-    std::vector<Group> groups_;  ///< more than are in use
+    std::vector<StarGroup> groups_;  ///< more than are in use
     std::vector<std::uint32_t> order_;
     std::size_t size_ = 0;
     std::uint64_t cost_ = 0;

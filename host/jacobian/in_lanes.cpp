@@ -19,37 +19,48 @@ using lanes::Doubles;
 using lanes::Points;
 
 constexpr std::size_t kChunk = 4096;
-static_assert(kChunk % lanes::kWidth == 0);
+constexpr std::size_t kAtOnce = 8;
+static_assert(kChunk % kAtOnce == 0);
 
 /// The square of the scaled Jacobian at a corner, with its sign: as kernels/jacobian/corner_value.h.
-[[gnu::always_inline]] inline Doubles corner_value(const Points& a, const Points& b, const Points& c) {
-    const Doubles determinant = dot(lanes::cross(a, b), c);
-    const Doubles squares = dot(a, a) * dot(b, b) * dot(c, c);
-    const Doubles size = determinant < 0 ? -determinant : determinant;
-    return squares > 0 ? determinant * size / squares : Doubles{};
+template <std::size_t kWidth>
+[[gnu::always_inline]] inline Doubles<kWidth> corner_value(const Points<kWidth>& a, const Points<kWidth>& b,
+                                                           const Points<kWidth>& c) {
+    const Doubles<kWidth> determinant = dot(lanes::cross(a, b), c);
+    const Doubles<kWidth> squares = dot(a, a) * dot(b, b) * dot(c, c);
+    const Doubles<kWidth> size = determinant < 0 ? -determinant : determinant;
+    return squares > 0 ? determinant * size / squares : Doubles<kWidth>{};
 }
 
-#define MORTISE_CORNER(node, first, second, third)                                                       \
-    {                                                                                                    \
-        const Doubles value = corner_value(p[first] - p[node], p[second] - p[node], p[third] - p[node]); \
-        smallest = value < smallest ? value : smallest;                                                  \
+#define MORTISE_CORNER(node, first, second, third)                                     \
+    {                                                                                  \
+        const Doubles<kWidth> value =                                                  \
+            corner_value(p[first] - p[node], p[second] - p[node], p[third] - p[node]); \
+        smallest = value < smallest ? value : smallest;                                \
     }
 
 /// Values of up to eight elements, by their nodes, one after another; at least one.
-#define MORTISE_SMALLEST_CORNERS(name, node_count, CORNERS)                                               \
-    MORTISE_WIDE void name(const double* points, const NodeId* nodes, std::size_t count, float* values) { \
-        const NodeId* elements[lanes::kWidth];                                                            \
-        for (std::size_t i = 0; i < lanes::kWidth; ++i)                                                   \
-            elements[i] = nodes + (node_count)*std::min(i, count - 1);                                    \
-        Points p[node_count];                                                                             \
-        for (std::size_t k = 0; k < (node_count); ++k) p[k] = lanes::load(points, elements, k);           \
-        Doubles smallest = Doubles{} + 1;                                                                 \
-        CORNERS(MORTISE_CORNER)                                                                           \
-        float roots[lanes::kWidth];                                                                       \
-        for (std::size_t i = 0; i < lanes::kWidth; ++i)                                                   \
-            roots[i] = static_cast<float>(std::copysign(std::sqrt(std::fabs(smallest[i])), smallest[i])); \
-        for (std::size_t i = 0; i < count; ++i) values[i] = roots[i];                                     \
-    }
+#define MORTISE_SMALLEST_CORNERS(name, node_count, CORNERS)                                                 \
+    template <std::size_t kWidth>                                                                           \
+    [[gnu::always_inline]] inline void name##_in(const double* points, const NodeId* nodes,                 \
+                                                 std::size_t count, float* values) {                        \
+        for (std::size_t at = 0; at < count; at += kWidth) {                                                \
+            const NodeId* elements[kWidth];                                                                 \
+            for (std::size_t i = 0; i < kWidth; ++i)                                                        \
+                elements[i] = nodes + (node_count)*std::min(at + i, count - 1);                             \
+            Points<kWidth> p[node_count];                                                                   \
+            for (std::size_t k = 0; k < (node_count); ++k) p[k] = lanes::load<kWidth>(points, elements, k); \
+            Doubles<kWidth> smallest = Doubles<kWidth>{} + 1;                                               \
+            CORNERS(MORTISE_CORNER)                                                                         \
+            for (std::size_t i = 0; i < kWidth && at + i < count; ++i) {                                    \
+                const double square = smallest[i];                                                          \
+                values[at + i] = static_cast<float>(std::copysign(std::sqrt(std::fabs(square)), square));   \
+            }                                                                                               \
+        }                                                                                                   \
+    }                                                                                                       \
+    MORTISE_BY_WIDTH(void, name,                                                                            \
+                     (const double* points, const NodeId* nodes, std::size_t count, float* values),         \
+                     (points, nodes, count, values))
 
 MORTISE_SMALLEST_CORNERS(hexahedra, 8, MORTISE_HEXAHEDRON_CORNERS)
 MORTISE_SMALLEST_CORNERS(wedges, 6, MORTISE_WEDGE_CORNERS)
@@ -84,8 +95,8 @@ std::vector<float> scaled_jacobians_in_lanes(const Mesh& mesh, int threads, cons
         const ElementBlock& block = mesh.elements[t];
         const auto size = static_cast<std::size_t>(kElementNodes[t]);
         parallel_chunks(block.size(), kChunk, threads, [&](std::size_t begin, std::size_t end, int) {
-            for (std::size_t i = begin; i < end; i += lanes::kWidth) {
-                const std::size_t count = std::min(lanes::kWidth, end - i);
+            for (std::size_t i = begin; i < end; i += kAtOnce) {
+                const std::size_t count = std::min(kAtOnce, end - i);
                 if (t == 0 && moved_cubes != nullptr && are_cubes(block.kind.data() + i, count)) {
                     std::fill_n(out + i, count, 1.0f);
                     continue;

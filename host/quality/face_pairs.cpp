@@ -76,8 +76,39 @@ std::uint64_t sum_one_by_one(ElementType type, const NodeId* nodes, std::size_t 
 }
 
 #if defined(__GNUC__) && !defined(__clang__)
-using Nodes = NodeId __attribute__((vector_size(8 * sizeof(NodeId))));
-using Words = std::uint64_t __attribute__((vector_size(8 * sizeof(std::uint64_t))));
+using lanes::HalfWords;
+using lanes::Words;
+using Nodes = HalfWords<8>;
+static_assert(sizeof(Nodes) == 8 * sizeof(NodeId));
+
+/// Eight faces: two numbers each, as pairs of nodes, and whether the hash counts negatively.
+struct Faces {
+    Nodes first[2], second[2];
+    Nodes is_odd;  ///< 0 or 1
+};
+
+/// Adds to as many sums as there are lanes.
+template <std::size_t kWidth>
+[[gnu::always_inline]] inline void add_hashes(const Faces& faces, Words<kWidth>& sum) {
+    const auto part = [](const Nodes& all, std::size_t lane) __attribute__((always_inline)) {
+        HalfWords<kWidth> some;
+        std::memcpy(&some, reinterpret_cast<const char*>(&all) + lane * sizeof(NodeId), sizeof some);
+        return __builtin_convertvector(some, Words<kWidth>);
+    };
+    for (std::size_t lane = 0; lane < 8; lane += kWidth) {
+        const Words<kWidth> first = part(faces.first[0], lane) << 32 | part(faces.first[1], lane);
+        const Words<kWidth> second = part(faces.second[0], lane) << 32 | part(faces.second[1], lane);
+        const Words<kWidth> sign = Words<kWidth>{} - part(faces.is_odd, lane);
+        sum += (mix<Words<kWidth>>(first, second) ^ sign) - sign;
+    }
+}
+
+template <std::size_t kWidth>
+[[gnu::always_inline]] inline std::uint64_t total_of(const Words<kWidth>& sum) {
+    std::uint64_t total = 0;
+    for (std::size_t lane = 0; lane < kWidth; ++lane) total += sum[lane];
+    return total;
+}
 
 /// Node k of each face of a hexahedron. There are eight lanes: the last two are a face and its reverse, which
 /// cancel.
@@ -92,10 +123,11 @@ constexpr std::array<NodeId, 8> kLanes[4] = {lanes_of_faces(0), lanes_of_faces(1
                                              lanes_of_faces(3)};
 
 /// The same of hexahedra, which are most of what there is: all faces of one at a time.
-MORTISE_WIDE std::uint64_t sum_of_hexahedra(const NodeId* nodes, std::size_t count) {
+template <std::size_t kWidth>
+[[gnu::always_inline]] inline std::uint64_t sum_of_hexahedra_in(const NodeId* nodes, std::size_t count) {
     Nodes place[4];
     std::memcpy(place, kLanes, sizeof place);
-    Words sum = {};
+    Words<kWidth> sum = {};
     for (std::size_t i = 0; i < count; ++i) {
         Nodes all;
         std::memcpy(&all, nodes + 8 * i, sizeof all);
@@ -103,21 +135,19 @@ MORTISE_WIDE std::uint64_t sum_of_hexahedra(const NodeId* nodes, std::size_t cou
         const Nodes b = __builtin_shuffle(all, place[1]);
         const Nodes c = __builtin_shuffle(all, place[2]);
         const Nodes d = __builtin_shuffle(all, place[3]);
-        // Ordered pairs, and their order.
-        const Words first = __builtin_convertvector(a < c ? a : c, Words) << 32 |
-                            __builtin_convertvector(a < c ? c : a, Words);
-        const Words second = __builtin_convertvector(b < d ? b : d, Words) << 32 |
-                             __builtin_convertvector(b < d ? d : b, Words);
-        const Nodes odd_ends = (a > c) ^ (b > d) ? Nodes{} + 1 : Nodes{};
-        const Words is_odd =
-            __builtin_convertvector(odd_ends, Words) ^ (first > second ? Words{} + 1 : Words{});
-        const Words sign = Words{} - is_odd;
-        sum += (mix<Words>(first < second ? first : second, first < second ? second : first) ^ sign) - sign;
+        // The ends of diagonals in order, and then the diagonals.
+        const Nodes low_first = a < c ? a : c, high_first = a < c ? c : a;
+        const Nodes low_second = b < d ? b : d, high_second = b < d ? d : b;
+        const auto is_swapped =
+            (low_first > low_second) | ((low_first == low_second) & (high_first > high_second));
+        const Faces faces = {{is_swapped ? low_second : low_first, is_swapped ? high_second : high_first},
+                             {is_swapped ? low_first : low_second, is_swapped ? high_first : high_second},
+                             (a > c) ^ (b > d) ^ is_swapped ? Nodes{} + 1 : Nodes{}};
+        add_hashes<kWidth>(faces, sum);
     }
-    std::uint64_t total = 0;
-    for (std::size_t lane = 0; lane < 8; ++lane) total += sum[lane];
-    return total;
+    return total_of<kWidth>(sum);
 }
+MORTISE_BY_WIDTH(std::uint64_t, sum_of_hexahedra, (const NodeId* nodes, std::size_t count), (nodes, count))
 
 /// Node k of each face of two tetrahedra.
 constexpr std::array<NodeId, 8> lanes_of_triangles(std::size_t k) {
@@ -130,10 +160,11 @@ constexpr std::array<NodeId, 8> kTriangleLanes[3] = {lanes_of_triangles(0), lane
                                                      lanes_of_triangles(2)};
 
 /// The same of tetrahedra, two at a time.
-MORTISE_WIDE std::uint64_t sum_of_tetrahedra(const NodeId* nodes, std::size_t count) {
+template <std::size_t kWidth>
+[[gnu::always_inline]] inline std::uint64_t sum_of_tetrahedra_in(const NodeId* nodes, std::size_t count) {
     Nodes place[3];
     std::memcpy(place, kTriangleLanes, sizeof place);
-    Words sum = {};
+    Words<kWidth> sum = {};
     for (std::size_t i = 0; i + 2 <= count; i += 2) {
         Nodes all;
         std::memcpy(&all, nodes + 4 * i, sizeof all);
@@ -143,19 +174,16 @@ MORTISE_WIDE std::uint64_t sum_of_tetrahedra(const NodeId* nodes, std::size_t co
         const Nodes low = a < b ? a : b, high = a < b ? b : a;
         const Nodes lowest = low < c ? low : c, highest = high < c ? c : high;
         const Nodes upper = high < c ? high : c;
-        const Nodes middle = low < upper ? upper : low;
-        const Words first =
-            __builtin_convertvector(lowest, Words) << 32 | __builtin_convertvector(middle, Words);
-        const Words second = __builtin_convertvector(highest, Words) << 32 | 0xffffffffu;
-        const Nodes odd_nodes = (a > b) ^ (a > c) ^ (b > c) ? Nodes{} + 1 : Nodes{};
-        const Words sign = Words{} - __builtin_convertvector(odd_nodes, Words);
-        sum += (mix<Words>(first, second) ^ sign) - sign;
+        const Faces faces = {{lowest, low < upper ? upper : low},
+                             {highest, Nodes{} - 1},
+                             (a > b) ^ (a > c) ^ (b > c) ? Nodes{} + 1 : Nodes{}};
+        add_hashes<kWidth>(faces, sum);
     }
-    std::uint64_t total = 0;
-    for (std::size_t lane = 0; lane < 8; ++lane) total += sum[lane];
     const std::size_t odd_one = count % 2;
-    return total + sum_one_by_one(ElementType::kTetrahedron, nodes + 4 * (count - odd_one), odd_one);
+    return total_of<kWidth>(sum) +
+           sum_one_by_one(ElementType::kTetrahedron, nodes + 4 * (count - odd_one), odd_one);
 }
+MORTISE_BY_WIDTH(std::uint64_t, sum_of_tetrahedra, (const NodeId* nodes, std::size_t count), (nodes, count))
 #define MORTISE_FACES_IN_LANES
 #endif
 
