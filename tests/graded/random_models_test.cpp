@@ -83,14 +83,13 @@ TEST_CASE("a graded mesh does not depend on threads, work-group size or pieces")
         if (!plain) continue;
         MeshOptions options = random_sizes(seed, plain->root, plain->cell_size);
         const Mesh reference = generate_mesh(model, options);
-        for (const int threads : {1, 4}) {
-            options.threads = threads;
-            CHECK(is_same_mesh(generate_mesh(model, options), reference));
-        }
-        options.work_group_size = 16;
-        CHECK(is_same_mesh(generate_mesh(model, options), reference));
-        for (const int pieces : {2, 7, 40}) {
-            options.pieces = pieces;
+        struct Way {
+            int threads, work_group_size, pieces;
+        };
+        for (const Way& way : {Way{1, 0, 2}, Way{4, 16, 7}, Way{0, 0, 40}}) {
+            options.threads = way.threads;
+            options.work_group_size = way.work_group_size;
+            options.pieces = way.pieces;
             CHECK(is_same_mesh(generate_mesh(model, options), reference));
         }
     }
