@@ -17,7 +17,9 @@ namespace {
 /// is not in the next, and need not. The last one is wider: what the border's pyramids hold at every attempt
 /// wanders along a surface otherwise.
 constexpr int kRuns = 4;
-constexpr int kRaisingRuns = 3;  ///< each time
+constexpr int kRaisingRuns =
+    3;  ///< each time, and a wider one after the last step up to the sine of 30 degrees:
+constexpr double kMostWidened = 0.5;  ///< beyond, too many elements have no room to be better
 /// Quality is raised in steps of this, and of a little more before the goal: where nearly all elements are
 /// far from it, the search does not know where to begin.
 constexpr double kRaise = 1.2;
@@ -81,9 +83,11 @@ class Session {
         frame_.on_lattice = false;
         Options options = options_;
         options.merge_distance = 0;
-        for (int run = 0; run < kRaisingRuns; ++run) {
+        const bool is_last = from < to && !(to < options_.goal);
+        const int runs = kRaisingRuns + (is_last && to < kMostWidened ? 1 : 0);
+        for (int run = 0; run < runs; ++run) {
             // Most elements are mended without their neighbours inside, and hexahedra are what people want.
-            std::optional<Zone> zone = open(to, run == 0, false);
+            std::optional<Zone> zone = open(to, run == 0, run == kRaisingRuns);
             if (!zone) return;
             Improver improver(*zone, surfaces_, options, {to, false, from});
             make_passes(improver, run);
