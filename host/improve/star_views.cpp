@@ -30,14 +30,20 @@ template <class Lanes>
     std::memcpy(row.data() + first, &lanes, sizeof lanes);
 }
 
+template <class Lanes>
+[[gnu::always_inline]] inline OppositeFace<Lanes> load_corners(const StarGroup& group, std::size_t first) {
+    OppositeFace<Lanes> face;
+    face.b = load<Lanes>(group.b, first);
+    face.c = load<Lanes>(group.c, first);
+    face.d = load<Lanes>(group.d, first);
+    return face;
+}
+
 template <std::size_t kWidth>
 [[gnu::always_inline]] inline void evaluate_in(StarGroup& group, const Point& p, double rounding) {
     using Lanes = lanes::Doubles<kWidth>;
     for (std::size_t i = 0; i < StarGroup::kLanes; i += kWidth) {
-        OppositeFace<Lanes> face;
-        face.b = load<Lanes>(group.b, i);
-        face.c = load<Lanes>(group.c, i);
-        face.d = load<Lanes>(group.d, i);
+        OppositeFace<Lanes> face = load_corners<Lanes>(group, i);
         face.normal = load<Lanes>(group.normal, i);
         face.squared_normal = load<Lanes>(group.squared_normal, i);
         face.l_bc = load<Lanes>(group.l_bc, i);
@@ -54,10 +60,7 @@ template <std::size_t kWidth>
 [[gnu::always_inline]] inline void prepare_in(StarGroup& group) {
     using Lanes = lanes::Doubles<kWidth>;
     for (std::size_t i = 0; i < StarGroup::kLanes; i += kWidth) {
-        OppositeFace<Lanes> face;
-        face.b = load<Lanes>(group.b, i);
-        face.c = load<Lanes>(group.c, i);
-        face.d = load<Lanes>(group.d, i);
+        OppositeFace<Lanes> face = load_corners<Lanes>(group, i);
         set_face(face);
         store(face.normal.x, group.normal[0], i);
         store(face.normal.y, group.normal[1], i);
