@@ -17,9 +17,10 @@ namespace {
 /// is not in the next, and need not. The last one is wider: what the border's pyramids hold at every attempt
 /// wanders along a surface otherwise.
 constexpr int kRuns = 4;
-constexpr int kRaisingRuns =
-    3;  ///< each time, and a wider one after the last step up to the sine of 30 degrees:
-constexpr double kMostWidened = 0.5;  ///< beyond, too many elements have no room to be better
+constexpr int kRaisingRuns = 3;  ///< each time
+/// Sine of 30 degrees: up to there the last step has a wider run, too. Beyond, too many elements have no
+/// room.
+constexpr double kMostWidened = 0.5;
 /// Quality is raised in steps of this, and of a little more before the goal: where nearly all elements are
 /// far from it, the search does not know where to begin.
 constexpr double kRaise = 1.2;
@@ -76,15 +77,15 @@ class Session {
         }
     }
 
-    /// From one quality to a higher one, but for what nothing helps. `cube_pieces`: as mend_parts().
-    void raise(double from, double to, IndexRuns cube_pieces = {}) {
+    /// From one quality to a higher one, but for what nothing helps. `widens`: with a wider zone at last;
+    /// `cube_pieces`: as mend_parts().
+    void raise(double from, double to, bool widens, IndexRuns cube_pieces = {}) {
         known_ = {};
         known_.cube_pieces = std::move(cube_pieces);
         frame_.on_lattice = false;
         Options options = options_;
         options.merge_distance = 0;
-        const bool is_last = from < to && !(to < options_.goal);
-        const int runs = kRaisingRuns + (is_last && to < kMostWidened ? 1 : 0);
+        const int runs = kRaisingRuns + (widens ? 1 : 0);
         for (int run = 0; run < runs; ++run) {
             // Most elements are mended without their neighbours inside, and hexahedra are what people want.
             std::optional<Zone> zone = open(to, run == 0, run == kRaisingRuns);
@@ -115,7 +116,7 @@ class Session {
             const double from = step;
             step *= kRaise;
             if (step * kLastRaise > options_.goal) step = options_.goal;
-            raise(from, step);
+            raise(from, step, !(step < options_.goal) && step < kMostWidened);
         }
         loosen();
         counters_.below_goal = count_below(mesh_, frame_, options_.goal, options_.threads);
@@ -198,7 +199,7 @@ Mesh improve(Mesh mesh, const tape::BoundModel& model, const Options& options, C
 Mesh mend_parts(Mesh mesh, const tape::BoundModel& model, const Options& options, IndexRuns cube_pieces,
                 Counters& counters) {
     Session session(std::move(mesh), model, options, nullptr);
-    session.raise(kGoodQuality, kGoodQuality, std::move(cube_pieces));
+    session.raise(kGoodQuality, kGoodQuality, false, std::move(cube_pieces));
     Counters added;
     mesh = session.finish(added);
     counters.zone_elements += added.zone_elements;
