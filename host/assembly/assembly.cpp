@@ -9,6 +9,7 @@
 #include "host/assembly/pieces.hpp"
 #include "host/common/large_array.hpp"
 #include "host/common/parallel.hpp"
+#include "host/snio/face_plans.hpp"
 
 namespace mortise::assembly {
 namespace {
@@ -173,6 +174,8 @@ class Assembler {
         const PieceRange range = piece_range();
         foreign_ = device_.upload(numbering_.foreign_grid);
         leaves_ = device_.upload(of_range(input_.classification.leaves));
+        plans_ = device_.allocate(sizeof(FacePlans));
+        device_.upload(plans_, &snio::face_plans(), 1);
         offset_buffer_ =
             device_.allocate(kElementTypes * std::max<std::size_t>(1, stride + 1) * sizeof(std::uint32_t));
         for (std::size_t t = 0; t < kElementTypes; ++t) {
@@ -183,7 +186,7 @@ class Assembler {
                range, first_word());
         launch("write_hexahedra", word_count_, used_, owned_, base_, offset_buffer_, foreign_,
                connectivity_[0], range, first_word());
-        launch("write_templates", stride, tree.nio, leaves_, used_, owned_, base_, offset_buffer_,
+        launch("write_templates", stride, tree.nio, plans_, leaves_, used_, owned_, base_, offset_buffer_,
                facet_offset_buffer_, foreign_, connectivity_[0], connectivity_[1], connectivity_[2],
                connectivity_[3], facet_buffer_, range, static_cast<std::uint32_t>(stride + 1));
         // The host adds the certificate's part to the same arrays.
@@ -468,7 +471,8 @@ class Assembler {
     std::uint64_t snio_facets_ = 0;
     std::vector<NodeId> snio_facet_nodes_;
     std::uint64_t nodes_ = 0;
-    Buffer used_, owned_, base_, leaves_, offset_buffer_, facet_offset_buffer_, points_, facet_buffer_;
+    Buffer used_, owned_, base_, leaves_, plans_, offset_buffer_, facet_offset_buffer_, points_,
+        facet_buffer_;
     std::array<Buffer, kElementTypes> connectivity_;
     Mesh mesh_;
 };

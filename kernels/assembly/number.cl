@@ -9,7 +9,7 @@
 // leaves) its owned extra nodes. Leaves are indexed by their rank among meshed leaves: IN rank + NIO rank.
 // All arrays over leaves but the tree's and `used` hold the piece's leaves only (PieceRange).
 #include "shared/bounds.h"
-#include "shared/cell_boundary.h"
+#include "shared/face_plan.h"
 #include "shared/snap.h"
 #include "shared/snio.h"
 #include "shared/template_table.h"
@@ -35,12 +35,8 @@ MORTISE_NOINLINE uint owned_mask(const Tree* tree, __global const uint* used, ul
         }
     }
     for (uint e = 0; e < 12; ++e) {
-        if ((mask >> (8 + e)) & 1) {
-            const uint c = kEdgeCorners[e][0];
-            if (edge_owner(tree, used, level, e / 4, x + (c & 1) * edge, y + ((c >> 1) & 1) * edge,
-                           z + (c >> 2) * edge, &bit) == code) {
-                owned |= 1u << (8 + e);
-            }
+        if (((mask >> (8 + e)) & 1) && own_edge_owner(tree, used, code, level, e, &bit) == code) {
+            owned |= 1u << (8 + e);
         }
     }
     return owned;
@@ -301,11 +297,12 @@ MORTISE_NOINLINE void write_row(uint pattern, const uint* ids, __global uint* co
 
 // Elements of a wedge or a cone, and facets on the faces and the surface of any leaf with a boundary of its
 // own.
-MORTISE_NOINLINE void write_boundary(const SnioLeaf* leaf, const uint* ids, __global uint** out,
-                                     __global uint* facets) {
+MORTISE_NOINLINE void write_boundary(__global const FacePlans* plans, const SnioLeaf* leaf, const uint* ids,
+                                     __global uint** out, __global uint* facets) {
+    const uint inside = leaf->method == kMethodHexahedron ? 0xffu : leaf->pattern;
     CellBoundary boundary;
     int off_loop = 1;
-    make_outline(leaf->method == kMethodHexahedron ? 0xff : leaf->pattern, leaf->on, &boundary);
+    planned_outline(plans, inside, leaf->on & ~inside, &boundary);
     for (int f = 0; f < 6; ++f) boundary.mesh[f] = (leaf->faces >> (2 * f)) & 3;
     for (int f = 0; f < 6; ++f) {
         for (int i = 0; i < 3; ++i) {
@@ -353,16 +350,17 @@ MORTISE_NOINLINE void write_boundary(const SnioLeaf* leaf, const uint* ids, __gl
 
 // Elements and surface facets of SNIO leaves, in Morton order.
 //
-// Reads the tree, nio, leaves, used, owned, base, offsets[t * stride + i] of elements of type t before leaf i
-// and facet_offsets; writes the node numbers of each type and of the facets. One work-item handles one NIO
-// leaf.
+// Reads the tree, nio, plans, leaves, used, owned, base, offsets[t * stride + i] of elements of type t before
+// leaf i and facet_offsets; writes the node numbers of each type and of the facets. One work-item handles one
+// NIO leaf.
 MORTISE_KERNEL void write_templates(TREE_PARAMETERS, __global const TreeNode* nio,
-                                    __global const SnioLeaf* leaves, __global const uint* used,
-                                    __global const uint* owned, __global const uint* base,
-                                    __global const uint* offsets, __global const uint* facet_offsets,
-                                    __global const ulong* foreign, __global uint* hexahedra,
-                                    __global uint* wedges, __global uint* pyramids, __global uint* tetrahedra,
-                                    __global uint* facets, PieceRange range, uint stride, uint items) {
+                                    __global const FacePlans* plans, __global const SnioLeaf* leaves,
+                                    __global const uint* used, __global const uint* owned,
+                                    __global const uint* base, __global const uint* offsets,
+                                    __global const uint* facet_offsets, __global const ulong* foreign,
+                                    __global uint* hexahedra, __global uint* wedges, __global uint* pyramids,
+                                    __global uint* tetrahedra, __global uint* facets, PieceRange range,
+                                    uint stride, uint items) {
     const uint item = get_global_id(0);
     if (item >= items) return;
     {
@@ -390,10 +388,8 @@ MORTISE_KERNEL void write_templates(TREE_PARAMETERS, __global const TreeNode* ni
         }
         for (uint e = 0; e < 12; ++e) {
             if ((mask >> (8 + e)) & 1) {
-                const uint c = kEdgeCorners[e][0];
                 uint bit = 0;
-                const ulong owner = edge_owner(&tree, used, level, e / 4, x + (c & 1) * edge,
-                                               y + ((c >> 1) & 1) * edge, z + (c >> 2) * edge, &bit);
+                const ulong owner = own_edge_owner(&tree, used, morton, level, e, &bit);
                 ids[8 + e] = node_id(&tree, owned, base, foreign, range, owner, bit);
             }
         }
@@ -416,7 +412,7 @@ MORTISE_KERNEL void write_templates(TREE_PARAMETERS, __global const TreeNode* ni
                 for (uint i = 0; i < 8; ++i) out[0][i] = ids[kHexahedronCorner[i]];
                 if (leaf.boundary == 0) return;
             }
-            write_boundary(&leaf, ids, out, facets_out);
+            write_boundary(plans, &leaf, ids, out, facets_out);
         }
     }
 }

@@ -103,11 +103,12 @@ MORTISE_FUNCTION double triangle_shape(const double* a, const double* b, const d
     const double x = uy * vz - uz * vy;
     const double y = uz * vx - ux * vz;
     const double z = ux * vy - uy * vx;
-    const double ab = mortise_sqrt(squared_distance(a, b));
-    const double bc = mortise_sqrt(squared_distance(b, c));
-    const double ca = mortise_sqrt(squared_distance(c, a));
+    const double ab = squared_distance(a, b);
+    const double bc = squared_distance(b, c);
+    const double ca = squared_distance(c, a);
     double longest = ab > bc ? ab : bc;
     if (ca > longest) longest = ca;
+    longest = mortise_sqrt(longest);
     return mortise_sqrt(x * x + y * y + z * z) / (longest * longest);
 }
 
@@ -155,12 +156,18 @@ MORTISE_FUNCTION int pentagon_apex(const u8* n, int mesh) {
     return mesh == kFaceWhole ? middle : mesh == kFaceSplit02 ? (middle + 4) % 5 : (middle + 1) % 5;
 }
 
-// Mesh of a face's polygon by the face rule.
-MORTISE_FUNCTION int face_mesh_of(const u8* n, int count, u32 inside, const double (*p)[3]) {
+// What corner states alone tell of a polygon's mesh: the mesh, or kFaceByShape, and whether positions may
+// make it whole.
+#define kFaceByShape 4    // one of the two splits, by the triangles' shapes
+#define kFaceIfSquare 8   // whole if nearly square
+#define kFaceIfOnGrid 16  // and if its corners lie on the grid
+
+MORTISE_FUNCTION int face_rule(const u8* n, int count, u32 inside) {
     int ins = 0;
     int cuts = 0;
     int in_at = 0;
     int on_at = 0;
+    int rule = kFaceByShape;
     if (count == 0) return kFaceEmpty;
     if (count == 5) {
         const int middle = pentagon_middle(n);
@@ -179,27 +186,42 @@ MORTISE_FUNCTION int face_mesh_of(const u8* n, int count, u32 inside, const doub
         }
     }
     if (cuts == 2 || ins == 4) return kFaceWhole;
-    if (cuts == 0 && is_nearly_square(p, n) && (ins != 1 || is_undisplaced(p, n))) return kFaceWhole;
-    if (ins == 1) return (in_at & 1) ? kFaceSplit13 : kFaceSplit02;
-    if (ins == 3) return (on_at & 1) ? kFaceSplit13 : kFaceSplit02;
-    if (cuts == 0 && ins == 2 && ((inside >> n[on_at ^ 2]) & 1) == 0) {
-        return (on_at & 1) ? kFaceSplit13 : kFaceSplit02;
+    if (ins == 1) {
+        rule = (in_at & 1) ? kFaceSplit13 : kFaceSplit02;
+    } else if (ins == 3 || (cuts == 0 && ins == 2 && ((inside >> n[on_at ^ 2]) & 1) == 0)) {
+        rule = (on_at & 1) ? kFaceSplit13 : kFaceSplit02;
     }
-    {
-        double first = triangle_shape(p[n[0]], p[n[1]], p[n[2]]);
-        double second = triangle_shape(p[n[0]], p[n[1]], p[n[3]]);
-        const double first_other = triangle_shape(p[n[0]], p[n[2]], p[n[3]]);
-        const double second_other = triangle_shape(p[n[1]], p[n[2]], p[n[3]]);
-        if (first_other < first) first = first_other;
-        if (second_other < second) second = second_other;
-        if (first != second) return first > second ? kFaceSplit02 : kFaceSplit13;
-    }
+    if (cuts == 0) rule |= ins == 1 ? kFaceIfSquare | kFaceIfOnGrid : kFaceIfSquare;
+    return rule;
+}
+
+// Mesh of a polygon with four nodes by the better of the worse triangles.
+MORTISE_FUNCTION int better_split(const u8* n, const double (*p)[3]) {
+    double first = triangle_shape(p[n[0]], p[n[1]], p[n[2]]);
+    double second = triangle_shape(p[n[0]], p[n[1]], p[n[3]]);
+    const double first_other = triangle_shape(p[n[0]], p[n[2]], p[n[3]]);
+    const double second_other = triangle_shape(p[n[1]], p[n[2]], p[n[3]]);
+    if (first_other < first) first = first_other;
+    if (second_other < second) second = second_other;
+    if (first != second) return first > second ? kFaceSplit02 : kFaceSplit13;
     {
         // Ties go to the first corner of the frame's order.
         int lowest = 0;
         for (int i = 1; i < 4; ++i) lowest = n[i] < n[lowest] ? i : lowest;
         return (lowest & 1) ? kFaceSplit13 : kFaceSplit02;
     }
+}
+
+// Mesh of a face's polygon, whose rule is known.
+MORTISE_FUNCTION int face_mesh_by(int rule, const u8* n, const double (*p)[3]) {
+    if ((rule & kFaceIfSquare) && is_nearly_square(p, n) && (!(rule & kFaceIfOnGrid) || is_undisplaced(p, n)))
+        return kFaceWhole;
+    return (rule & kFaceByShape) ? better_split(n, p) : rule & 3;
+}
+
+// Mesh of a face's polygon by the face rule.
+MORTISE_FUNCTION int face_mesh_of(const u8* n, int count, u32 inside, const double (*p)[3]) {
+    return face_mesh_by(face_rule(n, count, inside), n, p);
 }
 
 // Facet i of the polygon of face f, meshed as `mesh` tells, as seen from inside the cell, counter-clockwise:

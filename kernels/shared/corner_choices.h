@@ -25,6 +25,10 @@ typedef struct CornerChoices {
     FaceChoice face[6];
 } CornerChoices;
 
+// A face none of whose corners has moved is seen from all that is this far inside its plane: its facets are
+// flat there, with angles above kRootMargin lattice units at each corner that FaceMeshPlan tells of.
+#define kClearHeight 0.125
+
 // Whether all elements are positive that join an apex to the facets of a face.
 MORTISE_FUNCTION int sees_face(MORTISE_GLOBAL FaceMeshPlan* mesh, const double (*p)[3], u32 apex) {
     const int count = mesh->count;
@@ -71,9 +75,15 @@ MORTISE_FUNCTION int sees_surface(MORTISE_GLOBAL LoopPlan* plan, const double (*
 // has moved. What is known of a face from the same place is not asked again: most choices differ in others.
 MORTISE_FUNCTION int sees_faces(const double (*p)[3], u32 apex, u32 moved, CornerChoices* choices) {
     const u32 from = apex | (((moved >> apex) & 1u) << 5);
+    u32 asked = 0;  // faces
+    for (int f = 0; f < 6; ++f) {
+        const double at = p[apex][f / 2];
+        const double height = (f & 1) ? 1 - at : at;
+        asked |= (u32)(choices->choice[f] != 0 || !(height > kClearHeight)) << f;
+    }
     if (apex == kCellInteriorNode) {  // somewhere else each time
-        for (int f = 0; f < 6; ++f) {
-            if (!sees_face(choices->face[f].mesh, p, apex)) return 0;
+        for (; asked != 0; asked &= asked - 1) {
+            if (!sees_face(choices->face[mortise_lowest_bit(asked)].mesh, p, apex)) return 0;
         }
         return 1;
     }
@@ -81,7 +91,8 @@ MORTISE_FUNCTION int sees_faces(const double (*p)[3], u32 apex, u32 moved, Corne
         choices->seen_from = from;
         for (int f = 0; f < 6; ++f) choices->seen[f] = 0;
     }
-    for (int f = 0; f < 6; ++f) {
+    for (; asked != 0; asked &= asked - 1) {
+        const u32 f = mortise_lowest_bit(asked);
         const u32 k = choices->choice[f];
         if (((choices->seen[f] >> k) & 1) == 0)
             choices->seen[f] |= (1u | ((u32)sees_face(choices->face[f].mesh, p, apex) << 16)) << k;
@@ -102,7 +113,7 @@ MORTISE_FUNCTION int has_cone(MORTISE_GLOBAL LoopPlan* loop, u32 moved, double (
     {
         u32 apexes = (nodes | (1u << kCellInteriorNode)) & ~forbidden;
         u32 apex = choices->apex;
-        if (apex > kCellInteriorNode || ((apexes >> apex) & 1) == 0)
+        if (apex >= kCellInteriorNode || ((apexes >> apex) & 1) == 0)
             apex = apexes != 0 ? mortise_lowest_bit(apexes) : kNoApex;
         while (apexes != 0) {
             if (apex == kCellInteriorNode) place_interior_node(nodes, p);
@@ -131,12 +142,15 @@ MORTISE_FUNCTION int has_wedge(MORTISE_GLOBAL FacePlans* plans, u32 inside, u32 
     }
 }
 
-// The mesh of a face, by its plan and the positions p.
-MORTISE_FUNCTION int mesh_of_plan(MORTISE_GLOBAL FacePlan* plan, u32 inside, const double (*p)[3]) {
-    u8 node[5];
-    if (plan->count < 4) return kFaceWhole;
-    for (int i = 0; i < 5; ++i) node[i] = plan->node[i];
-    return face_mesh_of(node, plan->count, inside, p);
+// The mesh of a face, by its plan and the positions p; an empty one's is kFaceWhole.
+MORTISE_FUNCTION int mesh_of_plan(MORTISE_GLOBAL FacePlan* plan, const double (*p)[3]) {
+    const int rule = plan->rule;
+    if (rule <= kFaceSplit13) return rule == kFaceEmpty ? kFaceWhole : rule;
+    {
+        u8 node[4];
+        for (int i = 0; i < 4; ++i) node[i] = plan->node[i];
+        return face_mesh_by(rule, node, p);
+    }
 }
 
 // Brings faces up to date; all of them have polygons.
@@ -152,7 +166,7 @@ MORTISE_FUNCTION void choose_faces(MORTISE_GLOBAL FacePlans* plans, u32 inside, 
         choices->choice[f] = k;
         choices->face[f].plan = plan;
         if (((choices->known[f] >> k) & 1) == 0) {
-            choices->mesh[f][k] = (u8)mesh_of_plan(plan, inside, p);
+            choices->mesh[f][k] = (u8)mesh_of_plan(plan, p);
             choices->known[f] |= 1u << k;
         }
         choices->face[f].mesh = &plan->mesh[choices->mesh[f][k] - kFaceWhole];

@@ -26,7 +26,8 @@ typedef struct FacePlan {
     u32 nodes;  // of the polygon: the set of them
     u8 count;   // and in order; kNoPolygon: two opposite I face two opposite O
     u8 node[5];
-    u8 padding[2];
+    u8 rule;  // face_rule
+    u8 padding;
     FaceMeshPlan mesh[kFaceMeshes];
 } FacePlan;
 
@@ -73,6 +74,7 @@ MORTISE_FUNCTION void make_face_plan(u32 inside, u32 on, int f, FacePlan* plan, 
     const int count = face_outline(inside, on, f, node);
     plan->count = (u8)(count < 0 ? kNoPolygon : count);
     if (count < 0) return;
+    plan->rule = (u8)face_rule(node, count, inside);
     for (int i = 0; i < count; ++i) {
         plan->node[i] = node[i];
         plan->nodes |= 1u << node[i];
@@ -84,7 +86,7 @@ MORTISE_FUNCTION void make_face_plan(u32 inside, u32 on, int f, FacePlan* plan, 
     make_face_mesh_plan(node, count, kFaceSplit13, f, &plan->mesh[2]);
 }
 
-// What make_outline makes.
+// What make_outline makes; for the meshes of the faces the rules that tell them.
 MORTISE_FUNCTION void planned_outline(MORTISE_GLOBAL FacePlans* plans, u32 inside, u32 on, CellBoundary* b) {
     const u64 states = plans->states[inside] + 2 * plans->states[on];
     MORTISE_GLOBAL LoopPlan* loop = &plans->loop[plans->cell_states[inside] + 2 * plans->cell_states[on]];
@@ -95,6 +97,7 @@ MORTISE_FUNCTION void planned_outline(MORTISE_GLOBAL FacePlans* plans, u32 insid
     for (int f = 0; f < 6; ++f) {
         MORTISE_GLOBAL FacePlan* plan = &plans->plan[f][(states >> (8 * f)) & 0xff];
         b->count[f] = plan->count;
+        b->mesh[f] = plan->rule;
         for (int i = 0; i < 5; ++i) b->node[f][i] = plan->node[i];
         b->nodes |= plan->nodes;
     }

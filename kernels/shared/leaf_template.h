@@ -17,20 +17,28 @@ typedef struct LeafTemplate {
     Cone cone;  // kMethodCone; kMethodWedge: apex is the axis
 } LeafTemplate;
 
+// Where corner c is once it has moved, as below.
+MORTISE_FUNCTION void moved_position(MORTISE_GLOBAL SnioPoints* points, u32 c, double* at) {
+    for (int j = 0; j < 3; ++j)
+        at[j] = (double)((c >> j) & 1) + (double)points->moved[c][j] / (double)kCellUnits;
+}
+
 // Node positions in cell edges, from the leaf's minimum corner: corners, those in `displaced` moved, and cuts
-// of the edges in `cuts`. Exact: multiples of the lattice step.
+// of the edges in `cuts`; of others nothing. Exact: multiples of the lattice step.
 MORTISE_FUNCTION void leaf_positions(MORTISE_GLOBAL SnioPoints* points, u32 displaced, u32 cuts,
                                      double (*p)[3]) {
     for (int c = 0; c < 8; ++c) {
-        for (int j = 0; j < 3; ++j) {
-            p[c][j] = (c >> j) & 1;
-            if ((displaced >> c) & 1) p[c][j] += (double)points->moved[c][j] / (double)kCellUnits;
-        }
+        for (int j = 0; j < 3; ++j) p[c][j] = (double)((c >> j) & 1);
     }
-    for (int e = 0; e < 12; ++e) {
-        const int low = kEdgeCorners[e][0];
-        for (int j = 0; j < 3; ++j) p[8 + e][j] = (low >> j) & 1;
-        if ((cuts >> e) & 1) p[8 + e][e / 4] = (double)points->root[e] / (double)kCellUnits;
+    for (u32 rest = displaced; rest != 0; rest &= rest - 1) {
+        const u32 c = mortise_lowest_bit(rest);
+        moved_position(points, c, p[c]);
+    }
+    for (u32 rest = cuts; rest != 0; rest &= rest - 1) {
+        const u32 e = mortise_lowest_bit(rest);
+        const u32 low = kEdgeCorners[e][0];
+        for (int j = 0; j < 3; ++j) p[8 + e][j] = (double)((low >> j) & 1);
+        p[8 + e][e / 4] = (double)points->root[e] / (double)kCellUnits;
     }
 }
 
@@ -152,7 +160,7 @@ MORTISE_FUNCTION int make_boundary(MORTISE_GLOBAL FacePlans* plans, u32 inside, 
     planned_outline(plans, inside, on, b);
     if (b->loop_size < 0) return -1;
     for (int f = 0; f < 6; ++f) {
-        b->mesh[f] = (u8)face_mesh_of(b->node[f], b->count[f], inside, p);
+        b->mesh[f] = (u8)face_mesh_by(b->mesh[f], b->node[f], p);
         whole += b->count[f] == 4 && b->mesh[f] == kFaceWhole;
     }
     if (b->loop_size > 0 || whole < 6) return kMethodCone;

@@ -307,10 +307,19 @@ MORTISE_FUNCTION u64 corner_owner(const Tree* tree, MORTISE_GLOBAL u32* used, u6
                                   u32 y, u32 z, u32 edge, u32 c, u32* bit) {
     if (!tree->shape.graded) {
         const u64 behind = cell_behind(code, 7 - c);
+        u64 owner = kNoOwner;
         if (behind != kNoOwner && test_bit(tree->in_bits, behind)) {
             *bit = 7;
             return behind;
         }
+        for (u32 d = 0; d < 8; ++d) {
+            const Leaf leaf = leaf_at_corner(tree, code, edge, c, d);
+            if (leaf.kind == kLeafNone || leaf.code >= owner || !leaf_uses(used, leaf, 7 - d)) continue;
+            owner = leaf.code;
+            *bit = 7 - d;
+            if (d == 0) break;  // as above
+        }
+        return owner;
     } else if ((mark & kFinerAround) == 0) {
         *bit = 7;
         if (c == 7) return code;
@@ -351,6 +360,35 @@ MORTISE_FUNCTION u64 edge_owner(const Tree* tree, MORTISE_GLOBAL u32* used, i32 
                 owner = code;
                 *bit = edge_bit;
             }
+        }
+    }
+    return owner;
+}
+
+// The same for edge e of the leaf with this code and level, by steps from its code where the tree is uniform.
+MORTISE_FUNCTION u64 own_edge_owner(const Tree* tree, MORTISE_GLOBAL u32* used, u64 code, i32 level, u32 e,
+                                    u32* bit) {
+    const u32 axis = e >> 2;
+    u64 owner = kNoOwner;
+    if (tree->shape.graded) {
+        const u32 edge = leaf_edge(tree, level);
+        const u32 c = kEdgeCorners[e][0];
+        return edge_owner(tree, used, level, axis, gather_bits(code) + (c & 1) * edge,
+                          gather_bits(code >> 1) + ((c >> 1) & 1) * edge,
+                          gather_bits(code >> 2) + (c >> 2) * edge, bit);
+    }
+    for (u32 d = 0; d < 4; ++d) {
+        const i32 first = (i32)((e & 1) + (d & 1)) - 1;
+        const i32 second = (i32)(((e >> 1) & 1) + (d >> 1)) - 1;
+        const u64 other = cell_beside(tree, code, axis == 0 ? 0 : first,
+                                      axis == 0   ? first
+                                      : axis == 1 ? 0
+                                                  : second,
+                                      axis == 2 ? 0 : second);
+        const u32 edge_bit = 8 + 4 * axis + (3 - d);
+        if (other < owner && leaf_uses(used, leaf_at(tree, other), edge_bit)) {
+            owner = other;
+            *bit = edge_bit;
         }
     }
     return owner;

@@ -13,8 +13,6 @@
 #include "snio/alike.h"
 
 #define NO_SURFACE 0xffffffffu
-#define NO_LEAF 0xffffffffu
-#define NOT_ASKED 0xfffffffeu
 
 static void veto(__global uint* vetoes, uint leaf, uint corner) {
     atomic_or(vetoes + (leaf >> 2), 1u << (8 * (leaf & 3) + corner));
@@ -127,7 +125,6 @@ MORTISE_KERNEL void promote_leaves(TREE_PARAMETERS, __global const uint* new_nio
             } else {
                 const uint edge = leaf_edge(&tree, leaf_level(&tree, own));
                 __global SnioPoints* own_points = promoted_points + (to - from);
-                uint around[27];  // simple leaves of its size beside it and at its edges and corners
                 point_of[to] = kPromotedPoints | (to - from);
                 node.morton = own;
                 node.tape_offset = 0;
@@ -140,35 +137,36 @@ MORTISE_KERNEL void promote_leaves(TREE_PARAMETERS, __global const uint* new_nio
                 candidate.flags = kCandidateSimple | kCandidatePromoted;
                 candidate.needed = 0;
                 candidate.padding = 0;
-                for (uint i = 0; i < 27; ++i) around[i] = NOT_ASKED;
-                for (uint c = 0; c < 8; ++c) {
-                    for (uint d = 0; d < 8; ++d) {
-                        const uint place = (c & 1) + (d & 1) + 3 * (((c >> 1) & 1) + ((d >> 1) & 1)) +
-                                           9 * ((c >> 2) + (d >> 2));
-                        SnioCandidate other;
-                        uint other_near;
-                        if (around[place] == NOT_ASKED) {
-                            const Leaf leaf = leaf_at_corner(&tree, own, edge, c, d);
-                            const int is_like = leaf.kind == kLeafNio &&
-                                                leaf_edge(&tree, leaf.level) == edge &&
-                                                (candidates[leaf.index].flags & kCandidateSimple) != 0;
-                            around[place] = is_like ? leaf.index : NO_LEAF;
-                        }
-                        if (around[place] == NO_LEAF) continue;
-                        other = candidates[around[place]];
-                        other_near = other.near & ~vetoes_of(vetoes, around[place]);
-                        if ((((other.zero | other_near) >> (7 - d)) & 1) == 0) continue;
+                // The places around: beside this leaf along the axes of `across`, on the high side along
+                // those of `high`.
+                for (uint place = 0; place < 64; ++place) {
+                    const uint across = place >> 3;
+                    const uint high = place & 7;
+                    const uint along = 7 & ~across;
+                    Leaf leaf;
+                    SnioCandidate other;
+                    uint on;
+                    if (across == 0 || (high & along) != 0) continue;
+                    // Corner c of this one is 7 - d of the other.
+                    leaf = leaf_at_corner(&tree, own, edge, high, along | high);
+                    if (leaf.kind != kLeafNio || leaf_edge(&tree, leaf.level) != edge) continue;
+                    other = candidates[leaf.index];
+                    if ((other.flags & kCandidateSimple) == 0) continue;
+                    other.near &= ~(uchar)vetoes_of(vetoes, leaf.index);
+                    on = other.zero | other.near;
+                    for (uint c = 0; c < 8 && on != 0; ++c) {
+                        const uint theirs = c ^ across;
+                        if ((c & across) != high || ((on >> theirs) & 1) == 0) continue;
                         if (candidate.surface == NO_SURFACE) {
                             candidate.surface = other.surface;
                             candidate.region = other.region;
                         }
                         if (candidate.surface != other.surface) mixed = 1;
-                        candidate.zero |= ((other.zero >> (7 - d)) & 1u) << c;
-                        if (((other_near >> (7 - d)) & 1) == 0) continue;
+                        candidate.zero |= ((other.zero >> theirs) & 1u) << c;
+                        if (((other.near >> theirs) & 1) == 0) continue;
                         candidate.near |= 1u << c;
-                        for (int j = 0; j < 3; ++j) {
-                            own_points->moved[c][j] = points[around[place]].moved[7 - d][j];
-                        }
+                        for (int j = 0; j < 3; ++j)
+                            own_points->moved[c][j] = points[leaf.index].moved[theirs][j];
                     }
                 }
                 candidate.inside = (uchar)(0xff & ~candidate.zero);
@@ -191,14 +189,11 @@ MORTISE_NOINLINE uchar tested_flags(__global const SnioPoints* points, const Sni
     uint count = 0;
     CornerChoices choices;
     uint subset = needed;
-    leaf_positions(points, candidate.near, cuts, p);
-    for (uint c = 0; c < 8; ++c) {
-        const int is_moved = (needed >> c) & 1;
-        if (((candidate.near & ~needed) >> c) & 1) others[count++] = c;
-        for (int j = 0; j < 3; ++j) {
-            moved[c][j] = p[c][j];
-            if (!is_moved) p[c][j] = (double)((c >> j) & 1);
-        }
+    leaf_positions(points, needed, cuts, p);
+    for (uint rest = candidate.near & ~needed; rest != 0; rest &= rest - 1) {
+        const uint c = mortise_lowest_bit(rest);
+        others[count++] = c;
+        moved_position(points, c, moved[c]);
     }
     for (uint f = 0; f < 6; ++f) choices.known[f] = 0;
     choices.apex = kNoApex;

@@ -292,6 +292,18 @@ TEST_CASE("a vertex or edge root belongs to the first in Morton order of the fin
                         expected);
                 if (expected != kNoOwner) REQUIRE(bit == expected_bit);
             }
+            for (u32 e = 0; e < 12; ++e) {
+                if (((entry.mask >> (8 + e)) & 1) == 0) continue;
+                const u32 low = kEdgeCorners[e][0];
+                u32 expected_bit = 0;
+                u32 bit = 0;
+                const u64 expected =
+                    edge_owner(&tree, leaves.used.data(), entry.level, e / 4, x + (low & 1) * edge,
+                               y + ((low >> 1) & 1) * edge, z + (low >> 2) * edge, &expected_bit);
+                REQUIRE(own_edge_owner(&tree, leaves.used.data(), entry.code, entry.level, e, &bit) ==
+                        expected);
+                if (expected != kNoOwner) REQUIRE(bit == expected_bit);
+            }
         }
     }
     CHECK(mask_rank(0b1011010, 6) == 3);

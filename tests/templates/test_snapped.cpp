@@ -194,6 +194,8 @@ bool is_closed(const std::vector<Facet>& facets) {
 TEST_CASE("all 6561 corner states: face meshes and the surface loop close up, and plans are the same") {
     int simple = 0;
     int closed = 0;
+    Random random(70);
+    const PlaneCell cell = random_cell(random);
     for (int code = 0; code < 6561; ++code) {
         u32 inside = 0;
         u32 on = 0;
@@ -204,6 +206,10 @@ TEST_CASE("all 6561 corner states: face meshes and the surface loop close up, an
         if (inside == 0) continue;
         CellBoundary boundary, planned;
         make_outline(inside, on, &boundary);
+        double p[kCellNodes][3];
+        const Positions positions = positions_of(cell, on, 0.1, random);
+        for (std::size_t n = 0; n < kCellNodes; ++n)
+            std::copy(positions[n].begin(), positions[n].end(), p[n]);
         planned_outline(&mortise::snio::face_plans(), inside, on, &planned);
         REQUIRE(planned.loop_size == boundary.loop_size);
         if (boundary.loop_size < 0) continue;
@@ -212,6 +218,8 @@ TEST_CASE("all 6561 corner states: face meshes and the surface loop close up, an
         for (int f = 0; f < 6; ++f) {
             REQUIRE(planned.count[f] == boundary.count[f]);
             REQUIRE(std::equal(planned.node[f], planned.node[f] + planned.count[f], boundary.node[f]));
+            REQUIRE(face_mesh_by(planned.mesh[f], planned.node[f], p) ==
+                    face_mesh_of(boundary.node[f], boundary.count[f], inside, p));
         }
         ++simple;
         // Every way to split the quadrilaterals.
@@ -343,4 +351,40 @@ TEST_CASE("planes: every subset of the near corners has a valid template") {
     CHECK(subsets > 30000);
     CHECK(missing == 0);
     CHECK(bad == 0);
+}
+
+TEST_CASE("whatever is said to have a template has one, also where corners move too far") {
+    Random random(73);
+    int with = 0, without = 0;
+    int wrong = 0;
+    for (int i = 0; i < 6000; ++i) {
+        const PlaneCell cell = random_cell(random);
+        // Corners are somewhere, but at the same place in all choices.
+        const Positions moved = positions_of(cell, cell.near, 0.6, random);
+        const Positions still = positions_of(cell, 0, 0, random);
+        CornerChoices choices{};
+        u32 on = 0;
+        do {
+            const u32 inside = cell.inside & ~on;
+            if (inside != 0) {
+                Positions positions = still;
+                for (std::size_t c = 0; c < 8; ++c) {
+                    if ((on >> c & 1U) != 0) positions[c] = moved[c];
+                }
+                double p[kCellNodes][3];
+                for (std::size_t n = 0; n < kCellNodes; ++n)
+                    std::copy(positions[n].begin(), positions[n].end(), p[n]);
+                choices.stale = 0x3f;
+                const bool found =
+                    ::has_template(&mortise::snio::face_plans(), inside, on, on, p, 0, &choices) != 0;
+                const bool chosen = choose(inside, on, positions, 0).found.method >= 0;
+                ++(found ? with : without);
+                if (found && !chosen) ++wrong;
+            }
+            on = (on - cell.near) & cell.near;
+        } while (on != 0);
+    }
+    CHECK(with > 10000);
+    CHECK(without > 1000);
+    CHECK(wrong == 0);
 }
