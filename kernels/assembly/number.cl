@@ -305,10 +305,10 @@ MORTISE_NOINLINE void write_boundary(__global const FacePlans* plans, const Snio
     planned_outline(plans, inside, leaf->on & ~inside, &boundary);
     for (int f = 0; f < 6; ++f) boundary.mesh[f] = (leaf->faces >> (2 * f)) & 3;
     for (int f = 0; f < 6; ++f) {
-        for (int i = 0; i < 3; ++i) {
+        const int count = facet_count(boundary.count[f], boundary.mesh[f]);
+        for (int i = 0; i < count; ++i) {
             uchar facet[4];
             const int size = face_facet(&boundary, f, i, facet);
-            if (size == 0) break;
             if (leaf->method == kMethodCone && !facet_holds(facet, size, leaf->apex)) {
                 __global uint* to = out[size == 4 ? 2 : 3];
                 for (int k = 0; k < size; ++k) to[k] = ids[facet[k]];

@@ -224,6 +224,12 @@ MORTISE_FUNCTION int face_mesh_of(const u8* n, int count, u32 inside, const doub
     return face_mesh_by(face_rule(n, count, inside), n, p);
 }
 
+// Facets of a polygon that is meshed so.
+MORTISE_FUNCTION int facet_count(int count, int mesh) {
+    if (mesh == kFaceEmpty || count < 3) return 0;
+    return count == 4 && mesh == kFaceWhole ? 1 : count - 2;
+}
+
 // Facet i of the polygon of face f, meshed as `mesh` tells, as seen from inside the cell, counter-clockwise:
 // returns 0 (no such facet), 3 or 4.
 MORTISE_FUNCTION int polygon_facet(const u8* n, int count, int mesh, int f, int i, u8* facet) {

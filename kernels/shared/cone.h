@@ -189,11 +189,11 @@ typedef struct CellFacets {
 MORTISE_FUNCTION void list_facets(const CellBoundary* b, CellFacets* facets) {
     facets->count = 0;
     for (int f = 0; f < 6; ++f) {
-        for (int i = 0; i < 3; ++i) {
+        const int count = facet_count(b->count[f], b->mesh[f]);
+        for (int i = 0; i < count; ++i) {
             u8* facet = facets->facet[facets->count];
             const int size = face_facet(b, f, i, facet);
             u32 nodes = 0;
-            if (size == 0) break;
             for (int k = 0; k < size; ++k) nodes |= 1u << facet[k];
             facets->size[facets->count] = (u8)size;
             facets->nodes[facets->count++] = nodes;

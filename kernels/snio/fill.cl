@@ -79,12 +79,14 @@ MORTISE_NOINLINE void take(const Choice* choice, uint inside, SnioLeaf* leaf, ui
     {
         int off_loop = 1;
         if (cone->apex == kCellInteriorNode) *mask |= 1u << kInteriorNodeBit;
+        // The apex is on all facets of a face or on none (possible_apexes).
         for (int f = 0; f < 6; ++f) {
-            for (int i = 0; i < 3; ++i) {
-                uchar facet[4];
-                const int size = face_facet(boundary, f, i, facet);
-                if (size == 0) break;
-                if (!facet_holds(facet, size, (int)cone->apex)) ++elements[size == 4 ? 2 : 3];
+            const int count = boundary->count[f];
+            if (facet_holds(boundary->node[f], count, (int)cone->apex)) continue;
+            if (count == 4 && boundary->mesh[f] == kFaceWhole) {
+                ++elements[2];
+            } else if (count > 0) {
+                elements[3] += (uint)count - 2;
             }
         }
         for (int i = 0; i < boundary->loop_size; ++i) {
