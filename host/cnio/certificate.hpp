@@ -85,6 +85,8 @@ struct CellRecord {
     std::uint32_t unresolved = 0;  ///< the same
 };
 
+using FaceKey = std::uint64_t;  ///< up to four nodes of a cell
+
 /// Meshes cells one at a time; keeps its scratch memory. One per thread.
 class Certificate {
   public:
@@ -161,6 +163,10 @@ class Certificate {
     std::int32_t whole_region_ = 0;  ///< of a cell in one region, which `whole_` fills; 0: none
     std::vector<Whole> whole_;
     std::vector<TransitionElement> transition_;
+    // Scratch of the facets' collection: faces with the region behind them, by face of the cell, and with the
+    // simplex, or pyramid behind the simplices, whose sides they are.
+    std::array<std::vector<std::pair<FaceKey, std::int32_t>>, 6> behind_;
+    std::vector<std::pair<FaceKey, std::uint32_t>> sides_;
 };
 
 }  // namespace mortise::cnio

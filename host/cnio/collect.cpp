@@ -1,17 +1,30 @@
 // Results of the certificate: elements, facets and node codes of one cell.
 #include <algorithm>
 #include <array>
+#include <limits>
+#include <utility>
 
 #include "host/cnio/certificate.hpp"
 
 namespace mortise::cnio {
 namespace {
 
-struct Side {
-    std::array<LocalNode, 4> key;   ///< ascending; a triangle ends with 0xffff
-    std::array<LocalNode, 4> node;  ///< outward from its simplex
-    std::uint32_t owner;            ///< simplex, or pyramid behind the simplices
-};
+/// The nodes of a triangle or quadrilateral in ascending order, as one number; kNoNode is the last of a
+/// triangle.
+FaceKey key_of(std::array<LocalNode, 4> node) {
+    static_assert(4 * sizeof(LocalNode) == sizeof(FaceKey));
+    const auto order = [&](std::size_t a, std::size_t b) {
+        if (node[b] < node[a]) std::swap(node[a], node[b]);
+    };
+    order(0, 1);
+    order(2, 3);
+    order(0, 2);
+    order(1, 3);
+    order(1, 2);
+    FaceKey key = 0;
+    for (const LocalNode n : node) key = key << 16 | n;
+    return key;
+}
 
 }  // namespace
 
@@ -118,12 +131,7 @@ void Certificate::assign_codes(CellRecord& record, CellArena& arena) {
 void Certificate::collect_face_facets(CellRecord& record, CellArena& arena) {
     const auto& nodes = cell_.nodes();
     // Region behind each facet: the simplex or pyramid whose side it is.
-    struct Behind {
-        std::array<LocalNode, 4> key;
-        std::int32_t region;
-        bool operator<(const Behind& other) const { return key < other.key; }
-    };
-    std::vector<Behind> behind[6];
+    for (auto& list : behind_) list.clear();
     const auto face_of = [&](const LocalNode* v, std::size_t count) {
         std::uint8_t common = 0x3f;
         for (std::size_t i = 0; i < count; ++i) common &= nodes[v[i]].faces;
@@ -131,38 +139,38 @@ void Certificate::collect_face_facets(CellRecord& record, CellArena& arena) {
     };
     for (std::size_t i = 0; i < simplices_.size(); ++i) {
         for (std::size_t skip = 0; skip < 4; ++skip) {
-            std::array<LocalNode, 4> key{};
+            std::array<LocalNode, 4> node{};
             std::size_t at = 0;
             for (std::size_t k = 0; k < 4; ++k) {
-                if (k != skip) key[at++] = simplices_[i].node[k];
+                if (k != skip) node[at++] = simplices_[i].node[k];
             }
-            const std::uint8_t common = face_of(key.data(), 3);
+            const std::uint8_t common = face_of(node.data(), 3);
             if (common == 0) continue;
-            std::sort(key.begin(), key.begin() + 3);
-            key[3] = 0xffff;
-            behind[__builtin_ctz(common)].push_back({key, simplex_region_[i]});
+            node[3] = kNoNode;
+            behind_[static_cast<std::size_t>(__builtin_ctz(common))].push_back(
+                {key_of(node), simplex_region_[i]});
         }
     }
     for (std::size_t i = 0; i < pyramids_.size(); ++i) {
-        std::array<LocalNode, 4> key = {pyramids_[i].node[0], pyramids_[i].node[1], pyramids_[i].node[2],
-                                        pyramids_[i].node[3]};
-        const std::uint8_t common = face_of(key.data(), 4);
-        std::sort(key.begin(), key.end());
-        behind[__builtin_ctz(common)].push_back({key, pyramid_region_[i]});
+        const std::array<LocalNode, 4> node = {pyramids_[i].node[0], pyramids_[i].node[1],
+                                               pyramids_[i].node[2], pyramids_[i].node[3]};
+        const std::uint8_t common = face_of(node.data(), 4);
+        behind_[static_cast<std::size_t>(__builtin_ctz(common))].push_back(
+            {key_of(node), pyramid_region_[i]});
     }
     for (int p = 0; p < kPatches; ++p) {
-        const int f = p / 4;
+        auto& behind = behind_[static_cast<std::size_t>(p / 4)];
         record.first_face_facet[static_cast<std::size_t>(p)] =
             static_cast<std::uint32_t>(arena.face_facets.size());
-        if (p % 4 == 0) std::sort(behind[f].begin(), behind[f].end());
+        if (p % 4 == 0) std::sort(behind.begin(), behind.end());
         for (const Facet& facet : cell_.patch(p)) {
             FaceFacet out{};
-            std::array<LocalNode, 4> key = {facet.node[0], facet.node[1], facet.node[2],
-                                            facet.count == 4 ? facet.node[3] : LocalNode{0xffff}};
-            std::sort(key.begin(), key.end());
-            const auto found = std::lower_bound(behind[f].begin(), behind[f].end(), Behind{key, 0});
+            const FaceKey key = key_of(
+                {facet.node[0], facet.node[1], facet.node[2], facet.count == 4 ? facet.node[3] : kNoNode});
+            const auto found = std::lower_bound(
+                behind.begin(), behind.end(), std::make_pair(key, std::numeric_limits<std::int32_t>::min()));
             std::int32_t region = whole_region_;
-            if (found != behind[f].end() && found->key == key) region = found->region;
+            if (found != behind.end() && found->first == key) region = found->second;
             out.region = static_cast<std::uint16_t>(region);
             for (std::size_t i = 0; i < 4; ++i) {
                 out.node[i] = code_[facet.node[i]];
@@ -189,55 +197,58 @@ void Certificate::collect_inner_facets(CellRecord& record, CellArena& arena) {
     }
     if (low >= high) return;  // one region, or nothing
     const auto& nodes = cell_.nodes();
-    std::vector<Side> sides;
-    const auto add_side = [&](LocalNode a, LocalNode b, LocalNode c, std::uint32_t owner) {
-        if ((nodes[a].faces & nodes[b].faces & nodes[c].faces) != 0) return;  // on a face of the cell
-        Side side{{a, b, c, 0xffff}, {a, b, c, c}, owner};
-        std::sort(side.key.begin(), side.key.begin() + 3);
-        sides.push_back(side);
-    };
-    for (std::uint32_t i = 0; i < simplices_.size(); ++i) {
-        const auto& v = simplices_[i].node;
-        for (const LocalFace& face : kTetrahedronFaces) {
-            add_side(v[static_cast<std::size_t>(face[0])], v[static_cast<std::size_t>(face[1])],
-                     v[static_cast<std::size_t>(face[2])], i);
+    // Owners are simplices, and pyramids behind them.
+    const auto for_sides_of = [&](std::size_t owner, const auto& visit) {
+        if (owner < simplices_.size()) {
+            const auto& v = simplices_[owner].node;
+            for (const LocalFace& face : kTetrahedronFaces)
+                visit(v[static_cast<std::size_t>(face[0])], v[static_cast<std::size_t>(face[1])],
+                      v[static_cast<std::size_t>(face[2])]);
+            return;
         }
-    }
-    for (std::uint32_t i = 0; i < pyramids_.size(); ++i) {
-        const auto& v = pyramids_[i].node;
+        const auto& v = pyramids_[owner - simplices_.size()].node;
         for (std::size_t f = 1; f < kPyramidFaces.size(); ++f) {
             const LocalFace& face = kPyramidFaces[f];
-            add_side(v[static_cast<std::size_t>(face[0])], v[static_cast<std::size_t>(face[1])],
-                     v[static_cast<std::size_t>(face[2])], static_cast<std::uint32_t>(simplices_.size()) + i);
+            visit(v[static_cast<std::size_t>(face[0])], v[static_cast<std::size_t>(face[1])],
+                  v[static_cast<std::size_t>(face[2])]);
         }
+    };
+    sides_.clear();
+    for (std::size_t owner = 0; owner < simplices_.size() + pyramids_.size(); ++owner) {
+        for_sides_of(owner, [&](LocalNode a, LocalNode b, LocalNode c) {
+            if ((nodes[a].faces & nodes[b].faces & nodes[c].faces) == 0)  // else on a face of the cell
+                sides_.push_back({key_of({a, b, c, kNoNode}), static_cast<std::uint32_t>(owner)});
+        });
     }
-    std::sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) {
-        return a.key != b.key ? a.key < b.key : a.owner < b.owner;
-    });
+    std::sort(sides_.begin(), sides_.end());
     const std::size_t n = cell_.surface_count();
-    const auto region_of = [&](std::uint32_t owner) {
+    const auto region_of = [&](std::size_t owner) {
         return owner < simplices_.size() ? simplex_region_[owner]
                                          : pyramid_region_[owner - simplices_.size()];
     };
-    const auto signs_of = [&](std::uint32_t owner) {
+    const auto signs_of = [&](std::size_t owner) {
         return owner < simplices_.size() ? simplex_signs_.data() + owner * n
                                          : pyramid_signs_.data() + (owner - simplices_.size()) * n;
     };
-    for (std::size_t i = 0; i + 1 < sides.size(); ++i) {
-        if (sides[i].key != sides[i + 1].key) continue;
-        const Side* inner = &sides[i];
-        const Side* outer = &sides[i + 1];
-        if (region_of(inner->owner) == region_of(outer->owner)) continue;
+    for (std::size_t i = 0; i + 1 < sides_.size(); ++i) {
+        if (sides_[i].first != sides_[i + 1].first) continue;
+        std::size_t inner = sides_[i].second;
+        std::size_t outer = sides_[i + 1].second;
+        if (region_of(inner) == region_of(outer)) continue;
         // The outward side is that of the region listed as `inside`: the one that exists, or the lower
         // number.
-        const std::int32_t a = region_of(inner->owner);
-        const std::int32_t b = region_of(outer->owner);
+        const std::int32_t a = region_of(inner);
+        const std::int32_t b = region_of(outer);
         if (a == 0 || (b != 0 && b < a)) std::swap(inner, outer);
+        std::array<LocalNode, 3> outward{};
+        for_sides_of(inner, [&](LocalNode p, LocalNode q, LocalNode r) {
+            if (key_of({p, q, r, kNoNode}) == sides_[i].first) outward = {p, q, r};
+        });
         InnerFacet facet{};
-        for (std::size_t k = 0; k < 4; ++k) facet.node[k] = code_[inner->node[k]];
-        facet.surface = facet_surface(inner->node.data(), 3, signs_of(inner->owner), signs_of(outer->owner));
-        facet.inside = static_cast<std::uint16_t>(region_of(inner->owner));
-        facet.outside = static_cast<std::uint16_t>(region_of(outer->owner));
+        for (std::size_t k = 0; k < 4; ++k) facet.node[k] = code_[outward[std::min<std::size_t>(k, 2)]];
+        facet.surface = facet_surface(outward.data(), 3, signs_of(inner), signs_of(outer));
+        facet.inside = static_cast<std::uint16_t>(region_of(inner));
+        facet.outside = static_cast<std::uint16_t>(region_of(outer));
         arena.facets.push_back(facet);
     }
     record.facet_count = static_cast<std::uint32_t>(arena.facets.size()) - record.first_facet;
