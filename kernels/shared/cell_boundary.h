@@ -224,31 +224,27 @@ MORTISE_FUNCTION int face_mesh_of(const u8* n, int count, u32 inside, const doub
     return face_mesh_by(face_rule(n, count, inside), n, p);
 }
 
-// Facets of a polygon that is meshed so.
+// How many facets a polygon has that is meshed as `mesh` tells.
 MORTISE_FUNCTION int facet_count(int count, int mesh) {
     if (mesh == kFaceEmpty || count < 3) return 0;
     return count == 4 && mesh == kFaceWhole ? 1 : count - 2;
 }
 
-// Facet i of the polygon of face f, meshed as `mesh` tells, as seen from inside the cell, counter-clockwise:
-// returns 0 (no such facet), 3 or 4.
+// Facet i of these (facet_count) of the polygon of face f, as seen from inside the cell, counter-clockwise;
+// returns its size.
 MORTISE_FUNCTION int polygon_facet(const u8* n, int count, int mesh, int f, int i, u8* facet) {
     int size = 3;
     for (int k = 0; k < 4; ++k) facet[k] = 0;
-    if (mesh == kFaceEmpty) return 0;
     if (count == 5) {
         const int apex = pentagon_apex(n, mesh);
-        if (i >= 3) return 0;
         facet[0] = n[apex];
         facet[1] = n[(apex + 1 + i) % 5];
         facet[2] = n[(apex + 2 + i) % 5];
     } else if (mesh == kFaceWhole) {
-        if (i >= 1 || count < 3) return 0;
         size = count;
         for (int k = 0; k < count; ++k) facet[k] = n[k];
     } else {
         const int first = mesh == kFaceSplit02 ? 0 : 1;
-        if (i >= 2) return 0;
         facet[0] = n[first];
         facet[1] = n[(first + 1 + i) & 3];
         facet[2] = n[(first + 2 + i) & 3];

@@ -156,12 +156,11 @@ MORTISE_FUNCTION int mesh_of_plan(MORTISE_GLOBAL FacePlan* plan, const double (*
 // Brings faces up to date; all of them have polygons.
 MORTISE_FUNCTION void choose_faces(MORTISE_GLOBAL FacePlans* plans, u32 inside, u32 on, u32 moved,
                                    const double (*p)[3], CornerChoices* choices) {
-    const u64 states = plans->states[inside] + 2 * plans->states[on];
     const u32 moved_corners = plans->corners[moved];
     for (u32 rest = choices->stale; rest != 0; rest &= rest - 1) {
         const u32 f = mortise_lowest_bit(rest);
         const u32 k = (moved_corners >> (4 * f)) & 15;
-        MORTISE_GLOBAL FacePlan* plan = &plans->plan[f][(states >> (8 * f)) & 0xff];
+        MORTISE_GLOBAL FacePlan* plan = plan_of_face(plans, inside, on, f);
         choices->whole &= ~(1u << f);
         choices->choice[f] = k;
         choices->face[f].plan = plan;

@@ -51,11 +51,10 @@ typedef struct FacePlans {
 MORTISE_FUNCTION void make_face_mesh_plan(const u8* node, int count, int mesh, int f, FaceMeshPlan* plan) {
     plan->no_apex = forbidden_apexes(node, count, mesh);
     plan->count = 0;
-    for (int i = 0;; ++i) {
+    for (int i = 0; i < facet_count(count, mesh); ++i) {
         u8 facet[4];
         const int size = polygon_facet(node, count, mesh, f, i, facet);
         u32 set = 0;
-        if (size == 0) return;
         for (int k = 0; k < size; ++k) set |= 1u << facet[k];
         for (int k = 0; k < (size == 4 ? 4 : 1); ++k) {
             u8* corner = plan->corner[plan->count];
@@ -86,18 +85,23 @@ MORTISE_FUNCTION void make_face_plan(u32 inside, u32 on, int f, FacePlan* plan, 
     make_face_mesh_plan(node, count, kFaceSplit13, f, &plan->mesh[2]);
 }
 
-// What make_outline makes; for the meshes of the faces the rules that tell them.
-MORTISE_FUNCTION void planned_outline(MORTISE_GLOBAL FacePlans* plans, u32 inside, u32 on, CellBoundary* b) {
+// The plan of face f.
+MORTISE_FUNCTION MORTISE_GLOBAL FacePlan* plan_of_face(MORTISE_GLOBAL FacePlans* plans, u32 inside, u32 on,
+                                                       u32 f) {
     const u64 states = plans->states[inside] + 2 * plans->states[on];
+    return &plans->plan[f][(states >> (8 * f)) & 0xff];
+}
+
+// What make_outline makes.
+MORTISE_FUNCTION void planned_outline(MORTISE_GLOBAL FacePlans* plans, u32 inside, u32 on, CellBoundary* b) {
     MORTISE_GLOBAL LoopPlan* loop = &plans->loop[plans->cell_states[inside] + 2 * plans->cell_states[on]];
     b->nodes = 0;
     b->loop_size = loop->size == kNoLoop ? -1 : (i32)loop->size;
     if (b->loop_size < 0) return;
     for (int i = 0; i < kLargestLoop; ++i) b->loop[i] = loop->node[i];
     for (int f = 0; f < 6; ++f) {
-        MORTISE_GLOBAL FacePlan* plan = &plans->plan[f][(states >> (8 * f)) & 0xff];
+        MORTISE_GLOBAL FacePlan* plan = plan_of_face(plans, inside, on, (u32)f);
         b->count[f] = plan->count;
-        b->mesh[f] = plan->rule;
         for (int i = 0; i < 5; ++i) b->node[f][i] = plan->node[i];
         b->nodes |= plan->nodes;
     }

@@ -160,7 +160,7 @@ MORTISE_FUNCTION int make_boundary(MORTISE_GLOBAL FacePlans* plans, u32 inside, 
     planned_outline(plans, inside, on, b);
     if (b->loop_size < 0) return -1;
     for (int f = 0; f < 6; ++f) {
-        b->mesh[f] = (u8)face_mesh_by(b->mesh[f], b->node[f], p);
+        b->mesh[f] = (u8)face_mesh_by(plan_of_face(plans, inside, on, (u32)f)->rule, b->node[f], p);
         whole += b->count[f] == 4 && b->mesh[f] == kFaceWhole;
     }
     if (b->loop_size > 0 || whole < 6) return kMethodCone;

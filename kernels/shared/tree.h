@@ -282,21 +282,28 @@ MORTISE_FUNCTION Leaf leaf_at_corner(const Tree* tree, u64 code, u32 edge, u32 c
                           gather_bits(code >> 2) + (c >> 2) * edge, d);
 }
 
+// Makes leaf d of those around a grid vertex its owner, if it uses the vertex and is finer than the owner so
+// far, or as fine and before it in Morton order.
+MORTISE_FUNCTION void claim_vertex(MORTISE_GLOBAL u32* used, const Leaf leaf, u32 d, u64* owner, i32* level,
+                                   u32* bit) {
+    if (leaf.kind == kLeafNone || leaf.level < *level) return;
+    if ((leaf.level > *level || leaf.code < *owner) && leaf_uses(used, leaf, 7 - d)) {
+        *owner = leaf.code;
+        *level = leaf.level;
+        *bit = 7 - d;
+    }
+}
+
 // Owner of grid vertex (x, y, z), in finest cells: its code, and the vertex's bit in the owner's mask.
 MORTISE_FUNCTION u64 vertex_owner(const Tree* tree, MORTISE_GLOBAL u32* used, u32 x, u32 y, u32 z, u32* bit) {
     u64 owner = kNoOwner;
     i32 level = 0;
     for (u32 d = 0; d < 8; ++d) {
         const Leaf leaf = leaf_at_vertex(tree, x, y, z, d);
-        if (leaf.kind == kLeafNone || leaf.level < level) continue;
         if (((x | y | z) & (leaf_edge(tree, leaf.level) - 1)) != 0) continue;
-        if ((leaf.level > level || leaf.code < owner) && leaf_uses(used, leaf, 7 - d)) {
-            owner = leaf.code;
-            level = leaf.level;
-            *bit = 7 - d;
-            // In a uniform tree the cell behind in all three directions precedes all others.
-            if (d == 0 && !tree->shape.graded) return owner;
-        }
+        claim_vertex(used, leaf, d, &owner, &level, bit);
+        // In a uniform tree the cell behind in all three directions precedes all others.
+        if (owner != kNoOwner && d == 0 && !tree->shape.graded) break;
     }
     return owner;
 }
@@ -308,17 +315,14 @@ MORTISE_FUNCTION u64 corner_owner(const Tree* tree, MORTISE_GLOBAL u32* used, u6
     if (!tree->shape.graded) {
         const u64 behind = cell_behind(code, 7 - c);
         u64 owner = kNoOwner;
+        i32 level = 0;
         if (behind != kNoOwner && test_bit(tree->in_bits, behind)) {
             *bit = 7;
             return behind;
         }
-        for (u32 d = 0; d < 8; ++d) {
-            const Leaf leaf = leaf_at_corner(tree, code, edge, c, d);
-            if (leaf.kind == kLeafNone || leaf.code >= owner || !leaf_uses(used, leaf, 7 - d)) continue;
-            owner = leaf.code;
-            *bit = 7 - d;
-            if (d == 0) break;  // as above
-        }
+        // As vertex_owner, by steps from the code.
+        for (u32 d = 0; d < 8 && !(d == 1 && owner != kNoOwner); ++d)
+            claim_vertex(used, leaf_at_corner(tree, code, edge, c, d), d, &owner, &level, bit);
         return owner;
     } else if ((mark & kFinerAround) == 0) {
         *bit = 7;
@@ -346,51 +350,59 @@ MORTISE_FUNCTION u64 code_at_edge(const Tree* tree, i32 level, u32 axis, u32 x, 
                    axis == 2 ? z : z + second);
 }
 
+// The same around edge e of the leaf with this code, by steps from the code where the tree is uniform.
+MORTISE_FUNCTION u64 code_around_edge(const Tree* tree, u64 code, i32 level, u32 e, u32 d) {
+    const u32 axis = e >> 2;
+    if (tree->shape.graded) {
+        const u32 edge = leaf_edge(tree, level);
+        const u32 c = kEdgeCorners[e][0];
+        return code_at_edge(tree, level, axis, gather_bits(code) + (c & 1) * edge,
+                            gather_bits(code >> 1) + ((c >> 1) & 1) * edge,
+                            gather_bits(code >> 2) + (c >> 2) * edge, d);
+    }
+    {
+        const i32 first = (i32)((e & 1) + (d & 1)) - 1;
+        const i32 second = (i32)(((e >> 1) & 1) + (d >> 1)) - 1;
+        return cell_beside(tree, code, axis == 0 ? 0 : first,
+                           axis == 1   ? 0
+                           : axis == 0 ? first
+                                       : second,
+                           axis == 2 ? 0 : second);
+    }
+}
+
+// Makes the leaf at `code`, place d of those around an edge of leaves of `edge_level`, the owner of its root,
+// if it uses it and comes before the owner so far.
+MORTISE_FUNCTION void claim_edge(const Tree* tree, MORTISE_GLOBAL u32* used, i32 edge_level, u32 axis, u32 d,
+                                 u64 code, u64* owner, u32* bit) {
+    const u32 edge_bit = 8 + 4 * axis + (3 - d);
+    if (code < *owner) {
+        const Leaf leaf = leaf_at(tree, code);
+        if (leaf.level == edge_level && leaf_uses(used, leaf, edge_bit)) {
+            *owner = code;
+            *bit = edge_bit;
+        }
+    }
+}
+
 // Owner of the single root on the edge of leaves of `edge_level` along `axis` from vertex (x, y, z), in
 // finest cells.
 MORTISE_FUNCTION u64 edge_owner(const Tree* tree, MORTISE_GLOBAL u32* used, i32 edge_level, u32 axis, u32 x,
                                 u32 y, u32 z, u32* bit) {
     u64 owner = kNoOwner;
     for (u32 d = 0; d < 4; ++d) {
-        const u64 code = code_at_edge(tree, edge_level, axis, x, y, z, d);
-        const u32 edge_bit = 8 + 4 * axis + (3 - d);
-        if (code < owner) {
-            const Leaf leaf = leaf_at(tree, code);
-            if (leaf.level == edge_level && leaf_uses(used, leaf, edge_bit)) {
-                owner = code;
-                *bit = edge_bit;
-            }
-        }
+        claim_edge(tree, used, edge_level, axis, d, code_at_edge(tree, edge_level, axis, x, y, z, d), &owner,
+                   bit);
     }
     return owner;
 }
 
-// The same for edge e of the leaf with this code and level, by steps from its code where the tree is uniform.
+// The same for edge e of the leaf with this code and level.
 MORTISE_FUNCTION u64 own_edge_owner(const Tree* tree, MORTISE_GLOBAL u32* used, u64 code, i32 level, u32 e,
                                     u32* bit) {
-    const u32 axis = e >> 2;
     u64 owner = kNoOwner;
-    if (tree->shape.graded) {
-        const u32 edge = leaf_edge(tree, level);
-        const u32 c = kEdgeCorners[e][0];
-        return edge_owner(tree, used, level, axis, gather_bits(code) + (c & 1) * edge,
-                          gather_bits(code >> 1) + ((c >> 1) & 1) * edge,
-                          gather_bits(code >> 2) + (c >> 2) * edge, bit);
-    }
-    for (u32 d = 0; d < 4; ++d) {
-        const i32 first = (i32)((e & 1) + (d & 1)) - 1;
-        const i32 second = (i32)(((e >> 1) & 1) + (d >> 1)) - 1;
-        const u64 other = cell_beside(tree, code, axis == 0 ? 0 : first,
-                                      axis == 0   ? first
-                                      : axis == 1 ? 0
-                                                  : second,
-                                      axis == 2 ? 0 : second);
-        const u32 edge_bit = 8 + 4 * axis + (3 - d);
-        if (other < owner && leaf_uses(used, leaf_at(tree, other), edge_bit)) {
-            owner = other;
-            *bit = edge_bit;
-        }
-    }
+    for (u32 d = 0; d < 4; ++d)
+        claim_edge(tree, used, level, e >> 2, d, code_around_edge(tree, code, level, e, d), &owner, bit);
     return owner;
 }
 

@@ -34,13 +34,8 @@ static uint first_at_corner(const Tree* tree, __global const SnioCandidate* cand
 // The same for edge e and the leaves of leaf_at_edge.
 static uint first_at_edge(const Tree* tree, __global const SnioCandidate* candidates, uint surface,
                           ulong code, int level, uint e, uint* first) {
-    const uint edge = leaf_edge(tree, level);
-    const uint low = kEdgeCorners[e][0];
-    const uint x = gather_bits(code) + (low & 1) * edge;
-    const uint y = gather_bits(code >> 1) + ((low >> 1) & 1) * edge;
-    const uint z = gather_bits(code >> 2) + (low >> 2) * edge;
     for (uint d = 0; d < 3 - (e & 3); ++d) {
-        const ulong there = code_at_edge(tree, level, e >> 2, x, y, z, d);
+        const ulong there = code_around_edge(tree, code, level, e, d);
         if (there == kNoOwner) continue;
         {
             const Leaf leaf = leaf_at(tree, there);

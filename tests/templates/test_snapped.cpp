@@ -119,10 +119,9 @@ Chosen choose(u32 inside, u32 on, const Positions& positions, u32 facing) {
         for (const Facet& facet : surface_of(static_cast<int>(inside))) result.boundary.push_back(facet);
     }
     for (int f = 0; f < 6; ++f) {
-        for (int i = 0; i < 3; ++i) {
+        for (int i = 0; i < facet_count(found.boundary.count[f], found.boundary.mesh[f]); ++i) {
             u8 n[4];
             const int size = face_facet(&found.boundary, f, i, n);
-            if (size == 0) break;
             result.boundary.push_back(
                 reversed(size == 4 ? quad(n[0], n[1], n[2], n[3]) : triangle(n[0], n[1], n[2])));
         }
@@ -218,7 +217,9 @@ TEST_CASE("all 6561 corner states: face meshes and the surface loop close up, an
         for (int f = 0; f < 6; ++f) {
             REQUIRE(planned.count[f] == boundary.count[f]);
             REQUIRE(std::equal(planned.node[f], planned.node[f] + planned.count[f], boundary.node[f]));
-            REQUIRE(face_mesh_by(planned.mesh[f], planned.node[f], p) ==
+            const int rule =
+                plan_of_face(&mortise::snio::face_plans(), inside, on, static_cast<u32>(f))->rule;
+            REQUIRE(face_mesh_by(rule, planned.node[f], p) ==
                     face_mesh_of(boundary.node[f], boundary.count[f], inside, p));
         }
         ++simple;
@@ -231,10 +232,9 @@ TEST_CASE("all 6561 corner states: face meshes and the surface loop close up, an
                 boundary.mesh[f] = static_cast<u8>(boundary.count[f] == 0 ? kFaceEmpty
                                                    : may_split            ? 1 + split
                                                                           : 1);
-                for (int i = 0; i < 3; ++i) {
+                for (int i = 0; i < facet_count(boundary.count[f], boundary.mesh[f]); ++i) {
                     u8 n[4];
                     const int size = face_facet(&boundary, f, i, n);
-                    if (size == 0) break;
                     facets.push_back(size == 4 ? quad(n[0], n[1], n[2], n[3]) : triangle(n[0], n[1], n[2]));
                 }
             }
@@ -262,10 +262,9 @@ TEST_CASE("without corners on the surface, outlines are those of the table's fac
             boundary.mesh[f] =
                 static_cast<u8>(face_mesh_of(boundary.node[f], boundary.count[f], static_cast<u32>(p), q));
             std::vector<Facet> facets;
-            for (int i = 0; i < 3; ++i) {
+            for (int i = 0; i < facet_count(boundary.count[f], boundary.mesh[f]); ++i) {
                 u8 n[4];
                 const int size = face_facet(&boundary, f, i, n);
-                if (size == 0) break;
                 facets.push_back(
                     reversed(size == 4 ? quad(n[0], n[1], n[2], n[3]) : triangle(n[0], n[1], n[2])));
             }
