@@ -93,6 +93,7 @@ MORTISE_KERNEL void layout(__global uint* out, uint items) {
     OFFSET(SnioLeaf, faces)
     OFFSET(SnioLeaf, boundary)
     OFFSET(SnioLeaf, facet_count)
+    OFFSET(SnioLeaf, snapped)
     OFFSET(SnioLeaf, facets)
     OFFSET(SnioLeaf, point)
     SIZE(SnioPoints);

@@ -37,6 +37,7 @@ class Assembler {
         make_room();
         launch_fills();
         place_cnio_nodes();
+        place_snapped();
         fill_cnio_elements();
         fill_regions();
         finish_fills();
@@ -95,9 +96,41 @@ class Assembler {
             for (std::size_t t = 0; t < kElementTypes; ++t)
                 offsets_[t][list[i] - nio_begin_] = record.element_count[t];
         }
+        use_nodes_of_facets();
         for (std::size_t t = 0; t < kElementTypes; ++t) totals_[t] = scan(offsets_[t], "elements");
         totals_[0] += in_end_ - in_begin_;
         snio_facets_ = scan(facet_offsets_, "facets");
+    }
+
+    /// A complex cell that has no volume behind a whole face lists the facet of the template or IN leaf
+    /// beyond. It counts among the users of its corners, so that no piece names nodes of later ones.
+    void use_nodes_of_facets() {
+        const auto& list = input_.extraction.leaves;
+        const Tree tree = input_.tree.view();
+        for (std::size_t i = 0; i < list.size(); ++i) {
+            const cnio::CellRecord& record = input_.extraction.records[i];
+            const std::uint64_t code = input_.tree.nio[list[i]].morton;
+            for (std::size_t f = 0; f < 6; ++f) {
+                const std::uint32_t first = record.first_face_facet[4 * f];
+                if (record.first_face_facet[4 * f + 4] - first != 1) continue;
+                if (cells_.arena(record).face_facets[first].region != 0) continue;
+                i32 direction[3] = {0, 0, 0};
+                direction[f / 2] = (f & 1) != 0 ? 1 : -1;
+                const int level = input_.tree.level_of(code);
+                const Leaf beyond = leaf_beside(&tree, code, level, direction);
+                u32 here = 0, there = 0;
+                for (const u8 c : kFaceCorners[f]) {
+                    here |= 1u << c;
+                    there |= 1u << (c ^ (1u << (f / 2)));
+                }
+                if (beyond.level != level || beyond.kind == kLeafNone) continue;
+                if (beyond.kind == kLeafNio) {
+                    if (input_.classification.leaves[beyond.index].pattern == kPatternCnio) continue;
+                    if ((input_.classification.used[beyond.index] & there) != there) continue;
+                }
+                numbering_.used[list[i]] |= here;
+            }
+        }
     }
 
     /// In-place exclusive scan with the total appended.
@@ -267,10 +300,37 @@ class Assembler {
                 const std::uint32_t extra = extras_.rank[record.arena][record.first_extra + k];
                 if (extra == ExtraRanks::kNotOwned) continue;
                 const cnio::NodeKey& key = arena.extras[record.first_extra + k];
-                store_point(nodes.first_extra(nio) + extra, static_cast<double>(key.x) * unit,
-                            static_cast<double>(key.y) * unit, static_cast<double>(key.z) * unit);
+                const cnio::LatticePoint& move = arena.extra_moves[record.first_extra + k];
+                store_point(nodes.first_extra(nio) + extra, static_cast<double>(key.x + move[0]) * unit,
+                            static_cast<double>(key.y + move[1]) * unit,
+                            static_cast<double>(key.z + move[2]) * unit);
             }
         });
+    }
+
+    /// Grid vertices that snap beside complex leaves, over what the device has written.
+    void place_snapped() {
+        const NodeLookup nodes = lookup();
+        const Tree tree = input_.tree.view();
+        for (const octree::SnappedVertex& vertex : input_.tree.snapped) {
+            const u32 xyz[3] = {gather_bits(vertex.code), gather_bits(vertex.code >> 1),
+                                gather_bits(vertex.code >> 2)};
+            for (u32 d = 0; d < 8; ++d) {
+                const Leaf leaf = leaf_at_vertex(&tree, xyz[0], xyz[1], xyz[2], d);
+                if (leaf.kind == kLeafNone) continue;
+                std::uint64_t owner = 0;
+                std::uint32_t bit = 0;
+                if (!nodes.grid_owner(leaf.code, static_cast<std::uint16_t>(7 - d), &owner, &bit) ||
+                    !numbering_.range.holds(owner))
+                    break;
+                const double unit = octree::Octree::edge_of(vertex.level) / static_cast<double>(kCellUnits);
+                double at[3];
+                for (std::size_t j = 0; j < 3; ++j)
+                    at[j] = xyz[j] * input_.tree.finest_edge() + vertex.moved[j] * unit;
+                store_point(nodes.owned_node(owner, bit), at[0], at[1], at[2]);
+                break;
+            }
+        }
     }
 
     void fill_cnio_elements() {
@@ -330,7 +390,7 @@ class Assembler {
             }
             if (!is_snio) continue;
             // IN leaves that were promoted for nothing are what they were.
-            const bool is_in = node.tape_length == 0 && leaf.displaced == 0;
+            const bool is_in = node.tape_length == 0 && (leaf.displaced | leaf.snapped) == 0;
             const auto kind = static_cast<std::uint8_t>(is_in ? ElementKind::kIn : ElementKind::kSnio);
             for (std::size_t t = 0; t < kElementTypes; ++t) {
                 const std::size_t begin =

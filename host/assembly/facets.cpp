@@ -131,6 +131,8 @@ void facets_of(const Input& input, const CnioCells& cells, const NodeLookup& loo
             made.outside = mine_inside ? region : mine.region;
             made.surface = mine.surface;
             if (made.surface == cnio::kNoSurface && both) made.surface = theirs[i - begin].surface;
+            if (made.surface == cnio::kNoSurface && other.kind == Neighbour::Kind::kSnio)
+                made.surface = other.leaf->surface;
             if (made.surface == cnio::kNoSurface) made.surface = any_surface(input.tree, nio);
             for (std::size_t k = 0; k < 4; ++k) made.node[k] = lookup.node(nio, record, mine.node[k]);
             if (frame_points_outward(f) != mine_inside) {

@@ -2,6 +2,7 @@
 // surface before centre).
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "host/cnio/cell.hpp"
 #include "host/tape/projection.hpp"
@@ -76,7 +77,7 @@ bool Cell::apex_on(const ApexSearch& search, const std::vector<std::size_t>& sur
         if (!(std::fabs(x[j] - start[j]) <= kMargin * size)) return false;
         apex[j] += search.scale.step * static_cast<std::int32_t>(std::rint((x[j] - start[j]) / unit));
     }
-    return true;
+    return !snaps() || !is_crowding(search, apex);
 }
 
 /// In a face that lies in a surface: leaves out this one, and of those whose sections are one there (two
@@ -193,8 +194,10 @@ LatticePoint Cell::apex() const {
     LatticePoint pole;
     if (pole_at(octree::LeafPole::kInside, pole)) return pole;
     std::vector<std::size_t> named;
+    std::vector<LocalNode> all(nodes_.size());
+    std::iota(all.begin(), all.end(), LocalNode{0});
     for (std::size_t s = 0; s < surfaces_.size(); ++s) {
-        if (is_named(s)) named.push_back(s);
+        if (is_named(s) && !only_touches(s, all.data(), all.size())) named.push_back(s);
     }
     return apex_near({centre(), 3, {1, size_}}, named);
 }
@@ -207,7 +210,7 @@ LatticePoint Cell::fan_centre(const std::vector<LocalNode>& loop, const Patch& p
     const std::uint8_t* active = row(patch.row);
     std::vector<std::size_t> on_face;
     for (std::size_t s = 0; s < surfaces_.size(); ++s) {
-        if (active[s] == 0) continue;
+        if (active[s] == 0 || only_touches(s, loop.data(), loop.size())) continue;
         on_face.push_back(s);
         const int middle = pure_sign(s, patch.middle, patch.scale.size);
         const bool alone = middle != 0 && std::all_of(loop.begin(), loop.end(), [&](LocalNode node) {

@@ -65,7 +65,7 @@ LocalNode Cell::add_node(const LatticePoint& p, std::uint8_t faces, std::uint16_
 LocalNode Cell::append_node(const LatticePoint& p, std::uint8_t faces, std::uint16_t code,
                             std::uint8_t middles, double size) {
     Node node;
-    node.point = p;
+    node.point = node.target = p;
     node.faces = faces;
     node.middles = middles;
     node.code = code;
@@ -296,12 +296,15 @@ bool Cell::is_grid_vertex(LocalNode node) const {
 
 void Cell::load_corners() {
     vertex_.fill(kNoNode);
+    snapped_ = 0;
+    merges_ = misplaced_ = false;
     for (int c = 0; c < 8; ++c) {
         const int at[3] = {2 * (c & 1), 2 * ((c >> 1) & 1), 2 * (c >> 2)};
         const LatticePoint p = {(c & 1) * units_, ((c >> 1) & 1) * units_, (c >> 2) * units_};
         scale_ = is_vertex_fine(at[0], at[1], at[2]) ? half_scale() : whole_scale();
         vertex_[static_cast<std::size_t>(at[0] + 3 * at[1] + 9 * at[2])] =
             append_node(p, faces_of(at), static_cast<std::uint16_t>(c), 0, scale_.size);
+        if (!tree_.snapped.empty()) snap_corner(static_cast<LocalNode>(c));
     }
 }
 

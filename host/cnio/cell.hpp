@@ -40,6 +40,7 @@ inline constexpr std::uint16_t kExtraCode = 20;
 
 struct Node {
     LatticePoint point{};
+    LatticePoint target{};            ///< where it will be moved to, if a corner of the cell snaps
     std::uint8_t faces = 0;           ///< bit f: lies on face f of the cell
     std::uint8_t middles = 0;         ///< bit j: lies on a split face's line across the middle of axis j
     std::uint16_t code = kExtraCode;  ///< 0–7 corner, 8–19 single root of edge code - 8, else kExtraCode
@@ -141,6 +142,13 @@ class Cell {
     LocalNode vertex(std::size_t v) const { return vertex_[v]; }
     /// Whether the cell's faces are six whole quadrilaterals.
     bool has_whole_faces() const;
+    /// Whether corners will be moved (Node::target).
+    bool snaps() const { return snapped_ != 0; }
+    /// Gives the nodes from `first` on a target where signs put them on surfaces that do not pass through
+    /// them: they lie between nodes that snap. `active`, if given, restricts the surfaces.
+    void settle_targets(std::size_t first, const std::uint8_t* active);
+    /// Whether such a target was not to be had.
+    bool is_misplaced() const { return misplaced_; }
     const TreeNode& leaf() const { return leaf_; }
     const tape::LocalTape& local_tape() const { return local_tape_; }
     LatticePoint centre() const { return {units_ / 2, units_ / 2, units_ / 2}; }
@@ -152,6 +160,9 @@ class Cell {
         return (static_cast<std::int64_t>(xyz_[axis]) << kCellUnitBits) +
                (static_cast<std::int64_t>(at) << key_shift_);
     }
+
+    /// Of these points to one of the cell's own lattice units.
+    std::int32_t key_step() const { return std::int32_t{1} << key_shift_; }
 
     Sides sides(const LocalNode* nodes, std::size_t count, std::size_t surface) const {
         Sides result;
@@ -250,6 +261,8 @@ class Cell {
                                                  const NearSurfaces& near) const;
     std::vector<std::uint32_t> model_surfaces(const std::vector<std::size_t>& surfaces,
                                               const double* x) const;
+    bool only_touches(std::size_t surface, const LocalNode* nodes, std::size_t count) const;
+    bool is_crowding(const ApexSearch& search, const LatticePoint& apex) const;
     bool apex_on(const ApexSearch& search, const std::vector<std::size_t>& surfaces,
                  LatticePoint& apex) const;
     bool is_joint(std::size_t surface) const { return joint_ != nullptr && surface + 1 == surfaces_.size(); }
@@ -263,6 +276,7 @@ class Cell {
     void load_active_sets();
     void load_row(std::size_t row, std::uint32_t nio);
     void load_corners();
+    void snap_corner(LocalNode corner);
     void load_edges();
     void load_edge(int e);
     void load_cross(int f);
@@ -302,6 +316,7 @@ class Cell {
     void partition_face(int f);
     void partition_quarter(int f, int u, int v);
     void partition_patch(const Patch& patch, const std::vector<LocalNode>& loop, int p);
+    int middle_sign(std::size_t surface, const Patch& patch) const;
     FaceMode patch_mode(const std::vector<LocalNode>& loop, const Patch& patch);
     void divide_hanging(const std::vector<LocalNode>& loop, const Patch& patch, std::vector<Facet>& facets);
     void cut_patch(const std::vector<LocalNode>& loop, const Patch& patch, std::vector<Facet>& facets);
@@ -364,6 +379,9 @@ class Cell {
     std::vector<std::uint8_t> segment_active_;  ///< scratch: on one segment
     std::vector<Node> nodes_;
     std::vector<std::int8_t> signs_;         ///< nodes × surfaces
+    std::uint8_t snapped_ = 0;               ///< bit c: corner c snaps
+    bool merges_ = false;                    ///< surfaces are one for a corner
+    bool misplaced_ = false;                 ///< see is_misplaced
     std::array<LocalNode, 27> vertex_{};     ///< by x + 3 y + 9 z in halves, or kNoNode
     std::vector<LocalNode> edge_nodes_[12];  ///< inner nodes from the low end to the high end
     /// Of split faces: inner nodes from the middle of side i (as kFaceEdges) to the centre.

@@ -50,6 +50,7 @@ CellRecord Certificate::run(const TreeNode& leaf, CellArena& arena, const Lattic
     } else {
         LatticePoint at = apex != nullptr ? *apex : hides_surface() ? cell_.centre() : cell_.apex();
         for (std::int32_t& x : at) x *= apex != nullptr ? cell_.units() / kCellUnits : 1;
+        const std::size_t first_inside = cell_.nodes().size();
         cone(at);
         const std::vector<std::size_t>& order = cell_.cutting_order();
         bool again = true;
@@ -58,6 +59,7 @@ CellRecord Certificate::run(const TreeNode& leaf, CellArena& arena, const Lattic
             for (std::size_t k = 0; k < order.size() && !is_full(); ++k)
                 again = bisect(order, k, round) || again;
         }
+        cell_.settle_targets(first_inside, nullptr);
         const std::size_t n = cell_.surface_count();
         simplex_signs_.resize(simplices_.size() * n);
         pyramid_signs_.resize(pyramids_.size() * n);
@@ -70,6 +72,7 @@ CellRecord Certificate::run(const TreeNode& leaf, CellArena& arena, const Lattic
     }
     CellRecord record;
     collect(record, arena);
+    if (cell_.snaps()) record.unfit = unfit_corners();
     return record;
 }
 
@@ -189,7 +192,8 @@ LocalNode Certificate::add_cap(const Facet& quad, const LatticePoint& apex) {
     LatticePoint middle{};
     for (std::size_t j = 0; j < 3; ++j) {
         std::int64_t sum = 0;
-        for (int i = 0; i < 4; ++i) sum += cell_.nodes()[quad.node[i]].point[j];
+        for (int i = 0; i < 4; ++i)
+            sum += std::clamp(cell_.nodes()[quad.node[i]].target[j], 0, cell_.units());
         middle[j] = static_cast<std::int32_t>(sum / 4);
     }
     double fraction = 0.3;

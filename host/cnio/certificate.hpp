@@ -59,6 +59,8 @@ struct CellArena {
     std::vector<NodeKey> extras;  ///< per cell in ascending order
     /// Parallel: an element of the cell has the node; else it only may occur in a facet of a finer leaf's.
     std::vector<std::uint8_t> extra_used;
+    /// Parallel: where the node goes from there, in lattice units of the finest cells, once corners move.
+    std::vector<LatticePoint> extra_moves;
     std::vector<std::int32_t>
         edge_roots;  ///< lattice units from the low end, per used edge in ascending order
     std::array<std::vector<std::uint16_t>, kElementTypes> nodes;
@@ -83,6 +85,8 @@ struct CellRecord {
     std::uint32_t refused = 0;     ///< as CellCounters, of this cell
     std::uint32_t limited = 0;     ///< the same
     std::uint32_t unresolved = 0;  ///< the same
+    /// Bit c: an element at corner c, which snaps, is not good enough once the cell's corners have moved.
+    std::uint8_t unfit = 0;
 };
 
 using FaceKey = std::uint64_t;  ///< up to four nodes of a cell
@@ -136,6 +140,7 @@ class Certificate {
     std::int32_t common_region(const LocalNode* node, std::size_t count);
     bool is_filled_by(std::int32_t region, const LocalNode* node, std::size_t count);
     std::int32_t label(const LocalNode* node, std::size_t count, std::int8_t* signs);
+    std::uint8_t unfit_corners() const;
     void collect(CellRecord& record, CellArena& arena);
     void collect_face_facets(CellRecord& record, CellArena& arena);
     void collect_inner_facets(CellRecord& record, CellArena& arena);

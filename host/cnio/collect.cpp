@@ -125,6 +125,10 @@ void Certificate::assign_codes(CellRecord& record, CellArena& arena) {
         code_[extras[i].second] = static_cast<std::uint16_t>(kExtraCode + i);
         arena.extras.push_back(extras[i].first);
         arena.extra_used.push_back(used_[extras[i].second]);
+        const Node& node = nodes[extras[i].second];
+        LatticePoint move{};
+        for (std::size_t j = 0; j < 3; ++j) move[j] = (node.target[j] - node.point[j]) * cell_.key_step();
+        arena.extra_moves.push_back(move);
     }
 }
 

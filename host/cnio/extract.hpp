@@ -15,7 +15,6 @@ struct Extraction {
     std::vector<std::uint32_t> leaves;  ///< the list, indices into Octree::nio, ascending
     std::vector<CellRecord> records;
     std::vector<CellArena> arenas;  ///< one per thread; which one a cell is in does not matter to anyone
-    CellCounters counters;
 };
 
 /// The codes for Octree::crowded, ascending: leaves with more surfaces than can be cut into elements of any
@@ -29,5 +28,10 @@ std::vector<std::uint64_t> find_crowded(const tape::BoundModel& model, const oct
 Extraction extract(const tape::BoundModel& model, const octree::Octree& tree,
                    const std::vector<std::uint32_t>& leaves, const std::vector<probe::Apex>& apexes,
                    int threads);
+
+/// Meshes some of extraction.leaves, by their places there, for the first time or again.
+void extract_again(const tape::BoundModel& model, const octree::Octree& tree,
+                   const std::vector<std::uint32_t>& places, const std::vector<probe::Apex>& apexes,
+                   int threads, Extraction& extraction);
 
 }  // namespace mortise::cnio

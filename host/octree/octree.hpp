@@ -9,6 +9,7 @@
 #include "host/device/device.hpp"
 #include "host/octree/joint.hpp"
 #include "host/octree/pole.hpp"
+#include "host/octree/snapped.hpp"
 #include "host/tape/compile.hpp"
 #include "host/tape/pole.hpp"
 #include "kernels/shared/tree.h"
@@ -37,6 +38,7 @@ struct Octree {
     std::vector<std::uint64_t> crowded;  ///< codes of NIO leaves too full to be cut (host/cnio), ascending
     std::vector<tape::Pole> poles;       ///< of the solid, each once
     std::vector<LeafPole> leaf_poles;    ///< of NIO leaves, ascending code; one for a leaf
+    std::vector<SnappedVertex> snapped;  ///< vertices of complex leaves, ascending code
     std::uint64_t in_count = 0;          ///< IN leaves
     std::uint64_t cells_evaluated = 0;
 
@@ -85,6 +87,13 @@ struct Octree {
             std::lower_bound(leaf_poles.begin(), leaf_poles.end(), morton,
                              [](const LeafPole& a, std::uint64_t code) { return a.morton < code; });
         return found != leaf_poles.end() && found->morton == morton ? &*found : nullptr;
+    }
+    /// What is known of a grid vertex that snaps, by the code of its coordinates; null if it does not.
+    const SnappedVertex* snapped_at(std::uint64_t vertex) const {
+        const auto found =
+            std::lower_bound(snapped.begin(), snapped.end(), vertex,
+                             [](const SnappedVertex& a, std::uint64_t code) { return a.code < code; });
+        return found != snapped.end() && found->code == vertex ? &*found : nullptr;
     }
     bool is_in(std::uint64_t code) const { return at(code).kind == kLeafIn; }
     bool is_nio(std::uint64_t code) const { return at(code).kind == kLeafNio; }

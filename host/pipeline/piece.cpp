@@ -38,8 +38,11 @@ assembly::Piece make_piece(device::Device& device, const MeshOptions& options, P
     const std::vector<std::uint32_t> leaves =
         whole ? prepared.classification.cnio
               : assembly::leaves_needed(tree, prepared.classification.cnio, range);
+    const bool is_known = whole && prepared.extraction.records.size() == leaves.size();
+    if (!is_known) prepared.extraction = {};
     const cnio::Extraction extraction =
-        cnio::extract(prepared.bound, tree, leaves, prepared.apexes, options.threads);
+        is_known ? std::move(prepared.extraction)
+                 : cnio::extract(prepared.bound, tree, leaves, prepared.apexes, options.threads);
     for (std::size_t i = 0; i < leaves.size(); ++i) {
         if (!range.holds(tree.nio[leaves[i]].morton)) continue;
         const cnio::CellRecord& record = extraction.records[i];

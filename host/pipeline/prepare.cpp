@@ -11,6 +11,7 @@
 #include "host/pipeline/grading.hpp"
 #include "host/pipeline/memory_limit.hpp"
 #include "host/pipeline/programs.hpp"
+#include "host/pipeline/snap.hpp"
 #include "host/probe/overlaps.hpp"
 #include "host/reposition/reposition.hpp"
 #include "host/triangles/divide.hpp"
@@ -23,6 +24,9 @@ namespace {
 constexpr int kRoundsOfMoves = 2;
 /// Surfaces closer than this everywhere are one: edges of the finest cells.
 constexpr double kSameSurface = 1e-4;
+/// Part of the merge distance within which two surfaces that run along each other are one at a vertex from
+/// the start: there smaller elements, which improvement tries first, would be no help.
+constexpr double kMergedAtOnce = 0.2;
 /// What classification takes for each cell at the boundary, at least: as much where two regions meet, 380
 /// bytes on a ball.
 constexpr std::uint64_t kClassifyBytes = 150;
@@ -290,15 +294,34 @@ Prepared prepare(const std::function<device::Device&()>& open_device, const Mode
         octree::share_memory(device, tree, result.on_device);
         check_memory(memory_now() + kClassifyBytes * tree.nio.size(), kBoundaryCells, options);
     }
-    result.classification =
-        snio::classify(device, tree, result.on_device, options.templates, options.snap, complex);
     result.apexes = std::move(probed.apexes);
+    snio::Classifier classifier(device, tree, result.on_device, options.templates, options.snap, complex);
+    // Not where surfaces or cells must match others across the model, or hold in one cell each.
+    const bool snaps_all =
+        options.templates && options.snap && result.periodic.empty() && !result.on_device.local_formulas;
+    if (snaps_all) {
+        Snapping snapping(classifier, result, options.memory == 0 && options.pieces <= 1,
+                          options.strict ? 0 : kMergedAtOnce * options.merge_distance, options.threads);
+        stages.end(0);
+        stages.begin("snap", 0.31);
+        stages.end(snapping.find(std::move(complex)));
+        stages.begin("classify", 0.32);
+        snapping.classify();
+        out.merged_nodes = static_cast<std::uint64_t>(
+            std::count_if(tree.snapped.begin(), tree.snapped.end(),
+                          [](const octree::SnappedVertex& vertex) { return vertex.is_merged; }));
+        stages.end(tree.nio.size());
+        stages.begin("extract", 0.33);
+        snapping.extract();
+        stages.end(0);
+    } else {
+        result.classification = classifier.finish({}, {}, {});
+        stages.end(tree.nio.size());
+        stages.begin("extract", 0.33);
+        tree.crowded = cnio::find_crowded(bound, tree, result.classification.cnio, options.threads);
+        stages.end(0);
+    }
     result.leaves = leaf_grid(tree);
-    stages.end(tree.nio.size());
-
-    stages.begin("extract", 0.33);
-    tree.crowded = cnio::find_crowded(bound, tree, result.classification.cnio, options.threads);
-    stages.end(0);
     return result;
 }
 
@@ -388,7 +411,7 @@ void report_improvement(const improve::Counters& counters, const MeshOptions& op
                                (count == 1 ? " was " : " were ") + done);
     };
     const std::string distance = number(options.merge_distance) + " cells";
-    out.merged_nodes = counters.block.merged;
+    out.merged_nodes += counters.block.merged;
     told(out.merged_nodes, " of features closer than " + distance,
          std::string("merged with others, or elements would be slivers; --merge 0 keeps ") +
              (out.merged_nodes == 1 ? "it" : "them") + " apart");

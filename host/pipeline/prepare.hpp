@@ -4,6 +4,7 @@
 #include <functional>
 #include <vector>
 
+#include "host/cnio/extract.hpp"
 #include "host/common/leaf_grid.hpp"
 #include "host/device/device.hpp"
 #include "host/features/hinges.hpp"
@@ -27,6 +28,7 @@ struct Prepared {
     octree::Octree tree;
     octree::DeviceTree on_device;
     snio::Classification classification;
+    cnio::Extraction extraction;  ///< of all complex leaves, if it is kept; else empty
     std::vector<probe::Apex> apexes;
     LeafGrid leaves;
     std::uint64_t transition_cells = 0;

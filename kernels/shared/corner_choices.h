@@ -14,6 +14,7 @@ typedef struct FaceChoice {
 
 // The faces of one leaf. At first known[] is 0, apex and seen_from are kNoApex, and all faces are stale.
 typedef struct CornerChoices {
+    u32 snapped;    // corners that have moved as SnappedLeaf tells, for all choices
     u32 known[6];   // bit k: the mesh is known for choice k of the face's corners, in the order of its frame
     u32 seen[6];    // the same: whether the apex `seen_from` sees it, which bit 16 + k tells
     u32 seen_from;  // a node's code, + 32 if it has moved
@@ -81,6 +82,8 @@ MORTISE_FUNCTION int sees_faces(const double (*p)[3], u32 apex, u32 moved, Corne
         const double height = (f & 1) ? 1 - at : at;
         asked |= (u32)(choices->choice[f] != 0 || !(height > kClearHeight)) << f;
     }
+    for (u32 rest = choices->snapped; rest != 0; rest &= rest - 1)
+        asked |= kNodeFaces[mortise_lowest_bit(rest)];
     if (apex == kCellInteriorNode) {  // somewhere else each time
         for (; asked != 0; asked &= asked - 1) {
             if (!sees_face(choices->face[mortise_lowest_bit(asked)].mesh, p, apex)) return 0;
@@ -130,9 +133,10 @@ MORTISE_FUNCTION int has_cone(MORTISE_GLOBAL LoopPlan* loop, u32 moved, double (
 }
 
 // Whether the wedge that a leaf's inside part may be is positive.
-MORTISE_FUNCTION int has_wedge(MORTISE_GLOBAL FacePlans* plans, u32 inside, u32 on, const double (*p)[3]) {
+MORTISE_FUNCTION int has_wedge(MORTISE_GLOBAL FacePlans* plans, u32 inside, u32 on, u32 snapped,
+                               const double (*p)[3]) {
     CellBoundary b;
-    if (make_boundary(plans, inside, on, p, &b) != kMethodCone) return 0;
+    if (make_boundary(plans, inside, on, snapped, p, &b) != kMethodCone) return 0;
     {
         const int axis = wedge_axis(inside, on, &b);
         int n[6];
@@ -157,6 +161,11 @@ MORTISE_FUNCTION int mesh_of_plan(MORTISE_GLOBAL FacePlan* plan, const double (*
 MORTISE_FUNCTION void choose_faces(MORTISE_GLOBAL FacePlans* plans, u32 inside, u32 on, u32 moved,
                                    const double (*p)[3], CornerChoices* choices) {
     const u32 moved_corners = plans->corners[moved];
+    double q[kCellNodes][3];
+    if (choices->snapped != 0) {
+        face_positions(p, choices->snapped, q);
+        p = (const double(*)[3])q;
+    }
     for (u32 rest = choices->stale; rest != 0; rest &= rest - 1) {
         const u32 f = mortise_lowest_bit(rest);
         const u32 k = (moved_corners >> (4 * f)) & 15;
@@ -191,7 +200,8 @@ MORTISE_FUNCTION int has_template(MORTISE_GLOBAL FacePlans* plans, u32 inside, u
         return row.shape != 0 && row_is_positive(&row, p);
     }
     if (rows_only) return 0;
-    return has_cone(loop_plan, moved, p, choices) || has_wedge(plans, inside, on, (const double(*)[3])p);
+    return has_cone(loop_plan, moved, p, choices) ||
+           has_wedge(plans, inside, on, choices->snapped, (const double(*)[3])p);
 }
 
 #endif

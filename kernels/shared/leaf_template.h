@@ -148,33 +148,45 @@ MORTISE_FUNCTION int hexahedron_is_positive(const double (*p)[3]) {
     return 1;
 }
 
+// The same where corners in `snapped` have not moved: what face meshes are chosen by, since the certificate
+// (host/cnio), which meshes the leaves beside, moves these corners last.
+MORTISE_FUNCTION void face_positions(const double (*p)[3], u32 snapped, double (*q)[3]) {
+    for (int n = 0; n < kCellInteriorNode; ++n) {
+        for (int j = 0; j < 3; ++j)
+            q[n][j] = n < 8 && ((snapped >> n) & 1) ? (double)((n >> j) & 1) : p[n][j];
+    }
+}
+
 // Outlines and face meshes of a leaf. Returns the method if they tell it: kMethodNothing, kMethodHexahedron,
 // -1 for none; else kMethodCone.
-MORTISE_FUNCTION int make_boundary(MORTISE_GLOBAL FacePlans* plans, u32 inside, u32 on, const double (*p)[3],
-                                   CellBoundary* b) {
+MORTISE_FUNCTION int make_boundary(MORTISE_GLOBAL FacePlans* plans, u32 inside, u32 on, u32 snapped,
+                                   const double (*p)[3], CellBoundary* b) {
     int whole = 0;
+    double q[kCellNodes][3];
     b->nodes = 0;
     b->loop_size = 0;
     // All corners on the surface, and volume between them: no template tells where it is.
     if (inside == 0) return on != 0xff ? kMethodNothing : -1;
     planned_outline(plans, inside, on, b);
     if (b->loop_size < 0) return -1;
+    if (snapped != 0) face_positions(p, snapped, q);
     for (int f = 0; f < 6; ++f) {
-        b->mesh[f] = (u8)face_mesh_by(plan_of_face(plans, inside, on, (u32)f)->rule, b->node[f], p);
+        b->mesh[f] = (u8)face_mesh_by(plan_of_face(plans, inside, on, (u32)f)->rule, b->node[f],
+                                      snapped != 0 ? (const double(*)[3])q : p);
         whole += b->count[f] == 4 && b->mesh[f] == kFaceWhole;
     }
     if (b->loop_size > 0 || whole < 6) return kMethodCone;
     return hexahedron_is_positive(p) ? kMethodHexahedron : -1;
 }
 
-// The best template of a leaf for which has_template (corner_choices.h) holds; facing: faces beyond which
-// there is volume.
-MORTISE_FUNCTION void choose_template(MORTISE_GLOBAL FacePlans* plans, u32 inside, u32 on, double (*p)[3],
-                                      u32 facing, int rows_only, LeafTemplate* result) {
+// The best template of a leaf for which has_template (corner_choices.h) holds; snapped: corners that have
+// moved as SnappedLeaf tells; facing: faces beyond which there is volume.
+MORTISE_FUNCTION void choose_template(MORTISE_GLOBAL FacePlans* plans, u32 inside, u32 on, u32 snapped,
+                                      double (*p)[3], u32 facing, int rows_only, LeafTemplate* result) {
     CellBoundary* b = &result->boundary;
     Cone cone;
     double found = -1;
-    result->method = make_boundary(plans, inside, on, (const double(*)[3])p, b);
+    result->method = make_boundary(plans, inside, on, snapped, (const double(*)[3])p, b);
     if (result->method != kMethodCone) return;
     result->method = -1;
     if (on == 0) {

@@ -28,21 +28,36 @@ typedef struct SnioLeaf {
     u16 faces;       // two bits per face: its mesh (cell_boundary.h)
     u8 boundary;     // bit f: face f, all of whose corners are on the surface, is boundary, and listed here
     u8 facet_count;  // of Γ
-    u16 facets[6];   // of Γ, for cones and wedges: cone.h
-    i32 point[3];    // of the interior node of a cone, in lattice units
+    u8 snapped;      // bit c: corner c was moved as SnappedLeaf tells
+    u8 padding[3];
+    u16 facets[6];  // of Γ, for cones and wedges: cone.h
+    i32 point[3];   // of the interior node of a cone, in lattice units
 } SnioLeaf;
+
+#define kNoCandidateSurface 0xffffffffu
 
 // What is known of a leaf before vertices are snapped.
 typedef struct SnioCandidate {
     u32 surface;
     u16 region;
-    u8 inside;  // bit c: the side of corner c is the region; means nothing where `zero` is set
-    u8 zero;    // bit c: corner c is on the surface where it is
-    u8 near;    // bit c: corner c may be moved onto the surface
-    u8 flags;   // kCandidate…
-    u8 needed;  // bit c: simple only if corner c, which is not in `zero`, is moved
-    u8 padding;
+    u8 inside;   // bit c: the side of corner c is the region; means nothing where `zero` is set
+    u8 zero;     // bit c: corner c is on the surface where it is
+    u8 near;     // bit c: corner c may be moved onto the surface
+    u8 flags;    // kCandidate…
+    u8 needed;   // bit c: simple only if corner c, which is not in `zero`, is moved
+    u8 snapped;  // bit c: corner c is moved as SnappedLeaf tells
 } SnioCandidate;
+
+// Corners of a leaf that are snapped beside complex leaves (host/snapping): before the others, and whatever
+// these do. On their surface, if it is the leaf's, they are in SnioCandidate::zero.
+typedef struct SnappedLeaf {
+    u32 leaf;
+    u32 surface;      // of an IN leaf: which one a face of it lies on; kNoCandidateSurface: none is known to
+    u16 region;       // of an IN leaf; else 0
+    u8 zero;          // bit c: corner c is on the leaf's surface; none of an IN leaf
+    u8 snapped;       // bit c: corner c moves
+    i32 moved[8][3];  // as SnioPoints, of those in `snapped`
+} SnappedLeaf;
 
 // Where a simple leaf meets its surface. What is neither near nor cut is undefined.
 typedef struct SnioPoints {

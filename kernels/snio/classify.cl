@@ -98,6 +98,21 @@ static void place_in_cell(const CellSigns* signs, int place, double* at) {
     }
 }
 
+// The mean of corners `from` that a face or the cell has, where snapped ones have moved; false if none has.
+static int moved_middle(const CellSigns* signs, __global const SnappedLeaf* snapped, uint from, double* at) {
+    int sum[3] = {0, 0, 0};
+    const int count = popcount(from);
+    if (snapped == 0 || (snapped->snapped & from) == 0) return 0;
+    for (uint rest = from; rest != 0; rest &= rest - 1) {
+        const uint c = mortise_lowest_bit(rest);
+        const int moves = (snapped->snapped >> c) & 1;
+        for (int j = 0; j < 3; ++j)
+            sum[j] += (int)((c >> j) & 1) * kCellUnits + (moves ? snapped->moved[c][j] : 0);
+    }
+    for (int j = 0; j < 3; ++j) at[j] = signs->at[j] + sum[j] / count * (signs->cell / kCellUnits);
+    return 1;
+}
+
 static void start_signs(CellSigns* signs) {
     signs->known = 0;
     signs->inside = 0;
@@ -138,8 +153,100 @@ static int sign_at(CellSigns* signs, int place) {
     return (signs->zero & bit) != 0 ? 0 : (signs->inside & bit) != 0 ? -1 : 1;
 }
 
+// Sign of the surface in the middle of a face or of the cell, where corners have moved to.
+static int sign_in_middle(CellSigns* signs, __global const SnappedLeaf* snapped, int place, uint corners) {
+    double at[3];
+    if (!moved_middle(signs, snapped, corners, at)) return sign_at(signs, place);
+    return surface_sign(signs->surface, signs->ops, at[0], at[1], at[2], signs->cell);
+}
+
+// What is known of a leaf; `snapped`: its corners that are, or null. If `snap` is not set corners of sign 0
+// make a leaf complex.
+static SnioCandidate candidate_of(const Tree* tree, const TreeNode node, __global const uint* tapes,
+                                  __global const Surface* surfaces, __global const ExpressionOp* ops,
+                                  __global const SnappedLeaf* snapped, int snap) {
+    __global const uint* tape = tapes + node.tape_offset;
+    const double finest = 1.0 / (double)(1u << tree->shape.level);
+    const double cell = 1.0 / (double)(1u << leaf_level(tree, node.morton));
+    CellSigns signs;
+    SnioCandidate candidate;
+    int simple = 1;
+    int value_inside = 0;
+    int value_outside = 0;
+    uint inside = 0;
+    uint zero = 0;
+    uint needed = 0;
+    candidate.surface = tape_surface(tape[0]);
+    for (uint i = 0; i < node.tape_length && simple; ++i) {
+        simple = tape_operation(tape[i]) != kTapeLiteral || tape_surface(tape[i]) == candidate.surface;
+    }
+    if (simple) {
+        value_inside = evaluate_tape(tape, node.tape_length, 1);
+        value_outside = evaluate_tape(tape, node.tape_length, 0);
+        simple = (value_inside == 0) != (value_outside == 0);
+    }
+    if (simple) {
+        signs.surface = surfaces + candidate.surface;
+        signs.ops = ops;
+        for (int j = 0; j < 3; ++j) signs.at[j] = (double)gather_bits(node.morton >> j) * finest;
+        signs.cell = cell;
+        start_signs(&signs);
+        for (int c = 0; c < 8 && simple; ++c) {
+            const int sign = snapped != 0 && ((snapped->zero >> c) & 1) ? 0 : sign_at(&signs, c);
+            if (sign == 0) {
+                zero |= 1u << c;
+                simple = snap;
+            } else if ((sign < 0 ? value_inside : value_outside) != 0) {
+                inside |= 1u << c;
+            }
+        }
+        simple = simple && zero != 0xff;
+    }
+    for (int f = 0; f < 6 && simple; ++f) {
+        uint in_face = 0;
+        uint in_all = 0;
+        uint corners;
+        int fits;
+        for (int i = 0; i < 4; ++i) {
+            in_face |= inside & (1u << kFaceCorners[f][i]);
+            in_all |= 1u << kFaceCorners[f][i];
+        }
+        corners = in_all & ~zero;
+        if (in_face == 0 || in_face == corners) {
+            const int sign = sign_in_middle(&signs, snapped, MIDDLE_OF_FACE + f, in_all);
+            fits = sign == 0 || corners == 0 ||
+                   ((sign < 0 ? value_inside : value_outside) != 0) == (in_face != 0);
+        } else {
+            fits = face_is_simple(inside, zero, f);
+        }
+        if (fits) continue;
+        {
+            double middle[3];
+            if (!moved_middle(&signs, snapped, in_all, middle))
+                place_in_cell(&signs, MIDDLE_OF_FACE + f, middle);
+            simple = snap && is_close(signs.surface, ops, middle, cell);
+        }
+        needed |= corners;
+    }
+    if (simple && (zero | needed) == 0) {
+        simple = inside == 0 || inside == 0xff || kTemplateRows[inside].shape != 0;
+    }
+    if (simple && (inside == 0 || (inside | zero) == 0xff)) {
+        const int sign = sign_in_middle(&signs, snapped, MIDDLE, 0xff);
+        simple = sign == 0 || ((sign < 0 ? value_inside : value_outside) != 0) == (inside != 0);
+    }
+    candidate.region = (ushort)(value_inside != 0 ? value_inside : value_outside);
+    candidate.inside = (uchar)inside;
+    candidate.zero = (uchar)zero;
+    candidate.near = 0;
+    candidate.flags = simple ? kCandidateSimple : 0;
+    candidate.needed = (uchar)needed;
+    candidate.snapped = 0;
+    return candidate;
+}
+
 // Reads   the tree, nio (leaves), tapes, surfaces, ops.
-// Writes  candidates[i], without `near`. If `snap` is not set corners of sign 0 make a leaf complex.
+// Writes  candidates[i], without `near`.
 // One work-item handles one leaf.
 MORTISE_KERNEL void classify(TREE_PARAMETERS, __global const TreeNode* nio, __global const uint* tapes,
                              __global const Surface* surfaces, __global const ExpressionOp* ops,
@@ -148,83 +255,24 @@ MORTISE_KERNEL void classify(TREE_PARAMETERS, __global const TreeNode* nio, __gl
     if (item >= items) return;
     {
         const Tree tree = TREE_OF_PARAMETERS;
-        const TreeNode node = nio[item];
-        __global const uint* tape = tapes + node.tape_offset;
-        const double finest = 1.0 / (double)(1u << shape.level);
-        const double cell = 1.0 / (double)(1u << leaf_level(&tree, node.morton));
-        CellSigns signs;
-        SnioCandidate candidate;
-        int simple = 1;
-        int value_inside = 0;
-        int value_outside = 0;
-        uint inside = 0;
-        uint zero = 0;
-        uint needed = 0;
-        candidate.surface = tape_surface(tape[0]);
-        for (uint i = 0; i < node.tape_length && simple; ++i) {
-            simple = tape_operation(tape[i]) != kTapeLiteral || tape_surface(tape[i]) == candidate.surface;
-        }
-        if (simple) {
-            value_inside = evaluate_tape(tape, node.tape_length, 1);
-            value_outside = evaluate_tape(tape, node.tape_length, 0);
-            simple = (value_inside == 0) != (value_outside == 0);
-        }
-        if (simple) {
-            signs.surface = surfaces + candidate.surface;
-            signs.ops = ops;
-            for (int j = 0; j < 3; ++j) signs.at[j] = (double)gather_bits(node.morton >> j) * finest;
-            signs.cell = cell;
-            start_signs(&signs);
-            for (int c = 0; c < 8 && simple; ++c) {
-                const int sign = sign_at(&signs, c);
-                if (sign == 0) {
-                    zero |= 1u << c;
-                    simple = snap;
-                } else if ((sign < 0 ? value_inside : value_outside) != 0) {
-                    inside |= 1u << c;
-                }
-            }
-            simple = simple && zero != 0xff;
-        }
-        for (int f = 0; f < 6 && simple; ++f) {
-            uint in_face = 0;
-            uint corners = 0;
-            int fits;
-            for (int i = 0; i < 4; ++i) {
-                in_face |= inside & (1u << kFaceCorners[f][i]);
-                corners |= 1u << kFaceCorners[f][i];
-            }
-            corners &= ~zero;
-            if (in_face == 0 || in_face == corners) {
-                const int sign = sign_at(&signs, MIDDLE_OF_FACE + f);
-                fits = sign == 0 || corners == 0 ||
-                       ((sign < 0 ? value_inside : value_outside) != 0) == (in_face != 0);
-            } else {
-                fits = face_is_simple(inside, zero, f);
-            }
-            if (fits) continue;
-            {
-                double middle[3];
-                place_in_cell(&signs, MIDDLE_OF_FACE + f, middle);
-                simple = snap && is_close(signs.surface, ops, middle, cell);
-            }
-            needed |= corners;
-        }
-        if (simple && (zero | needed) == 0) {
-            simple = inside == 0 || inside == 0xff || kTemplateRows[inside].shape != 0;
-        }
-        if (simple && (inside == 0 || (inside | zero) == 0xff)) {
-            const int sign = sign_at(&signs, MIDDLE);
-            simple = sign == 0 || ((sign < 0 ? value_inside : value_outside) != 0) == (inside != 0);
-        }
-        candidate.region = (ushort)(value_inside != 0 ? value_inside : value_outside);
-        candidate.inside = (uchar)inside;
-        candidate.zero = (uchar)zero;
-        candidate.near = 0;
-        candidate.flags = simple ? kCandidateSimple : 0;
-        candidate.needed = (uchar)needed;
-        candidate.padding = 0;
-        candidates[item] = candidate;
+        candidates[item] = candidate_of(&tree, nio[item], tapes, surfaces, ops, 0, snap);
+    }
+}
+
+// The same again for simple leaves that have corners snapped beside complex ones.
+//
+// Reads   as `classify`, and snapped; writes their candidates, in the order of `snapped`.
+// One work-item handles one leaf of `snapped`.
+MORTISE_KERNEL void classify_snapped(TREE_PARAMETERS, __global const TreeNode* nio,
+                                     __global const uint* tapes, __global const Surface* surfaces,
+                                     __global const ExpressionOp* ops, __global const SnappedLeaf* snapped,
+                                     __global SnioCandidate* candidates, uint items) {
+    const uint item = get_global_id(0);
+    if (item >= items) return;
+    {
+        const Tree tree = TREE_OF_PARAMETERS;
+        candidates[item] =
+            candidate_of(&tree, nio[snapped[item].leaf], tapes, surfaces, ops, snapped + item, 1);
     }
 }
 

@@ -32,9 +32,10 @@ MORTISE_NOINLINE void choose(__global const FacePlans* plans, __global const Sni
                              const Look look, uint facing, int snap, Choice* choice) {
     const uint inside = look.states & 0xff;
     const uint on = (look.states >> 8) & 0xff;
+    const uint snapped = look.states >> 16;
     double p[kCellNodes][3];
     leaf_positions(points, look.corners, look.cuts, p);
-    choose_template(plans, inside, on, p, facing, !snap, &choice->found);
+    choose_template(plans, inside, on, snapped, p, facing, !snap, &choice->found);
     for (int j = 0; j < 3; ++j) {
         choice->interior[j] = 0;
         if (choice->found.method == kMethodRow && kTemplateRows[inside].interior_mean != 0)
@@ -130,6 +131,8 @@ MORTISE_KERNEL void fill(TREE_PARAMETERS, __global const TreeNode* nio,
         leaf.region = candidate.region;
         leaf.on = (uchar)on;
         leaf.displaced = (uchar)displaced;
+        leaf.snapped = candidate.snapped;
+        for (int j = 0; j < 3; ++j) leaf.padding[j] = 0;
         leaf.method = kMethodNothing;
         leaf.apex = kNoApex;
         leaf.faces = 0;
@@ -152,7 +155,7 @@ MORTISE_KERNEL void fill(TREE_PARAMETERS, __global const TreeNode* nio,
             leaf.region = 0;
             leaf.on = 0;
             leaf.boundary = 0;
-        } else if ((candidate.flags & kCandidatePromoted) != 0 && displaced == 0) {
+        } else if ((candidate.flags & kCandidatePromoted) != 0 && (displaced | candidate.snapped) == 0) {
             // As the IN leaf that it was, whatever its corners are.
             leaf.method = kMethodHexahedron;
             for (int f = 0; f < 6; ++f) leaf.faces |= (ushort)(kFaceWhole << (2 * f));
@@ -169,9 +172,9 @@ MORTISE_KERNEL void fill(TREE_PARAMETERS, __global const TreeNode* nio,
             __global const SnioPoints* points = POINTS_OF(item);
             Look look;
             uint at;
-            look.states = inside | (on << 8);
+            look.states = inside | (on << 8) | ((uint)candidate.snapped << 16);
             look.others = facing;
-            look.corners = displaced;
+            look.corners = displaced | candidate.snapped;
             look.cuts = cut_edges(inside, on);
             at = place_of_look(look, points);
             if (!looks_like(look, points, seen + at)) {

@@ -12,8 +12,6 @@
 #include "shared/corner_choices.h"
 #include "snio/alike.h"
 
-#define NO_SURFACE 0xffffffffu
-
 static void veto(__global uint* vetoes, uint leaf, uint corner) {
     atomic_or(vetoes + (leaf >> 2), 1u << (8 * (leaf & 3) + corner));
 }
@@ -129,14 +127,14 @@ MORTISE_KERNEL void promote_leaves(TREE_PARAMETERS, __global const uint* new_nio
                 node.morton = own;
                 node.tape_offset = 0;
                 node.tape_length = 0;
-                candidate.surface = NO_SURFACE;
+                candidate.surface = kNoCandidateSurface;
                 candidate.region = 0;
                 candidate.inside = 0xff;
                 candidate.zero = 0;
                 candidate.near = 0;
                 candidate.flags = kCandidateSimple | kCandidatePromoted;
                 candidate.needed = 0;
-                candidate.padding = 0;
+                candidate.snapped = 0;
                 // The places around: beside this leaf along the axes of `across`, on the high side along
                 // those of `high`.
                 for (uint place = 0; place < 64; ++place) {
@@ -157,7 +155,7 @@ MORTISE_KERNEL void promote_leaves(TREE_PARAMETERS, __global const uint* new_nio
                     for (uint c = 0; c < 8 && on != 0; ++c) {
                         const uint theirs = c ^ across;
                         if ((c & across) != high || ((on >> theirs) & 1) == 0) continue;
-                        if (candidate.surface == NO_SURFACE) {
+                        if (candidate.surface == kNoCandidateSurface) {
                             candidate.surface = other.surface;
                             candidate.region = other.region;
                         }
@@ -178,6 +176,33 @@ MORTISE_KERNEL void promote_leaves(TREE_PARAMETERS, __global const uint* new_nio
     }
 }
 
+// What leaves around vertices that snap beside complex leaves need to know, complex ones apart, after
+// promotion.
+//
+// Reads   snapped, point_of; writes candidates and points. One work-item handles one leaf of `snapped`.
+MORTISE_KERNEL void snap_corners_of(__global const SnappedLeaf* snapped, __global const uint* point_of,
+                                    __global SnioCandidate* candidates, __global SnioPoints* found,
+                                    __global SnioPoints* promoted_points, uint items) {
+    const uint item = get_global_id(0);
+    if (item >= items) return;
+    {
+        const uint leaf = snapped[item].leaf;
+        const uint corners = snapped[item].snapped;
+        __global SnioPoints* points = POINTS_OF(leaf);
+        candidates[leaf].snapped = (uchar)corners;
+        candidates[leaf].near &= ~(uchar)corners;
+        if (snapped[item].region != 0) {
+            candidates[leaf].region = snapped[item].region;
+            if (snapped[item].surface != kNoCandidateSurface)
+                candidates[leaf].surface = snapped[item].surface;
+        }
+        for (uint rest = corners; rest != 0; rest &= rest - 1) {
+            const uint c = mortise_lowest_bit(rest);
+            for (int j = 0; j < 3; ++j) points->moved[c][j] = snapped[item].moved[c][j];
+        }
+    }
+}
+
 // Flags of a simple leaf: kCandidateSimple if it has a template as it is, kCandidateSafe if it has one
 // whichever of its near corners move, all that it needs among them.
 MORTISE_NOINLINE uchar tested_flags(__global const SnioPoints* points, const SnioCandidate candidate,
@@ -189,12 +214,13 @@ MORTISE_NOINLINE uchar tested_flags(__global const SnioPoints* points, const Sni
     uint count = 0;
     CornerChoices choices;
     uint subset = needed;
-    leaf_positions(points, needed, cuts, p);
+    leaf_positions(points, needed | candidate.snapped, cuts, p);
     for (uint rest = candidate.near & ~needed; rest != 0; rest &= rest - 1) {
         const uint c = mortise_lowest_bit(rest);
         others[count++] = c;
         moved_position(points, c, moved[c]);
     }
+    choices.snapped = candidate.snapped;
     for (uint f = 0; f < 6; ++f) choices.known[f] = 0;
     choices.apex = kNoApex;
     choices.seen_from = kNoApex;
@@ -239,8 +265,8 @@ MORTISE_KERNEL void test_subsets(TREE_PARAMETERS, __global const TreeNode* nio, 
             uint at;
             look.states = candidate.inside | ((uint)candidate.zero << 8) | ((uint)candidate.near << 16) |
                           ((uint)candidate.needed << 24);
-            look.others = candidate.flags;
-            look.corners = candidate.near;
+            look.others = candidate.flags | ((uint)candidate.snapped << 8);
+            look.corners = candidate.near | candidate.snapped;
             look.cuts = cut_edges(candidate.inside, candidate.zero);
             at = place_of_look(look, points);
             if (!looks_like(look, points, seen + at)) {

@@ -109,7 +109,7 @@ Chosen choose(u32 inside, u32 on, const Positions& positions, u32 facing) {
     Chosen result;
     double p[kCellNodes][3];
     for (std::size_t i = 0; i < kCellNodes; ++i) std::copy(positions[i].begin(), positions[i].end(), p[i]);
-    choose_template(&mortise::snio::face_plans(), inside, on, p, facing, 0, &result.found);
+    choose_template(&mortise::snio::face_plans(), inside, on, 0, p, facing, 0, &result.found);
     result.positions = positions;
     std::copy(p[kCellInteriorNode], p[kCellInteriorNode] + 3, result.positions[kCellInteriorNode].begin());
     const LeafTemplate& found = result.found;

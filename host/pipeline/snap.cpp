@@ -1,0 +1,256 @@
+#include "host/pipeline/snap.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+#include "host/common/parallel.hpp"
+#include "host/snapping/snapping.hpp"
+
+namespace mortise::pipeline {
+namespace {
+
+using octree::SnappedVertex;
+
+constexpr std::size_t kChunk = 64;
+
+/// Corners of a face, as a set.
+u32 corners_of_face(int f) {
+    u32 corners = 0;
+    for (const u8 c : kFaceCorners[f]) corners |= 1u << c;
+    return corners;
+}
+
+}  // namespace
+
+Snapping::Snapping(snio::Classifier& classifier, Prepared& prepared, bool keep, double merge, int threads)
+    : classifier_(classifier),
+      prepared_(prepared),
+      tree_(prepared.tree),
+      keep_(keep),
+      merge_(merge),
+      threads_(threads) {}
+
+std::size_t Snapping::find(std::vector<std::uint32_t> strict) {
+    const std::vector<std::uint32_t> complex = find_complex();
+    tree_.crowded = cnio::find_crowded(prepared_.bound, tree_, complex, threads_);
+    for (const std::uint64_t code : tree_.crowded) strict.push_back(tree_.nio_index(code));
+    for (const octree::LeafJoint& joint : tree_.joints) strict.push_back(tree_.nio_index(joint.morton));
+    std::sort(strict.begin(), strict.end());
+    vertices_ = snapping::find_snapped(prepared_.bound, tree_, complex, strict, merge_, threads_);
+    snaps_.assign(vertices_.size(), 1);
+    list_touched();
+    std::vector<std::uint32_t> dirty(touched_.size());
+    std::iota(dirty.begin(), dirty.end(), 0u);
+    while (!dirty.empty()) dirty = take_back(find_unfit(dirty));
+    return tree_.snapped.size();
+}
+
+/// Leaves that are complex while no vertex has moved, or may be.
+std::vector<std::uint32_t> Snapping::find_complex() {
+    const std::vector<SnioCandidate>& candidates = classifier_.candidates();
+    std::vector<std::uint32_t> complex;
+    for (std::uint32_t i = 0; i < candidates.size(); ++i) {
+        if ((candidates[i].flags & kCandidateSimple) == 0 || candidates[i].needed != 0) complex.push_back(i);
+    }
+    return complex;
+}
+
+void Snapping::list_touched() {
+    struct Entry {
+        Leaf leaf;
+        u32 corner;
+        std::uint32_t vertex;
+    };
+    std::vector<Entry> entries;
+    const Tree tree = tree_.view();
+    for (std::uint32_t v = 0; v < vertices_.size(); ++v) {
+        const std::uint64_t code = vertices_[v].code;
+        for (u32 d = 0; d < 8; ++d) {
+            const Leaf leaf =
+                leaf_at_vertex(&tree, gather_bits(code), gather_bits(code >> 1), gather_bits(code >> 2), d);
+            if (leaf.kind != kLeafNone) entries.push_back({leaf, 7 - d, v});
+        }
+    }
+    std::sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) {
+        return a.leaf.code != b.leaf.code ? a.leaf.code < b.leaf.code : a.corner < b.corner;
+    });
+    for (const Entry& entry : entries) {
+        if (touched_.empty() || touched_.back().code != entry.leaf.code) {
+            Touched touched{};
+            touched.code = entry.leaf.code;
+            touched.is_in = entry.leaf.kind == kLeafIn;
+            touched.corners.leaf = entry.leaf.index;
+            touched.corners.surface = kNoCandidateSurface;
+            if (touched.is_in) {
+                touched.corners.region = octree::in_region(tree_, touched.code);
+            } else {
+                const SnioCandidate& candidate = classifier_.candidates()[entry.leaf.index];
+                touched.is_complex = (candidate.flags & kCandidateSimple) == 0;
+                touched.place = static_cast<std::uint32_t>(extraction_.leaves.size());
+                extraction_.leaves.push_back(entry.leaf.index);
+            }
+            touched_.push_back(touched);
+        }
+        touched_.back().vertex[entry.corner] = entry.vertex;
+        touched_.back().corners.snapped |= static_cast<u8>(1u << entry.corner);
+    }
+}
+
+/// A leaf's corners by the vertices that still snap.
+void Snapping::update(Touched& touched) const {
+    SnappedLeaf& corners = touched.corners;
+    corners.zero = 0;
+    for (u32 rest = corners.snapped; rest != 0; rest &= rest - 1) {
+        const u32 c = mortise_lowest_bit(rest);
+        const u8 bit = static_cast<u8>(1u << c);
+        const SnappedVertex& vertex = vertices_[touched.vertex[c]];
+        if (snaps_[touched.vertex[c]] == 0) {
+            corners.snapped &= static_cast<u8>(~bit);
+            continue;
+        }
+        std::copy(vertex.moved.begin(), vertex.moved.end(), corners.moved[c]);
+        if (touched.is_in || touched.is_complex) continue;
+        if (vertex.is_on(classifier_.candidates()[corners.leaf].surface)) corners.zero |= bit;
+    }
+}
+
+/// Finds out what becomes of simple leaves, places in touched_.
+void Snapping::judge_simple(const std::vector<std::uint32_t>& simple) {
+    if (simple.empty()) return;
+    std::vector<SnappedLeaf> corners;
+    for (const std::uint32_t i : simple) corners.push_back(touched_[i].corners);
+    const std::vector<SnioCandidate> found = classifier_.with_corners(corners);
+    parallel_chunks(simple.size(), kChunk, threads_, [&](std::size_t begin, std::size_t end, int) {
+        for (std::size_t k = begin; k < end; ++k) {
+            Touched& touched = touched_[simple[k]];
+            touched.keeps = has_face_on_other(touched)
+                                ? snio::Keeps::kNothing
+                                : snio::keeps_template(prepared_.bound, tree_, found[k], corners[k]);
+        }
+    });
+}
+
+/// Vertices that one of these leaves does not bear, some of them more than once. Leaves that may or may not
+/// keep a template must bear both.
+std::vector<std::uint32_t> Snapping::find_unfit(const std::vector<std::uint32_t>& dirty) {
+    tree_.snapped.clear();
+    for (std::size_t v = 0; v < vertices_.size(); ++v) {
+        if (snaps_[v] != 0) tree_.snapped.push_back(vertices_[v]);
+    }
+    std::vector<std::uint32_t> simple;
+    std::vector<std::uint32_t> places;
+    for (const std::uint32_t i : dirty) {
+        update(touched_[i]);
+        if (!touched_[i].is_in && !touched_[i].is_complex) simple.push_back(i);
+    }
+    judge_simple(simple);
+    for (const std::uint32_t i : dirty) {
+        if (touched_[i].needs_certificate()) places.push_back(touched_[i].place);
+    }
+    cnio::extract_again(prepared_.bound, tree_, places, prepared_.apexes, threads_, extraction_);
+    if (!keep_) extraction_.arenas.clear();
+    std::vector<std::uint32_t> unfit;
+    for (const std::uint32_t i : dirty) {
+        Touched& touched = touched_[i];
+        u32 corners = 0;
+        if (touched.is_in) {
+            if (!find_surface(touched) || !snio::stays_hexahedron(touched.corners))
+                corners = touched.corners.snapped;
+        } else if (touched.needs_certificate()) {
+            const cnio::CellRecord& record = extraction_.records[touched.place];
+            corners = record.unresolved + record.limited > 0 ? touched.corners.snapped : record.unfit;
+        }
+        for (; corners != 0; corners &= corners - 1)
+            unfit.push_back(touched.vertex[mortise_lowest_bit(corners)]);
+    }
+    return unfit;
+}
+
+/// The simple leaf beyond a face all of whose corners snap; else null.
+const SnioCandidate* Snapping::simple_beyond(const Touched& touched, int f) const {
+    const u32 corners = corners_of_face(f);
+    if ((touched.corners.snapped & corners) != corners) return nullptr;
+    const Tree tree = tree_.view();
+    i32 direction[3] = {0, 0, 0};
+    direction[f / 2] = (f & 1) != 0 ? 1 : -1;
+    const Leaf beyond = leaf_beside(&tree, touched.code, tree_.level_of(touched.code), direction);
+    if (beyond.kind != kLeafNio) return nullptr;
+    const SnioCandidate& candidate = classifier_.candidates()[beyond.index];
+    return (candidate.flags & kCandidateSimple) != 0 ? &candidate : nullptr;
+}
+
+/// Whether a face of a simple leaf may lie on a surface that is not the leaf's: templates list no facets
+/// there.
+bool Snapping::has_face_on_other(const Touched& touched) const {
+    for (int f = 0; f < 6; ++f) {
+        const SnioCandidate* beyond = simple_beyond(touched, f);
+        if (beyond != nullptr && beyond->surface != classifier_.candidates()[touched.corners.leaf].surface)
+            return true;
+    }
+    return false;
+}
+
+/// The surface that a face of an IN leaf may lie on; false if faces lie on different ones.
+bool Snapping::find_surface(Touched& touched) const {
+    std::uint32_t& surface = touched.corners.surface;
+    surface = kNoCandidateSurface;
+    for (int f = 0; f < 6; ++f) {
+        const SnioCandidate* beyond = simple_beyond(touched, f);
+        if (beyond == nullptr) continue;
+        if (surface != kNoCandidateSurface && surface != beyond->surface) return false;
+        surface = beyond->surface;
+    }
+    return true;
+}
+
+/// These vertices stay where they are; the leaves around them, ascending.
+std::vector<std::uint32_t> Snapping::take_back(const std::vector<std::uint32_t>& unfit) {
+    for (const std::uint32_t v : unfit) snaps_[v] = 0;
+    std::vector<std::uint32_t> dirty;
+    for (std::uint32_t i = 0; i < touched_.size() && !unfit.empty(); ++i) {
+        bool changes = false;
+        for (u32 rest = touched_[i].corners.snapped; rest != 0 && !changes; rest &= rest - 1)
+            changes = snaps_[touched_[i].vertex[mortise_lowest_bit(rest)]] == 0;
+        if (changes) dirty.push_back(i);
+    }
+    return dirty;
+}
+
+void Snapping::classify() {
+    std::vector<SnappedLeaf> simple;
+    std::vector<snio::SnappedInLeaf> in_leaves;
+    std::vector<std::uint32_t> complex;
+    for (const Touched& touched : touched_) {
+        if (touched.is_complex) continue;
+        if (!touched.is_in && touched.keeps == snio::Keeps::kNothing) {
+            complex.push_back(touched.corners.leaf);
+        } else if (touched.corners.snapped != 0 && touched.is_in) {
+            in_leaves.push_back({touched.code, touched.corners});
+        } else if (touched.corners.snapped != 0) {
+            simple.push_back(touched.corners);
+        }
+    }
+    prepared_.classification = classifier_.finish(simple, in_leaves, complex);
+}
+
+void Snapping::extract() {
+    if (!keep_) return;
+    cnio::Extraction& result = prepared_.extraction;
+    result.leaves = prepared_.classification.cnio;
+    result.records.resize(result.leaves.size());
+    result.arenas = std::move(extraction_.arenas);
+    std::vector<std::uint32_t> missing;
+    auto known = touched_.begin();
+    for (std::uint32_t i = 0; i < result.leaves.size(); ++i) {
+        const std::uint64_t code = tree_.nio[result.leaves[i]].morton;
+        while (known != touched_.end() && known->code < code) ++known;
+        if (known != touched_.end() && known->code == code && !known->is_in && known->needs_certificate()) {
+            result.records[i] = extraction_.records[known->place];
+        } else {
+            missing.push_back(i);
+        }
+    }
+    cnio::extract_again(prepared_.bound, tree_, missing, prepared_.apexes, threads_, result);
+}
+
+}  // namespace mortise::pipeline

@@ -1,0 +1,19 @@
+// Which grid vertices beside complex leaves are snapped (ARCHITECTURE.md, "Snapping beside complex cells").
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "host/octree/octree.hpp"
+
+namespace mortise::snapping {
+
+/// Vertices of the leaves `complex` that snap, ascending by code. `strict`: leaves none of whose vertices do.
+/// `merge`: two surfaces that run along each other are one at a vertex if they are this close, in edges of
+/// the leaf. Both are indices into Octree::nio, ascending.
+std::vector<octree::SnappedVertex> find_snapped(const tape::BoundModel& model, const octree::Octree& tree,
+                                                const std::vector<std::uint32_t>& complex,
+                                                const std::vector<std::uint32_t>& strict, double merge,
+                                                int threads);
+
+}  // namespace mortise::snapping

@@ -1,0 +1,173 @@
+// Vertices of the grid beside creases: which of them snap, and what their cells are like afterwards.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "host/snapping/snapping.hpp"
+#include "host/snio/classify.hpp"
+#include "host/tape/compile.hpp"
+#include "tests/mesher/meshed.hpp"
+#include "tests/mesher/random_source.hpp"
+
+namespace mortise::test {
+namespace {
+
+Affine random_turn(RandomSource& random) {
+    const Vec3 axis = {random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(0.2, 1)};
+    return rotation(axis, random.uniform(0, 3));
+}
+
+/// Two boxes, turned against each other, one taken out of the other.
+Model notched(std::uint64_t seed, double* volume) {
+    RandomSource random(seed);
+    const Vec3 size = {random.uniform(1.5, 2.5), random.uniform(1.5, 2.5), random.uniform(1.5, 2.5)};
+    const Vec3 notch = {random.uniform(0.4, 0.9), random.uniform(0.4, 0.9), random.uniform(0.4, 0.9)};
+    *volume = size[0] * size[1] * size[2] - notch[0] * notch[1] * notch[2];
+    return transformed(one_solid([&](Model& m) {
+                           return subtract(m, {add_box(m, {0, 0, 0}, size), add_box(m, {-1, -1, -1}, notch)});
+                       }),
+                       random_turn(random));
+}
+
+std::uint64_t poor(const Mesh& mesh, const std::vector<float>& jacobians) {
+    CHECK(jacobians.size() == mesh.element_count());
+    return static_cast<std::uint64_t>(
+        std::count_if(jacobians.begin(), jacobians.end(), [](float x) { return x < 0.2f; }));
+}
+
+struct Snapped {
+    tape::BoundModel model;
+    octree::DeviceTree on_device;
+    octree::Octree tree;
+    std::vector<octree::SnappedVertex> vertices;
+};
+
+Snapped snap(const Model& source, int level, double merge) {
+    Snapped result;
+    device::Device device("");
+    result.model = tape::bind(tape::compile(source), {-4.03, -3.97, -4.01}, 8);
+    result.tree = octree::build(device, result.model, level, &result.on_device);
+    snio::Classifier classifier(device, result.tree, result.on_device, true, true, {});
+    std::vector<std::uint32_t> complex;
+    for (std::uint32_t i = 0; i < result.tree.nio.size(); ++i) {
+        if ((classifier.candidates()[i].flags & kCandidateSimple) == 0) complex.push_back(i);
+    }
+    result.vertices = snapping::find_snapped(result.model, result.tree, complex, {}, merge, 1);
+    return result;
+}
+
+/// Box-local.
+Vec3 position(const Snapped& s, const octree::SnappedVertex& vertex, bool moved) {
+    Vec3 x{};
+    for (std::size_t j = 0; j < 3; ++j) {
+        x[j] = gather_bits(vertex.code >> j) * s.tree.finest_edge();
+        if (moved)
+            x[j] += vertex.moved[j] * octree::Octree::edge_of(vertex.level) / static_cast<double>(kCellUnits);
+    }
+    return x;
+}
+
+}  // namespace
+
+TEST_CASE("targets lie on all surfaces of their vertex, near it, and on one side of all others as before") {
+    std::uint64_t by_count[4] = {};
+    for (std::uint64_t seed = 0; seed < 20; ++seed) {
+        CAPTURE(seed);
+        double volume = 0;
+        const Snapped s = snap(notched(seed, &volume), 5, 0);
+        const double cell = s.tree.finest_edge();
+        const auto value = [&](std::size_t surface, const Vec3& x) {  // of planes: distance times slope
+            const auto& map = s.model.surfaces[surface].map;
+            const double slope = std::sqrt(map[0] * map[0] + map[1] * map[1] + map[2] * map[2]);
+            return (map[0] * x[0] + map[1] * x[1] + map[2] * x[2] + map[3]) / slope;
+        };
+        for (const octree::SnappedVertex& vertex : s.vertices) {
+            const Vec3 from = position(s, vertex, false), to = position(s, vertex, true);
+            const double way = std::hypot(to[0] - from[0], std::hypot(to[1] - from[1], to[2] - from[2]));
+            CHECK(way > 0);
+            CHECK(way < 0.46 * cell);
+            CHECK_FALSE(vertex.is_merged);
+            ++by_count[vertex.surface_count];
+            for (std::size_t k = 0; k < vertex.surface_count; ++k)
+                CHECK(std::fabs(value(vertex.surface[k], to)) < 1e-6 * cell);
+        }
+    }
+    CHECK(by_count[1] > 100);
+    CHECK(by_count[2] > 100);
+    CHECK(by_count[3] > 10);
+}
+
+TEST_CASE("turned boxes with a notch: the same volume without improvement, far fewer poor elements") {
+    std::uint64_t with = 0, without = 0;
+    for (std::uint64_t seed = 0; seed < 30; ++seed) {
+        CAPTURE(seed);
+        double volume = 0;
+        const Model model = notched(seed, &volume);
+        MeshOptions options;
+        options.level = 4 + static_cast<int>(seed % 2);
+        options.improve = false;
+        const Meshed snapped = mesh_and_check(model, options);
+        CHECK(snapped.defects == "");
+        CHECK(snapped.check.nonmanifold_edges == 0);
+        CHECK(snapped.check.euler_characteristic == 2);
+        CHECK(snapped.check.volume == doctest::Approx(volume).epsilon(1e-7));
+        CHECK(snapped.report.dropped_features == 0);
+        with += poor(snapped.mesh, snapped.report.scaled_jacobians);
+        options.pieces = 3;
+        CHECK(is_same_mesh(snapped.mesh, mesh_and_check(model, options).mesh));
+        options.pieces = 1;
+        options.snap = false;
+        const Meshed unmoved = mesh_and_check(model, options);
+        without += poor(unmoved.mesh, unmoved.report.scaled_jacobians);
+    }
+    MESSAGE("elements with a scaled Jacobian below 0.2: ", with, " of ", without, " without snapping");
+    CHECK(2 * with < without);
+}
+
+TEST_CASE(
+    "surfaces a thousandth of a cell apart are one at a vertex; walls, slits and higher steps are not") {
+    const auto merged = [](const Model& model, double merge) {
+        const Snapped s = snap(model, 5, merge);
+        return std::count_if(s.vertices.begin(), s.vertices.end(),
+                             [](const octree::SnappedVertex& vertex) { return vertex.is_merged; });
+    };
+    const double cell = 8.0 / 32;
+    const auto step = [&](double height) {
+        return one_solid([&](Model& m) {
+            return unite(m, {add_box(m, {-2, -2, -2}, {0.3, 2, 1}),
+                             add_box(m, {0.1, -2, -2}, {2, 2, 1 + height * cell})});
+        });
+    };
+    CHECK(merged(step(0.001), 0.01) > 20);
+    CHECK(merged(step(0.001), 0) == 0);
+    CHECK(merged(step(0.02), 0.01) == 0);
+    CHECK(merged(one_solid([&](Model& m) {
+                     return unite(m, {add_box(m, {-2, -2, -2}, {2, 2, -1}),
+                                      add_box(m, {-1, -1, -1.5}, {-1 + 0.001 * cell, 1, 1})});
+                 }),
+                 0.01) == 0);
+    CHECK(merged(one_solid([&](Model& m) {
+                     return subtract(m, {add_box(m, {-2, -2, -2}, {2, 2, 2}),
+                                         add_box(m, {-1, -1, -1}, {-1 + 0.001 * cell, 1, 3})});
+                 }),
+                 0.01) == 0);
+}
+
+TEST_CASE("curved parts that few vertices know of are left alone") {
+    for (const double radius : {0.3, 0.5, 0.7}) {
+        CAPTURE(radius);
+        const double cell = 8.0 / 32;
+        const Snapped s = snap(one_solid([&](Model& m) {
+                                   return unite(m, {add_box(m, {-2, -2, -2}, {2, 2, -1}),
+                                                    add_cylinder(m, radius * cell, -1.5, 1.5)});
+                               }),
+                               5, 0);
+        for (const octree::SnappedVertex& vertex : s.vertices) {
+            for (std::size_t k = 0; k < vertex.surface_count; ++k)
+                CHECK(s.model.surfaces[vertex.surface[k]].kind == kSurfacePlane);
+        }
+    }
+}
+
+}  // namespace mortise::test
