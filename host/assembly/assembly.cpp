@@ -60,14 +60,13 @@ class Assembler {
         const auto& tree = input_.tree;
         const std::uint64_t cells = std::uint64_t{1} << (3 * tree.level);
         numbering_.range = {std::min(input_.range.begin, cells), std::min(input_.range.end, cells)};
-        const bool whole = numbering_.range.begin == 0 && numbering_.range.end == cells;
+        is_whole_ = numbering_.range.begin == 0 && numbering_.range.end == cells;
         first_word_ = tree.words_below(numbering_.range.begin);
-        word_count_ = (whole ? tree.words() : tree.words_below(numbering_.range.end)) - first_word_;
+        word_count_ = (is_whole_ ? tree.words() : tree.words_below(numbering_.range.end)) - first_word_;
         nio_begin_ = tree.nio_rank[first_word_];
         nio_end_ = tree.nio_rank[first_word_ + word_count_];
         in_begin_ = tree.in_rank[first_word_];
         in_end_ = tree.in_rank[first_word_ + word_count_];
-        is_whole_ = whole;
     }
 
     bool in_range(std::uint32_t nio) const { return nio >= nio_begin_ && nio < nio_end_; }
@@ -91,46 +90,14 @@ class Assembler {
         facet_offsets_ = of_range(input_.classification.facets);
         for (std::size_t i = 0; i < list.size(); ++i) {
             const cnio::CellRecord& record = input_.extraction.records[i];
-            numbering_.used[list[i]] = record.used;
+            numbering_.used[list[i]] = record.used | corners_of_facets(input_, cells_, list[i]);
             if (!in_range(list[i])) continue;
             for (std::size_t t = 0; t < kElementTypes; ++t)
                 offsets_[t][list[i] - nio_begin_] = record.element_count[t];
         }
-        use_nodes_of_facets();
         for (std::size_t t = 0; t < kElementTypes; ++t) totals_[t] = scan(offsets_[t], "elements");
         totals_[0] += in_end_ - in_begin_;
         snio_facets_ = scan(facet_offsets_, "facets");
-    }
-
-    /// A complex cell that has no volume behind a whole face lists the facet of the template or IN leaf
-    /// beyond. It counts among the users of its corners, so that no piece names nodes of later ones.
-    void use_nodes_of_facets() {
-        const auto& list = input_.extraction.leaves;
-        const Tree tree = input_.tree.view();
-        for (std::size_t i = 0; i < list.size(); ++i) {
-            const cnio::CellRecord& record = input_.extraction.records[i];
-            const std::uint64_t code = input_.tree.nio[list[i]].morton;
-            for (std::size_t f = 0; f < 6; ++f) {
-                const std::uint32_t first = record.first_face_facet[4 * f];
-                if (record.first_face_facet[4 * f + 4] - first != 1) continue;
-                if (cells_.arena(record).face_facets[first].region != 0) continue;
-                i32 direction[3] = {0, 0, 0};
-                direction[f / 2] = (f & 1) != 0 ? 1 : -1;
-                const int level = input_.tree.level_of(code);
-                const Leaf beyond = leaf_beside(&tree, code, level, direction);
-                u32 here = 0, there = 0;
-                for (const u8 c : kFaceCorners[f]) {
-                    here |= 1u << c;
-                    there |= 1u << (c ^ (1u << (f / 2)));
-                }
-                if (beyond.level != level || beyond.kind == kLeafNone) continue;
-                if (beyond.kind == kLeafNio) {
-                    if (input_.classification.leaves[beyond.index].pattern == kPatternCnio) continue;
-                    if ((input_.classification.used[beyond.index] & there) != there) continue;
-                }
-                numbering_.used[list[i]] |= here;
-            }
-        }
     }
 
     /// In-place exclusive scan with the total appended.
@@ -310,26 +277,15 @@ class Assembler {
 
     /// Grid vertices that snap beside complex leaves, over what the device has written.
     void place_snapped() {
-        const NodeLookup nodes = lookup();
         const Tree tree = input_.tree.view();
         for (const octree::SnappedVertex& vertex : input_.tree.snapped) {
-            const u32 xyz[3] = {gather_bits(vertex.code), gather_bits(vertex.code >> 1),
-                                gather_bits(vertex.code >> 2)};
-            for (u32 d = 0; d < 8; ++d) {
-                const Leaf leaf = leaf_at_vertex(&tree, xyz[0], xyz[1], xyz[2], d);
-                if (leaf.kind == kLeafNone) continue;
-                std::uint64_t owner = 0;
-                std::uint32_t bit = 0;
-                if (!nodes.grid_owner(leaf.code, static_cast<std::uint16_t>(7 - d), &owner, &bit) ||
-                    !numbering_.range.holds(owner))
-                    break;
-                const double unit = octree::Octree::edge_of(vertex.level) / static_cast<double>(kCellUnits);
-                double at[3];
-                for (std::size_t j = 0; j < 3; ++j)
-                    at[j] = xyz[j] * input_.tree.finest_edge() + vertex.moved[j] * unit;
-                store_point(nodes.owned_node(owner, bit), at[0], at[1], at[2]);
-                break;
-            }
+            u32 bit = 0;
+            const u64 owner =
+                vertex_owner(&tree, numbering_.used.data(), gather_bits(vertex.code),
+                             gather_bits(vertex.code >> 1), gather_bits(vertex.code >> 2), &bit);
+            if (owner == kNoOwner || !numbering_.range.holds(owner)) continue;
+            const auto at = vertex.target(input_.tree.finest_edge());
+            store_point(lookup().owned_node(owner, bit), at[0], at[1], at[2]);
         }
     }
 

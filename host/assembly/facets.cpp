@@ -23,6 +23,7 @@ struct Neighbour {
     enum class Kind { kNothing, kIn, kSnio, kCnio } kind = Kind::kNothing;
     std::uint16_t region = 0;        ///< kIn, kSnio
     const SnioLeaf* leaf = nullptr;  ///< kSnio
+    std::uint32_t used = 0;          ///< the same: its nodes
     const cnio::CellRecord* record = nullptr;
     int patch = 0;  ///< kCnio: the same patch, among its own
 };
@@ -62,6 +63,7 @@ Neighbour across(const Here& here, int p, bool quarter) {
         result.record = here.cells.record(leaf.index);
         result.kind = result.record != nullptr ? Neighbour::Kind::kCnio : Neighbour::Kind::kSnio;
         result.leaf = &here.input.classification.leaves[leaf.index];
+        result.used = here.input.classification.used[leaf.index];
         result.region = result.leaf->region;
         result.patch = 4 * (f ^ 1);
         if (leaf.level < here.level) {  // this cell lies beside a quarter of the other's face
@@ -145,6 +147,30 @@ void facets_of(const Input& input, const CnioCells& cells, const NodeLookup& loo
             out.push_back(made);
         }
     }
+}
+
+std::uint32_t corners_of_facets(const Input& input, const CnioCells& cells, std::uint32_t nio) {
+    const cnio::CellRecord& record = *cells.record(nio);
+    const std::uint64_t code = input.tree.nio[nio].morton;
+    const Here here{input, cells, code, input.tree.level_of(code)};
+    std::uint32_t result = 0;
+    for (int f = 0; f < 6; ++f) {
+        const auto p = static_cast<std::size_t>(4 * f);
+        const std::uint32_t facet = record.first_face_facet[p];
+        if (record.first_face_facet[p + 4] - facet != 1) continue;
+        if (cells.arena(record).face_facets[facet].region != 0) continue;
+        const Neighbour other = across(here, 4 * f, false);
+        if (other.kind == Neighbour::Kind::kNothing || other.kind == Neighbour::Kind::kCnio) continue;
+        std::uint32_t own = 0;
+        std::uint32_t theirs = 0;
+        for (const std::uint8_t c : kFaceCorners[f]) {
+            own |= 1u << c;
+            theirs |= 1u << (c ^ (1u << (f / 2)));
+        }
+        const bool is_in = other.kind == Neighbour::Kind::kIn;
+        if (is_in || (other.leaf->pattern != kPatternCnio && (other.used & theirs) == theirs)) result |= own;
+    }
+    return result;
 }
 
 }  // namespace mortise::assembly

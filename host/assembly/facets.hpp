@@ -25,4 +25,9 @@ struct AssembledFacet {
 void facets_of(const Input& input, const CnioCells& cells, const NodeLookup& lookup, std::uint32_t nio,
                std::vector<AssembledFacet>& out);
 
+/// Corners of whole faces of a CNIO leaf behind which it has no volume, but the template or IN leaf beyond
+/// has: the leaf lists these facets and counts among the users of their corners, so that no piece names nodes
+/// of later ones. A set; the leaf's own record must be there, those beyond need not.
+std::uint32_t corners_of_facets(const Input& input, const CnioCells& cells, std::uint32_t nio);
+
 }  // namespace mortise::assembly

@@ -2,7 +2,10 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
+
+#include "kernels/shared/lattice.h"
 
 namespace mortise::octree {
 
@@ -14,6 +17,13 @@ struct SnappedVertex {
     std::array<std::uint32_t, 4> surface{};
     std::uint8_t surface_count = 0;
 
+    /// Where it moves to, box-local; `finest_edge`: of the tree's finest cells.
+    std::array<double, 3> target(double finest_edge) const {
+        const double unit = 1.0 / static_cast<double>(std::uint64_t{kCellUnits} << level);
+        std::array<double, 3> at{};
+        for (std::size_t j = 0; j < 3; ++j) at[j] = gather_bits(code >> j) * finest_edge + moved[j] * unit;
+        return at;
+    }
     bool is_on(std::uint32_t wanted) const {
         for (std::size_t i = 0; i < surface_count; ++i) {
             if (surface[i] == wanted) return true;

@@ -28,6 +28,8 @@ constexpr double kThickness = 2.5;        ///< of a curved part around a vertex,
 constexpr double kThicknessBeyond = 1.5;  ///< of what lies behind the surface, seen from the vertex
 constexpr double kSettled = 1e-10;
 
+double dot(const double* a, const double* b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
 /// One vertex at a time.
 class VertexSearch {
   public:
@@ -68,9 +70,7 @@ class VertexSearch {
     }
     double distance_at(std::size_t s, const double* x) const {
         const SurfaceSample at = sample_at(s, x);
-        const double slope = std::sqrt(at.gradient[0] * at.gradient[0] + at.gradient[1] * at.gradient[1] +
-                                       at.gradient[2] * at.gradient[2]);
-        const double distance = std::fabs(at.value) / (slope * cell_);
+        const double distance = std::fabs(at.value) / (std::sqrt(dot(at.gradient, at.gradient)) * cell_);
         return std::isfinite(distance) ? distance : kMortiseInfinity;
     }
 
@@ -153,9 +153,7 @@ class VertexSearch {
     bool is_thin(std::size_t s) const {
         if (surface(s)->kind == kSurfacePlane || here_[s].sign == 0) return false;
         const SurfaceSample sample = sample_at(s, target_);
-        const double slope =
-            std::sqrt(sample.gradient[0] * sample.gradient[0] + sample.gradient[1] * sample.gradient[1] +
-                      sample.gradient[2] * sample.gradient[2]);
+        const double slope = std::sqrt(dot(sample.gradient, sample.gradient));
         const auto ends_within = [&](const double* from, int side, double thickness) {
             double far[3];
             for (int j = 0; j < 3; ++j)
@@ -192,8 +190,7 @@ class VertexSearch {
     /// both, for all that signs at the vertex tell.
     bool is_wall(std::size_t a, std::size_t b) {
         const SurfaceSample u = sample_at(a, target_), v = sample_at(b, target_);
-        const double dot =
-            u.gradient[0] * v.gradient[0] + u.gradient[1] * v.gradient[1] + u.gradient[2] * v.gradient[2];
+        const bool is_turned = dot(u.gradient, v.gradient) < 0;
         std::vector<std::int8_t> signs(surfaces_.size());
         for (std::size_t s = 0; s < surfaces_.size(); ++s) signs[s] = static_cast<std::int8_t>(here_[s].sign);
         for (const std::uint32_t leaf : leaves_) {
@@ -203,7 +200,7 @@ class VertexSearch {
             std::int32_t region[2];
             for (int side = 0; side < 2; ++side) {
                 signs[a] = side == 0 ? -1 : 1;
-                signs[b] = dot < 0 ? static_cast<std::int8_t>(-signs[a]) : signs[a];
+                signs[b] = is_turned ? static_cast<std::int8_t>(-signs[a]) : signs[a];
                 region[side] = tape_.resolve(signs.data());
             }
             if (region[0] == region[1]) return true;
@@ -223,11 +220,8 @@ class VertexSearch {
         return std::any_of(set_.begin(), set_.end(), [&](std::size_t other) {
             if (is_wall(s, other)) return false;
             const SurfaceSample a = sample_at(s, target_), b = sample_at(other, target_);
-            const double* u = a.gradient;
-            const double* v = b.gradient;
-            const double dot = u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
-            return dot * dot >= kAlong * (u[0] * u[0] + u[1] * u[1] + u[2] * u[2]) *
-                                    (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+            const double along = dot(a.gradient, b.gradient);
+            return along * along >= kAlong * dot(a.gradient, a.gradient) * dot(b.gradient, b.gradient);
         });
     }
 

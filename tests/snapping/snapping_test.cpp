@@ -57,17 +57,6 @@ Snapped snap(const Model& source, int level, double merge) {
     return result;
 }
 
-/// Box-local.
-Vec3 position(const Snapped& s, const octree::SnappedVertex& vertex, bool moved) {
-    Vec3 x{};
-    for (std::size_t j = 0; j < 3; ++j) {
-        x[j] = gather_bits(vertex.code >> j) * s.tree.finest_edge();
-        if (moved)
-            x[j] += vertex.moved[j] * octree::Octree::edge_of(vertex.level) / static_cast<double>(kCellUnits);
-    }
-    return x;
-}
-
 }  // namespace
 
 TEST_CASE("targets lie on all surfaces of their vertex, near it, and on one side of all others as before") {
@@ -83,7 +72,9 @@ TEST_CASE("targets lie on all surfaces of their vertex, near it, and on one side
             return (map[0] * x[0] + map[1] * x[1] + map[2] * x[2] + map[3]) / slope;
         };
         for (const octree::SnappedVertex& vertex : s.vertices) {
-            const Vec3 from = position(s, vertex, false), to = position(s, vertex, true);
+            Vec3 from{};
+            for (std::size_t j = 0; j < 3; ++j) from[j] = gather_bits(vertex.code >> j) * cell;
+            const Vec3 to = vertex.target(cell);
             const double way = std::hypot(to[0] - from[0], std::hypot(to[1] - from[1], to[2] - from[2]));
             CHECK(way > 0);
             CHECK(way < 0.46 * cell);
