@@ -10,7 +10,7 @@ namespace mortise::cnio {
 namespace {
 
 // Per edge of the cell or patch.
-constexpr double kApart = 0.4;          ///< between an apex and where a corner is moved to
+constexpr double kApart = 0.4;           ///< between an apex and where a corner is moved to
 constexpr double kOnWithin = 1e-5;       ///< a moved node, of all surfaces that it should be on
 constexpr double kMergedWithin = 0.015;  ///< the same where surfaces are one for a corner
 constexpr double kTargetReach = 0.7;     ///< of a node's way
