@@ -297,7 +297,7 @@ bool Cell::is_grid_vertex(LocalNode node) const {
 void Cell::load_corners() {
     vertex_.fill(kNoNode);
     snapped_ = 0;
-    merges_ = misplaced_ = false;
+    misplaced_ = false;
     for (int c = 0; c < 8; ++c) {
         const int at[3] = {2 * (c & 1), 2 * ((c >> 1) & 1), 2 * (c >> 2)};
         const LatticePoint p = {(c & 1) * units_, ((c >> 1) & 1) * units_, (c >> 2) * units_};

@@ -380,7 +380,6 @@ class Cell {
     std::vector<Node> nodes_;
     std::vector<std::int8_t> signs_;         ///< nodes × surfaces
     std::uint8_t snapped_ = 0;               ///< bit c: corner c snaps
-    bool merges_ = false;                    ///< surfaces are one for a corner
     bool misplaced_ = false;                 ///< see is_misplaced
     std::array<LocalNode, 27> vertex_{};     ///< by x + 3 y + 9 z in halves, or kNoNode
     std::vector<LocalNode> edge_nodes_[12];  ///< inner nodes from the low end to the high end

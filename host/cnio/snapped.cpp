@@ -10,11 +10,10 @@ namespace mortise::cnio {
 namespace {
 
 // Per edge of the cell or patch.
-constexpr double kApart = 0.4;           ///< between an apex and where a corner is moved to
-constexpr double kOnWithin = 1e-5;       ///< a moved node, of all surfaces that it should be on
-constexpr double kMergedWithin = 0.015;  ///< the same where surfaces are one for a corner
-constexpr double kTargetReach = 0.7;     ///< of a node's way
-constexpr double kCrossing = 0.1;        ///< as tape::ProjectionLimits::tangent
+constexpr double kApart = 0.4;        ///< between an apex and where a corner is moved to
+constexpr double kOnWithin = 1e-5;    ///< a moved node, of all surfaces that it should be on
+constexpr double kTargetReach = 0.7;  ///< of a node's way
+constexpr double kCrossing = 0.1;     ///< as tape::ProjectionLimits::tangent
 constexpr double kLastStep = 1e-10;
 
 }  // namespace
@@ -27,7 +26,6 @@ void Cell::snap_corner(LocalNode corner) {
                                        xyz_[2] + (corner >> 2) * edge));
     if (vertex == nullptr) return;
     snapped_ |= static_cast<std::uint8_t>(1u << corner);
-    merges_ = merges_ || vertex->is_merged;
     for (std::size_t j = 0; j < 3; ++j) nodes_[corner].target[j] += vertex->moved[j] * (units_ / kCellUnits);
     for (std::size_t s = 0; s < surfaces_.size(); ++s) {
         if (vertex->is_on(surfaces_[s])) set_sign(corner, s, 0);
@@ -48,7 +46,7 @@ void Cell::settle_targets(std::size_t first, const std::uint8_t* active) {
             is_off = is_off || pure_sign(s, nodes_[i].point, scale_.size) != 0;
         }
         if (!is_off) continue;
-        // Of surfaces that are one for a vertex (SnappedVertex::is_merged), the first.
+        // Of surfaces that do not cross, the first.
         double start[3];
         double at[3];
         position(nodes_[i].point, start);
@@ -64,7 +62,7 @@ void Cell::settle_targets(std::size_t first, const std::uint8_t* active) {
         }
         misplaced_ =
             misplaced_ || on.empty() || std::any_of(wanted.begin(), wanted.end(), [&](std::size_t s) {
-                return !(distance_to(s, at) <= (merges_ ? kMergedWithin : kOnWithin) * scale_.size);
+                return !(distance_to(s, at) <= kOnWithin * scale_.size);
             });
         for (std::size_t j = 0; j < 3; ++j)
             nodes_[i].target[j] +=

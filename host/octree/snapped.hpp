@@ -13,8 +13,7 @@ struct SnappedVertex {
     std::uint64_t code = 0;               ///< Morton code of its coordinates, in finest cells
     std::uint8_t level = 0;               ///< of all leaves around it
     std::array<std::int32_t, 3> moved{};  ///< lattice units of these
-    bool is_merged = false;               ///< surfaces that pass close to each other are one there
-    std::array<std::uint32_t, 4> surface{};
+    std::array<std::uint32_t, 3> surface{};
     std::uint8_t surface_count = 0;
 
     /// Where it moves to, box-local; `finest_edge`: of the tree's finest cells.

@@ -24,8 +24,8 @@ namespace {
 constexpr int kRoundsOfMoves = 2;
 /// Surfaces closer than this everywhere are one: edges of the finest cells.
 constexpr double kSameSurface = 1e-4;
-/// Part of the merge distance within which two surfaces that run along each other are one at a vertex from
-/// the start: there smaller elements, which improvement tries first, would be no help.
+/// Part of the merge distance within which surfaces that are alike are one from the start: for so low steps
+/// smaller elements, which improvement tries first, would be no help.
 constexpr double kMergedAtOnce = 0.2;
 /// What classification takes for each cell at the boundary, at least: as much where two regions meet, 380
 /// bytes on a ball.
@@ -224,14 +224,19 @@ Prepared prepare(const std::function<device::Device&()>& open_device, const Mode
     planned.emplace(plan_sizes(options, compiled, bound, bounds, root.level));
     if (!options.strict) {
         // Two surfaces that no cell can tell apart would only make slivers.
-        const double distance = std::ldexp(kSameSurface, -planned->levels.finest());
-        tape::BoundModel merged = tape::bind(compiled, root.origin, root.side, distance);
-        if (merged.nearly_equal > 0) {
-            out.warnings.push_back(std::to_string(merged.nearly_equal) +
-                                   (merged.nearly_equal == 1
-                                        ? " surface that lies within 1/10000 of a cell of another was"
-                                        : " surfaces that lie within 1/10000 of a cell of another were") +
-                                   " taken for it; --strict keeps them apart");
+        const double cell = std::ldexp(1.0, -planned->levels.finest());
+        const double alike = kMergedAtOnce * options.merge_distance;
+        tape::BoundModel merged =
+            tape::bind(compiled, root.origin, root.side, {kSameSurface * cell, alike * cell});
+        const auto told = [&out](std::uint64_t count, const std::string& what, const std::string& kept) {
+            if (count == 0) return;
+            out.warnings.push_back(
+                std::to_string(count) + (count == 1 ? " surface that lies " : " surfaces that lie ") + what +
+                (count == 1 ? " was" : " were") + " taken for it; " + kept + " keeps them apart");
+        };
+        told(merged.nearly_equal, "within 1/10000 of a cell of another", "--strict");
+        told(merged.alike, "along another, " + number(alike) + " cells from it at most,", "--merge 0");
+        if (merged.nearly_equal + merged.alike > 0) {
             bound = std::move(merged);
             planned.emplace(plan_sizes(options, compiled, bound, bounds, root.level));
         }
@@ -300,16 +305,12 @@ Prepared prepare(const std::function<device::Device&()>& open_device, const Mode
     const bool snaps_all =
         options.templates && options.snap && result.periodic.empty() && !result.on_device.local_formulas;
     if (snaps_all) {
-        Snapping snapping(classifier, result, options.memory == 0 && options.pieces <= 1,
-                          options.strict ? 0 : kMergedAtOnce * options.merge_distance, options.threads);
+        Snapping snapping(classifier, result, options.memory == 0 && options.pieces <= 1, options.threads);
         stages.end(0);
         stages.begin("snap", 0.31);
         stages.end(snapping.find(std::move(complex)));
         stages.begin("classify", 0.32);
         snapping.classify();
-        out.merged_nodes = static_cast<std::uint64_t>(
-            std::count_if(tree.snapped.begin(), tree.snapped.end(),
-                          [](const octree::SnappedVertex& vertex) { return vertex.is_merged; }));
         stages.end(tree.nio.size());
         stages.begin("extract", 0.33);
         snapping.extract();
@@ -411,7 +412,7 @@ void report_improvement(const improve::Counters& counters, const MeshOptions& op
                                (count == 1 ? " was " : " were ") + done);
     };
     const std::string distance = number(options.merge_distance) + " cells";
-    out.merged_nodes += counters.block.merged;
+    out.merged_nodes = counters.block.merged;
     told(out.merged_nodes, " of features closer than " + distance,
          std::string("merged with others, or elements would be slivers; --merge 0 keeps ") +
              (out.merged_nodes == 1 ? "it" : "them") + " apart");

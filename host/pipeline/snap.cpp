@@ -22,13 +22,8 @@ u32 corners_of_face(int f) {
 
 }  // namespace
 
-Snapping::Snapping(snio::Classifier& classifier, Prepared& prepared, bool keep, double merge, int threads)
-    : classifier_(classifier),
-      prepared_(prepared),
-      tree_(prepared.tree),
-      keep_(keep),
-      merge_(merge),
-      threads_(threads) {}
+Snapping::Snapping(snio::Classifier& classifier, Prepared& prepared, bool keep, int threads)
+    : classifier_(classifier), prepared_(prepared), tree_(prepared.tree), keep_(keep), threads_(threads) {}
 
 std::size_t Snapping::find(std::vector<std::uint32_t> strict) {
     const std::vector<std::uint32_t> complex = find_complex();
@@ -36,7 +31,7 @@ std::size_t Snapping::find(std::vector<std::uint32_t> strict) {
     for (const std::uint64_t code : tree_.crowded) strict.push_back(tree_.nio_index(code));
     for (const octree::LeafJoint& joint : tree_.joints) strict.push_back(tree_.nio_index(joint.morton));
     std::sort(strict.begin(), strict.end());
-    vertices_ = snapping::find_snapped(prepared_.bound, tree_, complex, strict, merge_, threads_);
+    vertices_ = snapping::find_snapped(prepared_.bound, tree_, complex, strict, threads_);
     snaps_.assign(vertices_.size(), 1);
     list_touched();
     std::vector<std::uint32_t> dirty(touched_.size());

@@ -17,9 +17,8 @@ namespace mortise::pipeline {
 /// found, so their order does not matter, and in the end all leaves bear what is left.
 class Snapping {
   public:
-    /// All arguments outlive it. `keep`: cells that the certificate has meshed are kept. `merge`: see
-    /// snapping::find_snapped.
-    Snapping(snio::Classifier& classifier, Prepared& prepared, bool keep, double merge, int threads);
+    /// All arguments outlive it. `keep`: cells that the certificate has meshed are kept.
+    Snapping(snio::Classifier& classifier, Prepared& prepared, bool keep, int threads);
 
     /// Fills tree.crowded and tree.snapped; returns how many vertices snap. `strict`: leaves none of whose
     /// vertices do, indices into Octree::nio.
@@ -59,7 +58,6 @@ class Snapping {
     Prepared& prepared_;
     octree::Octree& tree_;
     bool keep_;
-    double merge_;
     int threads_;
     std::vector<octree::SnappedVertex> vertices_;  ///< all that were found
     std::vector<std::uint8_t> snaps_;              ///< which of them do

@@ -15,7 +15,6 @@ namespace {
 using octree::SnappedVertex;
 
 constexpr std::size_t kChunk = 128;
-constexpr std::size_t kMostOn = std::tuple_size_v<decltype(SnappedVertex::surface)>;
 constexpr std::size_t kMostSurfaces = 16;  ///< around a vertex
 // In edges of the leaf.
 constexpr double kNear = 0.4;             ///< farther surfaces are not looked at
@@ -23,7 +22,6 @@ constexpr double kCreaseReach = 0.42;     ///< to where two surfaces meet
 constexpr double kCornerReach = 0.45;     ///< or three
 constexpr double kClear = 0.02;           ///< distance to all other surfaces
 constexpr double kTangent = 0.2;          ///< as tape::ProjectionLimits
-constexpr double kAlong = 0.99999;        ///< square of the cosine between surfaces that may be one
 constexpr double kThickness = 2.5;        ///< of a curved part around a vertex, or chords cut off too much
 constexpr double kThicknessBeyond = 1.5;  ///< of what lies behind the surface, seen from the vertex
 constexpr double kSettled = 1e-10;
@@ -33,8 +31,7 @@ double dot(const double* a, const double* b) { return a[0] * b[0] + a[1] * b[1] 
 /// One vertex at a time.
 class VertexSearch {
   public:
-    VertexSearch(const tape::BoundModel& model, const octree::Octree& tree, double merge)
-        : model_(model), tree_(tree), merge_(merge) {}
+    VertexSearch(const tape::BoundModel& model, const octree::Octree& tree) : model_(model), tree_(tree) {}
 
     bool run(std::uint64_t code, const std::vector<std::uint32_t>& strict, SnappedVertex* out) {
         if (!load(code, strict)) return false;
@@ -46,10 +43,9 @@ class VertexSearch {
                 for (std::size_t j = 0; j < 3; ++j)
                     out->moved[j] =
                         static_cast<std::int32_t>(std::rint((target_[j] - x_[j]) / cell_ * kCellUnits));
-                out->is_merged = on_.size() > set_.size();
-                out->surface_count = static_cast<std::uint8_t>(on_.size());
-                for (std::size_t i = 0; i < on_.size(); ++i) out->surface[i] = surfaces_[on_[i]];
-                return out->is_merged || out->moved != std::array<std::int32_t, 3>{};
+                out->surface_count = static_cast<std::uint8_t>(set_.size());
+                for (std::size_t i = 0; i < set_.size(); ++i) out->surface[i] = surfaces_[set_[i]];
+                return out->moved != std::array<std::int32_t, 3>{};
             }
         }
         return false;
@@ -166,63 +162,20 @@ class VertexSearch {
 
     bool try_set() {
         if (!find_target()) return false;
-        on_ = set_;
-        for (const std::size_t s : near_) {
-            if (on_.size() < kMostOn && is_merged(s)) on_.push_back(s);
-        }
         // What the target tells of each surface; 0 for those that are near, or have another sign there.
         signs_.assign(surfaces_.size(), 0);
         for (std::size_t s = 0; s < surfaces_.size(); ++s) {
-            if (std::find(on_.begin(), on_.end(), s) != on_.end()) continue;
+            if (std::find(set_.begin(), set_.end(), s) != set_.end()) continue;
             const int there = sign_at(s, target_);
             if (there == here_[s].sign && distance_at(s, target_) > kClear)
                 signs_[s] = static_cast<std::int8_t>(there);
         }
         for (std::size_t s = 0; s < surfaces_.size(); ++s) {
-            if (signs_[s] != 0 || is_merged_here(s)) continue;
+            if (signs_[s] != 0) continue;
             const bool is_wanted = std::find(set_.begin(), set_.end(), s) != set_.end();
             if (matters(s) != is_wanted) return false;
         }
         return true;
-    }
-
-    /// Whether two surfaces that run along each other have the same region, or nothing, on both sides of
-    /// both, for all that signs at the vertex tell.
-    bool is_wall(std::size_t a, std::size_t b) {
-        const SurfaceSample u = sample_at(a, target_), v = sample_at(b, target_);
-        const bool is_turned = dot(u.gradient, v.gradient) < 0;
-        std::vector<std::int8_t> signs(surfaces_.size());
-        for (std::size_t s = 0; s < surfaces_.size(); ++s) signs[s] = static_cast<std::int8_t>(here_[s].sign);
-        for (const std::uint32_t leaf : leaves_) {
-            const TreeNode& node = tree_.nio[leaf];
-            tape_.load(tree_.tapes.data() + node.tape_offset, node.tape_length, surfaces_);
-            if (!tape_.names(a) && !tape_.names(b)) continue;
-            std::int32_t region[2];
-            for (int side = 0; side < 2; ++side) {
-                signs[a] = side == 0 ? -1 : 1;
-                signs[b] = is_turned ? static_cast<std::int8_t>(-signs[a]) : signs[a];
-                region[side] = tape_.resolve(signs.data());
-            }
-            if (region[0] == region[1]) return true;
-        }
-        return false;
-    }
-
-    bool is_merged_here(std::size_t s) const {
-        return std::find(on_.begin() + static_cast<std::ptrdiff_t>(set_.size()), on_.end(), s) != on_.end();
-    }
-
-    /// Whether a surface passes so close to the target, beside one of the set and along it, that both are one
-    /// there: improvement would merge what lies between.
-    bool is_merged(std::size_t s) {
-        if (std::find(set_.begin(), set_.end(), s) != set_.end()) return false;
-        if (!(distance_at(s, target_) <= merge_)) return false;
-        return std::any_of(set_.begin(), set_.end(), [&](std::size_t other) {
-            if (is_wall(s, other)) return false;
-            const SurfaceSample a = sample_at(s, target_), b = sample_at(other, target_);
-            const double along = dot(a.gradient, b.gradient);
-            return along * along >= kAlong * dot(a.gradient, a.gradient) * dot(b.gradient, b.gradient);
-        });
     }
 
     bool matters(std::size_t s) {
@@ -237,7 +190,6 @@ class VertexSearch {
     const tape::BoundModel& model_;
     const octree::Octree& tree_;
     int level_ = 0;
-    double merge_;
     double cell_ = 0;  ///< edge of the leaves around
     double x_[3] = {};
     double target_[3] = {};
@@ -245,7 +197,6 @@ class VertexSearch {
     std::vector<std::uint32_t> surfaces_, own_;
     std::vector<Sample> here_;
     std::vector<std::size_t> near_, set_;
-    std::vector<std::size_t> on_;  ///< set_, and what is merged with it
     std::vector<std::int8_t> signs_;
     tape::LocalTape tape_;
 };
@@ -254,7 +205,7 @@ class VertexSearch {
 
 std::vector<SnappedVertex> find_snapped(const tape::BoundModel& model, const octree::Octree& tree,
                                         const std::vector<std::uint32_t>& complex,
-                                        const std::vector<std::uint32_t>& strict, double merge, int threads) {
+                                        const std::vector<std::uint32_t>& strict, int threads) {
     std::vector<std::uint64_t> codes;
     for (const std::uint32_t leaf : complex) {
         const std::uint64_t code = tree.nio[leaf].morton;
@@ -268,7 +219,7 @@ std::vector<SnappedVertex> find_snapped(const tape::BoundModel& model, const oct
     codes.erase(std::unique(codes.begin(), codes.end()), codes.end());
     std::vector<std::vector<SnappedVertex>> found(chunk_count(codes.size(), kChunk));
     parallel_chunks(codes.size(), kChunk, threads, [&](std::size_t begin, std::size_t end, int) {
-        VertexSearch search(model, tree, merge);
+        VertexSearch search(model, tree);
         for (std::size_t i = begin; i < end; ++i) {
             SnappedVertex vertex;
             if (search.run(codes[i], strict, &vertex)) found[begin / kChunk].push_back(vertex);

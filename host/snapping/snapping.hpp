@@ -9,11 +9,9 @@
 namespace mortise::snapping {
 
 /// Vertices of the leaves `complex` that snap, ascending by code. `strict`: leaves none of whose vertices do.
-/// `merge`: two surfaces that run along each other are one at a vertex if they are this close, in edges of
-/// the leaf. Both are indices into Octree::nio, ascending.
+/// Both are indices into Octree::nio, ascending.
 std::vector<octree::SnappedVertex> find_snapped(const tape::BoundModel& model, const octree::Octree& tree,
                                                 const std::vector<std::uint32_t>& complex,
-                                                const std::vector<std::uint32_t>& strict, double merge,
-                                                int threads);
+                                                const std::vector<std::uint32_t>& strict, int threads);
 
 }  // namespace mortise::snapping

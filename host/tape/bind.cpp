@@ -18,6 +18,9 @@ namespace {
 constexpr double kMergeTolerance = 1e-10;
 /// How far apart a coefficient of surfaces within the merge distance may be, as a multiple of it.
 constexpr double kCoefficientReach = 16;
+/// Within so many merge distances of surfaces that are alike no other may pass: what lies between them and it
+/// would lose much of its thickness.
+constexpr double kAlone = 3;
 
 Surface to_local(Surface s, const Vec3& origin, double side) {
     const int rows = s.kind == kSurfacePlane ? 1 : 3;
@@ -193,52 +196,148 @@ std::vector<RegionSurfaceName> names_by_region(const CompiledModel& compiled, co
     return names;
 }
 
+/// Compiled surfaces as those that are left. Surfaces by the size of one coefficient, whose sign may be
+/// flipped: equal ones are neighbours.
+class SurfaceMerge {
+  public:
+    SurfaceMerge(const CompiledModel& compiled, const Vec3& origin, double side)
+        : target(compiled.surfaces.size()), flipped(compiled.surfaces.size(), 0) {
+        for (const WorldSurface& world : compiled.surfaces) {
+            local_.push_back(to_local(world.surface, origin, side));
+            signatures_.push_back(signature(local_.back()));
+        }
+    }
+
+    /// Takes equal surfaces for one, and those within `distance`; returns how many of the latter.
+    std::uint64_t merge_equal(const std::vector<ExpressionOp>& ops, double distance) {
+        std::uint64_t nearly_equal = 0;
+        for (std::size_t i = 0; i < local_.size(); ++i) {
+            std::size_t found = i;
+            bool is_nearly = false;
+            for_near(i, distance, [&](std::size_t k) {
+                if (k >= found) return;  // the first equal one, whatever the order here
+                int equal = compare_exactly(local_[k], signatures_[k], local_[i], signatures_[i], ops);
+                const bool nearly = equal == 0;
+                if (nearly && distance > 0) equal = compare_nearly(local_[k], local_[i], distance);
+                if (equal == 0) return;
+                found = k;
+                flipped[i] = equal < 0 ? 1 : 0;
+                is_nearly = nearly;
+            });
+            nearly_equal += is_nearly ? 1 : 0;
+            target[i] = static_cast<std::uint32_t>(found);
+            if (found == i) by_offset_.emplace(std::fabs(signatures_[i][3]), i);
+        }
+        return nearly_equal;
+    }
+
+    /// Takes surfaces within `distance` for one if they only bound one region, the same, from the same side:
+    /// then nothing can lie between them. Returns how many.
+    std::uint64_t merge_alike(const CompiledModel& compiled, double distance) {
+        const std::vector<std::int64_t> uses = find_uses(compiled);
+        std::vector<std::size_t> onto(local_.size());
+        std::vector<std::uint32_t> turned(local_.size(), 0);
+        std::uint64_t alike = 0;
+        for (std::size_t i = 0; i < local_.size(); ++i) {
+            onto[i] = i;
+            if (target[i] != i || uses[i] < 0) continue;
+            bool is_alone = true;
+            for_near(i, kAlone * distance, [&](std::size_t k) {
+                if (k == i || !is_alone) return;
+                const int near = compare_nearly(local_[k], local_[i], kAlone * distance);
+                if (near == 0) return;
+                is_alone = uses[k] >= 0 && (uses[k] ^ (near < 0 ? 1 : 0)) == uses[i];
+                if (k >= onto[i] || onto[k] != k || compare_nearly(local_[k], local_[i], distance) == 0)
+                    return;
+                onto[i] = k;
+                turned[i] = near < 0 ? 1 : 0;
+            });
+            if (!is_alone) onto[i] = i;
+            alike += onto[i] != i ? 1 : 0;
+        }
+        for (std::size_t i = 0; i < local_.size(); ++i) {
+            flipped[i] ^= onto[target[i]] != target[i] ? turned[target[i]] : 0;
+            target[i] = static_cast<std::uint32_t>(onto[target[i]]);
+        }
+        return alike;
+    }
+
+    const Surface& local(std::size_t i) const { return local_[i]; }
+
+    std::vector<std::uint32_t> target;   ///< per surface: the one that stands for it
+    std::vector<std::uint32_t> flipped;  ///< per surface: 1 if with the other sign
+
+  private:
+    template <class Visit>
+    void for_near(std::size_t i, double distance, const Visit& visit) const {
+        const double offset = std::fabs(signatures_[i][3]);
+        const double reach =
+            std::max(2 * kMergeTolerance * std::max(1.0, offset), kCoefficientReach * distance);
+        const auto end = by_offset_.upper_bound(offset + reach);
+        for (auto k = by_offset_.lower_bound(offset - reach); k != end; ++k) visit(k->second);
+    }
+
+    /// Per surface that stands for others: twice the only region that it bounds, plus 1 if it is negated
+    /// wherever it does; negative if there is no such region.
+    std::vector<std::int64_t> find_uses(const CompiledModel& compiled) const {
+        constexpr std::int64_t kNone = -1, kMixed = -2;
+        std::vector<std::int64_t> uses(local_.size(), kNone);
+        const auto add = [&](std::uint32_t surface, std::int64_t use) {
+            std::int64_t& own = uses[target[surface]];
+            own = own == kNone || own == use ? use : kMixed;
+        };
+        std::vector<std::uint32_t> literals;  // of the formula that ends with the next select
+        for (const std::uint32_t word : compiled.tape) {
+            const std::uint32_t operation = tape_operation(word);
+            if (operation == kTapeLiteral) literals.push_back(word);
+            if (operation != kTapeSelect && operation != kTapeSelectConst) continue;
+            for (const std::uint32_t literal : literals) {
+                const std::uint32_t surface = tape_surface(literal);
+                add(surface,
+                    2 * std::int64_t{tape_region(word)} + (tape_negated(literal) ^ flipped[surface]));
+            }
+            literals.clear();
+        }
+        for (const WorldPolyhedron& world : compiled.polyhedra) {
+            for (const std::uint32_t surface : world.surface) add(surface, kMixed);
+        }
+        for (const PeriodicSurfaces& pair : compiled.periodic) {
+            for (const std::uint32_t surface : {pair.first, pair.second})
+                if (surface != PeriodicSurfaces::kNoSurface) add(surface, kMixed);
+        }
+        return uses;
+    }
+
+    std::vector<Surface> local_;
+    std::vector<std::array<double, 16>> signatures_;
+    std::multimap<double, std::size_t> by_offset_;
+};
+
 }  // namespace
 
-BoundModel bind(const CompiledModel& compiled, const Vec3& origin, double side, double merge_distance) {
+BoundModel bind(const CompiledModel& compiled, const Vec3& origin, double side, const MergeDistances& merge) {
     BoundModel bound;
     bound.origin = origin;
     bound.side = side;
     bound.expression_ops = compiled.expression_ops;
     if (bound.expression_ops.empty()) bound.expression_ops.push_back({});
-    std::vector<std::array<double, 16>> signatures;
-    // Surfaces by the size of one coefficient, whose sign may be flipped: equal ones are neighbours.
-    std::multimap<double, std::size_t> by_offset;
+    SurfaceMerge merged(compiled, origin, side);
+    bound.nearly_equal = merged.merge_equal(bound.expression_ops, merge.any);
+    if (merge.alike > merge.any) bound.alike = merged.merge_alike(compiled, merge.alike);
     std::vector<std::uint32_t> target(compiled.surfaces.size());
-    std::vector<std::uint32_t> flipped(compiled.surfaces.size(), 0);
+    const std::vector<std::uint32_t>& flipped = merged.flipped;
     for (std::size_t i = 0; i < compiled.surfaces.size(); ++i) {
-        const Surface local = to_local(compiled.surfaces[i].surface, origin, side);
-        const auto mine = signature(local);
-        std::size_t found = bound.surfaces.size();
-        bool is_nearly = false;
-        const double offset = std::fabs(mine[3]);
-        const double reach =
-            std::max(2 * kMergeTolerance * std::max(1.0, offset), kCoefficientReach * merge_distance);
-        const auto end = by_offset.upper_bound(offset + reach);
-        for (auto k = by_offset.lower_bound(offset - reach); k != end; ++k) {
-            if (k->second >= found) continue;  // the first equal one, whatever the order here
-            const Surface& other = bound.surfaces[k->second];
-            int equal = compare_exactly(other, signatures[k->second], local, mine, bound.expression_ops);
-            const bool nearly = equal == 0;
-            if (nearly && merge_distance > 0) equal = compare_nearly(other, local, merge_distance);
-            if (equal == 0) continue;
-            found = k->second;
-            flipped[i] = equal < 0 ? 1 : 0;
-            is_nearly = nearly;
-        }
-        if (is_nearly) ++bound.nearly_equal;
-        target[i] = static_cast<std::uint32_t>(found);
         const double size = compiled.surface_size[i] / side;
-        if (found < bound.surfaces.size()) {
-            bound.surface_size[found] = std::min(bound.surface_size[found], size);
+        if (merged.target[i] != i) {
+            target[i] = target[merged.target[i]];
+            bound.surface_size[target[i]] = std::min(bound.surface_size[target[i]], size);
             continue;
         }
-        bound.surfaces.push_back(local);
-        bound.bounds.push_back(make_bounds(local));
+        target[i] = static_cast<std::uint32_t>(bound.surfaces.size());
+        bound.surfaces.push_back(merged.local(i));
+        bound.bounds.push_back(make_bounds(merged.local(i)));
         bound.surface_name.push_back(compiled.surfaces[i].name);
         bound.surface_size.push_back(size);
-        signatures.push_back(mine);
-        by_offset.emplace(offset, found);
     }
     bound.names_by_region = names_by_region(compiled, bound, target);
     for (const double size : compiled.region_size) bound.region_size.push_back(size / side);

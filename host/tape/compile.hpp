@@ -89,8 +89,9 @@ struct BoundModel {
     std::vector<double> region_size;                 ///< per region, likewise
     std::vector<SurfaceHint> hints;                  ///< box-local
     std::vector<PeriodicSurfaces> periodic;          ///< as in CompiledModel
-    std::uint64_t nearly_equal = 0;                  ///< surfaces merged with one that they are not equal to
-    Vec3 origin{};                                   ///< model coordinates of the cube's minimum corner
+    std::uint64_t nearly_equal = 0;  ///< surfaces merged with one that they are not equal to (MergeDistances)
+    std::uint64_t alike = 0;         ///< the same
+    Vec3 origin{};                   ///< model coordinates of the cube's minimum corner
     double side = 1;
 };
 
@@ -101,10 +102,16 @@ enum class NodeBounds { kHint, kCut };
 /// Throws Error(kInput) for a formula that cannot be parsed and for a solid that is empty by its structure.
 CompiledModel compile(const Model& model, const Box3* clip = nullptr, NodeBounds use = NodeBounds::kHint);
 
-/// Binds to the cube [origin, origin + side]^3 and merges equal surfaces, and those that lie closer than
-/// `merge_distance`, in edges of the cube, to a surface before them everywhere in it. Polyhedra stay
-/// undivided (host/triangles): their cells are undecided.
-BoundModel bind(const CompiledModel& compiled, const Vec3& origin, double side, double merge_distance = 0);
+/// How close to a surface before them surfaces are taken for it: everywhere in the cube, in its edges.
+struct MergeDistances {
+    double any = 0;    ///< whatever they bound
+    double alike = 0;  ///< if both only bound one region, the same, from the same side: nothing lies between
+};
+
+/// Binds to the cube [origin, origin + side]^3 and merges surfaces that are equal, or as close as `merge`
+/// says. Polyhedra stay undivided (host/triangles): their cells are undecided.
+BoundModel bind(const CompiledModel& compiled, const Vec3& origin, double side,
+                const MergeDistances& merge = {});
 
 /// A box that holds the solid, each side within about 1/64 of its extent. Throws Error(kInput) if the solid
 /// is empty (as far as interval arithmetic can tell) or unbounded.

@@ -296,7 +296,7 @@ TEST_CASE("surfaces within the merge distance everywhere are one, with the right
     const double distance = 1e-6;  // of the root cube
     const auto count = [&](const Model& model, double merge) {
         const tape::CompiledModel compiled = tape::compile(model);
-        return tape::bind(compiled, {-4, -4, -4}, 8, merge).surfaces.size();
+        return tape::bind(compiled, {-4, -4, -4}, 8, {merge, 0}).surfaces.size();
     };
     const auto box = [](Model& m) { return add_box(m, {-1, -1, -1}, {1, 1, 1}); };
     const auto ball = [](Model& m) { return add_ball(m, {0.3, 0.1, -0.2}, 1.1); };
@@ -323,7 +323,7 @@ TEST_CASE("surfaces within the merge distance everywhere are one, with the right
     add_region(gap, unite(gap, {left, right}), "both");
     const tape::CompiledModel compiled = tape::compile(gap);
     const tape::BoundModel apart = tape::bind(compiled, {-4, -4, -4}, 8);
-    const tape::BoundModel merged = tape::bind(compiled, {-4, -4, -4}, 8, distance);
+    const tape::BoundModel merged = tape::bind(compiled, {-4, -4, -4}, 8, {distance, 0});
     CHECK(apart.surfaces.size() == 8);
     CHECK(merged.surfaces.size() == 7);
     CHECK(merged.nearly_equal == 1);
