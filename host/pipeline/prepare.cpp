@@ -24,9 +24,9 @@ namespace {
 constexpr int kRoundsOfMoves = 2;
 /// Surfaces closer than this everywhere are one: edges of the finest cells.
 constexpr double kSameSurface = 1e-4;
-/// Part of the merge distance within which surfaces that are alike are one from the start: for so low steps
-/// smaller elements, which improvement tries first, would be no help.
-constexpr double kMergedAtOnce = 0.2;
+/// Part of the merge distance within which surfaces that are alike are one from the start. A whole face is
+/// elsewhere then, so only by what rounding leaves.
+constexpr double kMergedAtOnce = 0.04;
 /// What classification takes for each cell at the boundary, at least: as much where two regions meet, 380
 /// bytes on a ball.
 constexpr std::uint64_t kClassifyBytes = 150;
