@@ -112,9 +112,10 @@ void Cell::leave_distinct(int fixed_axis, const double* middle, NearSurfaces& ne
     near.erase(std::remove_if(near.begin(), near.end(), is_seen), near.end());
 }
 
-/// The middle, or the point next to it on up to three surfaces that pass close to it; of a joint where both
+/// The middle, or the point next to it on up to `most` surfaces that pass close to it; of a joint where both
 /// its surfaces meet, if it can be had, so that their facets part there.
-LatticePoint Cell::apex_near(const ApexSearch& search, const std::vector<std::size_t>& surfaces) const {
+LatticePoint Cell::apex_near(const ApexSearch& search, const std::vector<std::size_t>& surfaces,
+                             std::size_t most) const {
     double start[3];
     position(search.middle, start);
     NearSurfaces near;
@@ -125,7 +126,7 @@ LatticePoint Cell::apex_near(const ApexSearch& search, const std::vector<std::si
     std::sort(near.begin(), near.end());
     if (search.fixed_axis < 3) leave_distinct(search.fixed_axis, start, near);
     LatticePoint apex;
-    for (std::size_t count = std::min<std::size_t>(near.size(), 3); count > 0; --count) {
+    for (std::size_t count = std::min(near.size(), most); count > 0; --count) {
         std::vector<std::size_t> on;
         bool joined = false;
         for (std::size_t k = 0; k < count; ++k) {
@@ -141,7 +142,7 @@ LatticePoint Cell::apex_near(const ApexSearch& search, const std::vector<std::si
         const auto hidden = search.fixed_axis < 3 ? near.end() : beside_boundary(apex, count, near);
         if (hidden == near.end()) return apex;
         near.erase(hidden);
-        count = std::min<std::size_t>(near.size(), 3) + 1;
+        count = std::min(near.size(), most) + 1;
     }
     return search.middle;
 }
@@ -190,7 +191,7 @@ void Cell::settle_pole(LocalNode node, int face) {
     }
 }
 
-LatticePoint Cell::apex() const {
+LatticePoint Cell::apex(std::size_t most) const {
     LatticePoint pole;
     if (pole_at(octree::LeafPole::kInside, pole)) return pole;
     std::vector<std::size_t> named;
@@ -199,7 +200,7 @@ LatticePoint Cell::apex() const {
     for (std::size_t s = 0; s < surfaces_.size(); ++s) {
         if (is_named(s) && !only_touches(s, all.data(), all.size())) named.push_back(s);
     }
-    return apex_near({centre(), 3, {1, size_}}, named);
+    return apex_near({centre(), 3, {1, size_}}, named, most);
 }
 
 /// Of a face that becomes a fan: its middle, or a point on the face's surfaces, a pole before others. The
@@ -218,7 +219,7 @@ LatticePoint Cell::fan_centre(const std::vector<LocalNode>& loop, const Patch& p
                            });
         if (alone) return patch.middle;
     }
-    return apex_near({patch.middle, patch.face / 2, patch.scale}, on_face);
+    return apex_near({patch.middle, patch.face / 2, patch.scale}, on_face, kMostApexSurfaces);
 }
 
 }  // namespace mortise::cnio

@@ -164,6 +164,8 @@ void Cell::load(const TreeNode& leaf) {
     load_corners();
     load_edges();
     for (int f = 0; f < 6; ++f) partition_face(f);
+    border_nodes_ = nodes_.size();
+    border_misplaced_ = misplaced_;
     scale_ = {1, size_};
 }
 

@@ -30,6 +30,9 @@ inline constexpr LocalNode kNoNode = 0xffff;
 /// not active: cutting it by another surface then makes new mixed edges, which the next round splits.
 inline constexpr int kBisectionRounds = 6;
 
+/// Of surfaces that an apex may lie on.
+inline constexpr std::size_t kMostApexSurfaces = 3;
+
 /// Nodes other than vertices of the grid are on all surfaces within this many tolerances of signs, 3e-5 of a
 /// cell: rods and the balls at their ends meet in one point but for the six figures of their coordinates, and
 /// what parts them there would be slivers.
@@ -193,19 +196,21 @@ class Cell {
     /// surface.
     int value_sign(std::size_t surface, const LatticePoint& p) const;
 
-    /// The cell's centre; where surfaces pass close to it, the point next to it on up to three of them: a
+    /// The cell's centre; where surfaces pass close to it, the point next to it on up to `most` of them: a
     /// cone from a point of a crease needs no cuts inside, and an apex beside a surface would make simplices
     /// as flat as it is close (apex.cpp).
-    LatticePoint apex() const;
+    LatticePoint apex(std::size_t most) const;
     void settle_pole(LocalNode node, int face);
 
     /// Appends a node with pure signs for every surface, of the entity at hand, and zero for those next to
     /// it.
     LocalNode add_node(const LatticePoint& p, std::uint8_t faces, std::uint16_t code = kExtraCode,
                        std::uint8_t middles = 0);
-    void remove_last_node() {
-        nodes_.pop_back();
-        signs_.resize(nodes_.size() * surfaces_.size());
+    void remove_last_node() { keep_nodes(nodes_.size() - 1); }
+    /// Removes all nodes inside the cell.
+    void empty() {
+        keep_nodes(border_nodes_);
+        misplaced_ = border_misplaced_;
     }
     void set_cap(LocalNode node, std::uint16_t quad) { nodes_[node].cap = quad; }
 
@@ -246,6 +251,10 @@ class Cell {
     CellCounters counters;
 
   private:
+    void keep_nodes(std::size_t count) {
+        nodes_.resize(count);
+        signs_.resize(count * surfaces_.size());
+    }
     // apex.cpp
     double distance_to(std::size_t surface, const double* x) const;
     double cosine(std::size_t a, std::size_t b, const double* x) const;
@@ -256,7 +265,8 @@ class Cell {
     };
     using NearSurfaces = std::vector<std::pair<double, std::size_t>>;  ///< with their distances, ascending
     void leave_distinct(int fixed_axis, const double* middle, NearSurfaces& near) const;
-    LatticePoint apex_near(const ApexSearch& search, const std::vector<std::size_t>& surfaces) const;
+    LatticePoint apex_near(const ApexSearch& search, const std::vector<std::size_t>& surfaces,
+                           std::size_t most) const;
     NearSurfaces::const_iterator beside_boundary(const LatticePoint& point, std::size_t count,
                                                  const NearSurfaces& near) const;
     std::vector<std::uint32_t> model_surfaces(const std::vector<std::size_t>& surfaces,
@@ -381,6 +391,8 @@ class Cell {
     std::vector<std::int8_t> signs_;         ///< nodes × surfaces
     std::uint8_t snapped_ = 0;               ///< bit c: corner c snaps
     bool misplaced_ = false;                 ///< see is_misplaced
+    std::size_t border_nodes_ = 0;           ///< on the cell's faces
+    bool border_misplaced_ = false;          ///< misplaced_, of these
     std::array<LocalNode, 27> vertex_{};     ///< by x + 3 y + 9 z in halves, or kNoNode
     std::vector<LocalNode> edge_nodes_[12];  ///< inner nodes from the low end to the high end
     /// Of split faces: inner nodes from the middle of side i (as kFaceEdges) to the centre.

@@ -33,6 +33,51 @@ CellRecord Certificate::run(const TreeNode& leaf, CellArena& arena, const Lattic
     keep_watch();
     cell_.load(leaf);
     if (cell_.is_crowded()) ++cell_.counters.limited;
+    clear();
+    whole_.clear();
+    whole_region_ = 0;
+    CellRecord record;
+    std::int32_t region = kUnknown;
+    const bool is_plain = cell_.surface_count() == 0;
+    if (apex == nullptr && (is_plain || is_uniform(&region))) {
+        if (is_plain) region = cell_.local_tape().resolve(nullptr);
+        whole_region_ = std::max(region, 0);
+        if (whole_region_ > 0) fill_whole();
+    } else if (apex != nullptr || hides_surface()) {
+        LatticePoint at = apex != nullptr ? *apex : cell_.centre();
+        for (std::int32_t& x : at) x *= apex != nullptr ? cell_.units() / kCellUnits : 1;
+        fill_cone(at);
+    } else {
+        find_cone();
+    }
+    if (cell_.snaps()) record.unfit = unfit_corners();
+    collect(record, arena);
+    return record;
+}
+
+/// The cone from the apex, or from one on fewer surfaces where elements of the former do not bear that
+/// corners move.
+void Certificate::find_cone() {
+    const CellCounters before = cell_.counters;
+    LatticePoint tried[kMostApexSurfaces + 1];
+    std::size_t count = 0;
+    const auto fill = [&](const LatticePoint& at) {
+        cell_.empty();
+        cell_.counters = before;
+        clear();
+        fill_cone(at);
+    };
+    for (std::size_t most = kMostApexSurfaces + 1; most-- > 0;) {
+        const LatticePoint at = cell_.apex(most);
+        if (std::find(tried, tried + count, at) != tried + count) continue;
+        fill(at);
+        if (!cell_.snaps() || unfit_corners() == 0) return;
+        tried[count++] = at;
+    }
+    if (count > 1) fill(tried[0]);
+}
+
+void Certificate::clear() {
     simplices_.clear();
     incident_.clear();
     pyramids_.clear();
@@ -40,40 +85,26 @@ CellRecord Certificate::run(const TreeNode& leaf, CellArena& arena, const Lattic
     simplex_region_.clear();
     pyramid_region_.clear();
     refused_.clear();
-    whole_.clear();
-    whole_region_ = 0;
-    std::int32_t region = kUnknown;
-    if (apex == nullptr && (cell_.surface_count() == 0 || is_uniform(&region))) {
-        if (cell_.surface_count() == 0) region = cell_.local_tape().resolve(nullptr);
-        whole_region_ = std::max(region, 0);
-        if (whole_region_ > 0) fill_whole();
-    } else {
-        LatticePoint at = apex != nullptr ? *apex : hides_surface() ? cell_.centre() : cell_.apex();
-        for (std::int32_t& x : at) x *= apex != nullptr ? cell_.units() / kCellUnits : 1;
-        const std::size_t first_inside = cell_.nodes().size();
-        cone(at);
-        const std::vector<std::size_t>& order = cell_.cutting_order();
-        bool again = true;
-        for (int round = 0; round < kBisectionRounds && again && !is_full(); ++round) {
-            again = false;
-            for (std::size_t k = 0; k < order.size() && !is_full(); ++k)
-                again = bisect(order, k, round) || again;
-        }
-        cell_.settle_targets(first_inside, nullptr);
-        const std::size_t n = cell_.surface_count();
-        simplex_signs_.resize(simplices_.size() * n);
-        pyramid_signs_.resize(pyramids_.size() * n);
-        for (std::size_t i = 0; i < simplices_.size(); ++i) {
-            simplex_region_.push_back(label(simplices_[i].node.data(), 4, simplex_signs_.data() + i * n));
-        }
-        for (std::size_t i = 0; i < pyramids_.size(); ++i) {
-            pyramid_region_.push_back(label(pyramids_[i].node.data(), 5, pyramid_signs_.data() + i * n));
-        }
+}
+
+/// All elements from the apex, cut by all surfaces, with their regions.
+void Certificate::fill_cone(const LatticePoint& at) {
+    const std::size_t first_inside = cell_.nodes().size();
+    cone(at);
+    const std::vector<std::size_t>& order = cell_.cutting_order();
+    bool again = true;
+    for (int round = 0; round < kBisectionRounds && again && !is_full(); ++round) {
+        again = false;
+        for (std::size_t k = 0; k < order.size() && !is_full(); ++k) again = bisect(order, k, round) || again;
     }
-    CellRecord record;
-    collect(record, arena);
-    if (cell_.snaps()) record.unfit = unfit_corners();
-    return record;
+    cell_.settle_targets(first_inside, nullptr);
+    const std::size_t n = cell_.surface_count();
+    simplex_signs_.resize(simplices_.size() * n);
+    pyramid_signs_.resize(pyramids_.size() * n);
+    for (std::size_t i = 0; i < simplices_.size(); ++i)
+        simplex_region_.push_back(label(simplices_[i].node.data(), 4, simplex_signs_.data() + i * n));
+    for (std::size_t i = 0; i < pyramids_.size(); ++i)
+        pyramid_region_.push_back(label(pyramids_[i].node.data(), 5, pyramid_signs_.data() + i * n));
 }
 
 /// Elements of a cell in one region, with whole faces or beside finer leaves.

@@ -123,6 +123,9 @@ class Certificate {
     bool is_full() const;
     void fill_whole();
     bool hides_surface() const;
+    void clear();
+    void find_cone();
+    void fill_cone(const LatticePoint& at);
     void cone(const LatticePoint& at);
     void add_simplex(const std::array<LocalNode, 4>& node);
     bool is_mixed(const Facet& quad, LocalNode apex) const;
