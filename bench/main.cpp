@@ -209,6 +209,7 @@ int run(int argc, char** argv) {
         settings.repeats = 1;
         settings.command_repeats = 1;
         settings.level_limit = 3;
+        settings.large_meshes = {2e4};
         settings.with_peers = false;
         settings.copy_bytes = std::size_t{4} << 20;
         if (arguments.only.empty()) {

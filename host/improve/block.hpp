@@ -382,8 +382,10 @@ class Block {
     std::size_t most_listed_ = 0;                           ///< entries of it
     // Scratch of swells.
     std::vector<Room> room_before_, room_after_;
-    std::vector<Room> start_room_;  ///< of the elements of a node that is to move
-    std::vector<std::uint32_t> touching_;
+    std::vector<Room> start_room_;             ///< of the elements of a node that is to move
+    std::vector<std::uint64_t> counted_;       ///< per tetrahedron: when its room was last counted
+    std::vector<std::uint64_t> counted_node_;  ///< per node: the same of its tetrahedra
+    std::uint64_t count_ = 0;
     // Scratch of crosses.
     std::vector<std::array<Local, 3>> facets_;
     std::vector<std::array<Local, 3>> faces_before_;

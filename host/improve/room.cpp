@@ -6,6 +6,7 @@
 // was opened, shares are handed on whenever elements are replaced, and no change of facets may give a region
 // notably more room than its share. In bodies as thick as their elements chords never reach that.
 #include <algorithm>
+#include <utility>
 
 #include "host/improve/block.hpp"
 
@@ -59,17 +60,21 @@ bool Block::has_swollen(const std::vector<Room>& before, const std::vector<Room>
 /// all that touch them count, too: slivers on the skin of a thick body may swell.
 bool Block::have_swollen(const std::vector<std::uint32_t>& changed) {
     if (!has_swollen(room_before_, room_after_, kMostSwelling)) return false;
-    touching_.clear();
+    counted_.resize(tetrahedra_.size(), 0);
+    counted_node_.resize(points_.size(), 0);
+    ++count_;
+    for (const std::uint32_t i : changed) counted_[i] = count_;
     for (const std::uint32_t i : changed) {
-        for (const Local n : tetrahedra_[i].node)
-            touching_.insert(touching_.end(), star_[n].begin(), star_[n].end());
-    }
-    std::sort(touching_.begin(), touching_.end());
-    touching_.erase(std::unique(touching_.begin(), touching_.end()), touching_.end());
-    for (const std::uint32_t i : touching_) {
-        if (std::find(changed.begin(), changed.end(), i) != changed.end()) continue;
-        add_room(tetrahedra_[i], room_before_);
-        add_room(tetrahedra_[i], room_after_);
+        for (const Local n : tetrahedra_[i].node) {
+            if (std::exchange(counted_node_[n], count_) == count_) continue;
+            for (const std::uint32_t near : star_[n]) {
+                if (std::exchange(counted_[near], count_) == count_) continue;
+                const Tetrahedron& t = tetrahedra_[near];
+                const double own = volume(t);
+                add_share(t.region, own, t.share, room_before_);
+                add_share(t.region, own, t.share, room_after_);
+            }
+        }
     }
     return has_swollen(room_before_, room_after_, kMostSwellingAround);
 }
