@@ -298,10 +298,9 @@ class Assembler {
                 if (code >= cnio::kExtraCode || ((record.used >> code) & 1) != 0)
                     ids[code] = nodes.node(nio, record, code);
             }
-            const TreeNode& leaf = input_.tree.nio[nio];
-            const std::size_t before = input_.tree.in_index(leaf.morton) - in_begin_;
-            const auto kind = static_cast<std::uint8_t>(
-                input_.tree.graded && leaf.tape_length == 0 ? ElementKind::kTransition : ElementKind::kCnio);
+            const std::size_t before = input_.tree.in_index(input_.tree.nio[nio].morton) - in_begin_;
+            const auto kind = static_cast<std::uint8_t>(record.is_transition ? ElementKind::kTransition
+                                                                             : ElementKind::kCnio);
             for (std::size_t t = 0; t < kElementTypes; ++t) {
                 const auto size = static_cast<std::size_t>(kElementNodes[t]);
                 const std::size_t first = offsets_[t][nio - nio_begin_] + (t == 0 ? before : 0);

@@ -10,6 +10,7 @@
 // which.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <vector>
@@ -56,8 +57,8 @@ struct Facet {
     std::uint8_t count;
 };
 
-/// F0, F1, F2 of algorithms.md §2; whole, but with middles of split edges.
-enum class FaceMode : std::uint8_t { kWhole, kCut, kFan, kHanging };
+/// F0, F1, F2 of algorithms.md §2; whole, but with middles of split edges; whole, but for its diagonal.
+enum class FaceMode : std::uint8_t { kWhole, kCut, kFan, kHanging, kSplit };
 
 /// What did not go as planned, for the report.
 struct CellCounters {
@@ -145,6 +146,10 @@ class Cell {
     LocalNode vertex(std::size_t v) const { return vertex_[v]; }
     /// Whether the cell's faces are six whole quadrilaterals.
     bool has_whole_faces() const;
+    /// Whether a face is split for corners that snap (odd_corner).
+    bool has_split_faces() const {
+        return std::find(modes_, modes_ + kPatches, FaceMode::kSplit) != modes_ + kPatches;
+    }
     /// Whether corners will be moved (Node::target).
     bool snaps() const { return snapped_ != 0; }
     /// Gives the nodes from `first` on a target where signs put them on surfaces that do not pass through
@@ -287,6 +292,7 @@ class Cell {
     void load_row(std::size_t row, std::uint32_t nio);
     void load_corners();
     void snap_corner(LocalNode corner);
+    std::size_t odd_corner(const Patch& patch) const;
     void load_edges();
     void load_edge(int e);
     void load_cross(int f);

@@ -38,9 +38,9 @@ CellRecord Certificate::run(const TreeNode& leaf, CellArena& arena, const Lattic
     whole_region_ = 0;
     CellRecord record;
     std::int32_t region = kUnknown;
-    const bool is_plain = cell_.surface_count() == 0;
-    if (apex == nullptr && (is_plain || is_uniform(&region))) {
-        if (is_plain) region = cell_.local_tape().resolve(nullptr);
+    record.is_transition = cell_.surface_count() == 0 && !cell_.has_split_faces();
+    if (apex == nullptr && (record.is_transition || is_uniform(&region))) {
+        if (record.is_transition) region = cell_.local_tape().resolve(nullptr);
         whole_region_ = std::max(region, 0);
         if (whole_region_ > 0) fill_whole();
     } else if (apex != nullptr || hides_surface()) {
@@ -56,10 +56,10 @@ CellRecord Certificate::run(const TreeNode& leaf, CellArena& arena, const Lattic
 }
 
 /// The cone from the apex, or from one on fewer surfaces where elements of the former do not bear that
-/// corners move.
+/// corners move. On one at least: from the middle the foot of a thin rod was pinched.
 void Certificate::find_cone() {
     const CellCounters before = cell_.counters;
-    LatticePoint tried[kMostApexSurfaces + 1];
+    LatticePoint tried[kMostApexSurfaces];
     std::size_t count = 0;
     const auto fill = [&](const LatticePoint& at) {
         cell_.empty();
@@ -67,7 +67,7 @@ void Certificate::find_cone() {
         clear();
         fill_cone(at);
     };
-    for (std::size_t most = kMostApexSurfaces + 1; most-- > 0;) {
+    for (std::size_t most = kMostApexSurfaces; most > 0; --most) {
         const LatticePoint at = cell_.apex(most);
         if (std::find(tried, tried + count, at) != tried + count) continue;
         fill(at);

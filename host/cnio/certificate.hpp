@@ -85,6 +85,7 @@ struct CellRecord {
     std::uint32_t refused = 0;     ///< as CellCounters, of this cell
     std::uint32_t limited = 0;     ///< the same
     std::uint32_t unresolved = 0;  ///< the same
+    bool is_transition = false;    ///< without surfaces, beside finer leaves: filled from a table
     /// Bit c: an element at corner c, which snaps, is not good enough once the cell's corners have moved.
     std::uint8_t unfit = 0;
 };

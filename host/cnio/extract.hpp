@@ -29,9 +29,15 @@ Extraction extract(const tape::BoundModel& model, const octree::Octree& tree,
                    const std::vector<std::uint32_t>& leaves, const std::vector<probe::Apex>& apexes,
                    int threads);
 
-/// Meshes some of extraction.leaves, by their places there, for the first time or again.
+/// A leaf to be meshed, and the place of its record.
+struct CellToMesh {
+    TreeNode leaf;
+    std::uint32_t place;
+};
+
+/// Meshes leaves for the first time or again. IN leaves, too: those with a face that is split.
 void extract_again(const tape::BoundModel& model, const octree::Octree& tree,
-                   const std::vector<std::uint32_t>& places, const std::vector<probe::Apex>& apexes,
-                   int threads, Extraction& extraction);
+                   const std::vector<CellToMesh>& cells, const std::vector<probe::Apex>& apexes, int threads,
+                   Extraction& extraction);
 
 }  // namespace mortise::cnio

@@ -151,6 +151,11 @@ void Cell::partition_patch(const Patch& patch, const std::vector<LocalNode>& loo
     modes_[p] = patch_mode(loop, patch);
     if (modes_[p] == FaceMode::kWhole) {
         facets.push_back({{loop[0], loop[1], loop[2], loop[3]}, 4});
+    } else if (modes_[p] == FaceMode::kSplit) {
+        const std::size_t odd = odd_corner(patch);
+        const auto at = [&](std::size_t k) { return loop[(odd + k) % 4]; };
+        facets.push_back({{at(0), at(1), at(2), at(2)}, 3});
+        facets.push_back({{at(0), at(2), at(3), at(3)}, 3});
     } else if (modes_[p] == FaceMode::kHanging) {
         divide_hanging(loop, patch, facets);
     } else if (modes_[p] == FaceMode::kCut) {
@@ -176,7 +181,7 @@ FaceMode Cell::patch_mode(const std::vector<LocalNode>& loop, const Patch& patch
         if (around.sign() * at_middle < 0) return FaceMode::kFan;
     }
     if (crossing == n) {
-        if (loop.size() == 4) return FaceMode::kWhole;
+        if (loop.size() == 4) return odd_corner(patch) < 4 ? FaceMode::kSplit : FaceMode::kWhole;
         const bool plain = std::all_of(loop.begin(), loop.end(), [&](LocalNode node) {
             return corner_of(patch, node) < 4 || is_grid_vertex(node);
         });

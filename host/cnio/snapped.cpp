@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "host/cnio/cell.hpp"
+#include "host/octree/odd_corner.hpp"
 #include "host/tape/projection.hpp"
 
 namespace mortise::cnio {
@@ -30,6 +31,12 @@ void Cell::snap_corner(LocalNode corner) {
     for (std::size_t s = 0; s < surfaces_.size(); ++s) {
         if (vertex->is_on(surfaces_[s])) set_sign(corner, s, 0);
     }
+}
+
+/// See octree::odd_corner.
+std::size_t Cell::odd_corner(const Patch& patch) const {
+    if (!snaps() || patch.quarter) return 4;
+    return octree::odd_corner(tree_, model_, leaf_.morton, patch.face);
 }
 
 void Cell::settle_targets(std::size_t first, const std::uint8_t* active) {

@@ -70,6 +70,13 @@ struct Octree {
         const Tree tree = view();
         return leaf_level(&tree, code);
     }
+    /// Code of a corner's coordinates, in finest cells, of a cell of this level at `code`.
+    std::uint64_t vertex_of(std::uint64_t code, int cell_level, u32 corner) const {
+        const u32 edge = u32{1} << (level - cell_level);
+        return morton_encode(gather_bits(code) + (corner & 1) * edge,
+                             gather_bits(code >> 1) + ((corner >> 1) & 1) * edge,
+                             gather_bits(code >> 2) + (corner >> 2) * edge);
+    }
     /// Whether the solid stands for all surfaces of a leaf.
     bool is_crowded(std::uint64_t morton) const {
         return std::binary_search(crowded.begin(), crowded.end(), morton);

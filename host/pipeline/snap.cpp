@@ -4,6 +4,7 @@
 #include <numeric>
 
 #include "host/common/parallel.hpp"
+#include "host/octree/odd_corner.hpp"
 #include "host/snapping/snapping.hpp"
 
 namespace mortise::pipeline {
@@ -70,25 +71,25 @@ void Snapping::list_touched() {
         return a.leaf.code != b.leaf.code ? a.leaf.code < b.leaf.code : a.corner < b.corner;
     });
     for (const Entry& entry : entries) {
-        if (touched_.empty() || touched_.back().code != entry.leaf.code) {
+        if (touched_.empty() || touched_.back().leaf.morton != entry.leaf.code) {
             Touched touched{};
-            touched.code = entry.leaf.code;
             touched.is_in = entry.leaf.kind == kLeafIn;
             touched.corners.leaf = entry.leaf.index;
             touched.corners.surface = kNoCandidateSurface;
             if (touched.is_in) {
-                touched.corners.region = octree::in_region(tree_, touched.code);
+                touched.leaf.morton = entry.leaf.code;
+                touched.corners.region = octree::in_region(tree_, entry.leaf.code);
             } else {
+                touched.leaf = tree_.nio[entry.leaf.index];
                 const SnioCandidate& candidate = classifier_.candidates()[entry.leaf.index];
                 touched.is_complex = (candidate.flags & kCandidateSimple) == 0;
-                touched.place = static_cast<std::uint32_t>(extraction_.leaves.size());
-                extraction_.leaves.push_back(entry.leaf.index);
             }
             touched_.push_back(touched);
         }
         touched_.back().vertex[entry.corner] = entry.vertex;
         touched_.back().corners.snapped |= static_cast<u8>(1u << entry.corner);
     }
+    extraction_.records.resize(touched_.size());
 }
 
 /// A leaf's corners by the vertices that still snap.
@@ -107,6 +108,9 @@ void Snapping::update(Touched& touched) const {
         if (touched.is_in || touched.is_complex) continue;
         if (vertex.is_on(classifier_.candidates()[corners.leaf].surface)) corners.zero |= bit;
     }
+    touched.is_split = false;
+    for (int f = 0; f < 6 && !touched.is_split; ++f)
+        touched.is_split = octree::odd_corner(tree_, prepared_.bound, touched.leaf.morton, f) < 4;
 }
 
 /// Finds out what becomes of simple leaves, places in touched_.
@@ -133,27 +137,26 @@ std::vector<std::uint32_t> Snapping::find_unfit(const std::vector<std::uint32_t>
         if (snaps_[v] != 0) tree_.snapped.push_back(vertices_[v]);
     }
     std::vector<std::uint32_t> simple;
-    std::vector<std::uint32_t> places;
+    std::vector<cnio::CellToMesh> cells;
     for (const std::uint32_t i : dirty) {
         update(touched_[i]);
         if (!touched_[i].is_in && !touched_[i].is_complex) simple.push_back(i);
     }
     judge_simple(simple);
     for (const std::uint32_t i : dirty) {
-        if (touched_[i].needs_certificate()) places.push_back(touched_[i].place);
+        if (touched_[i].needs_certificate()) cells.push_back({touched_[i].leaf, i});
     }
-    cnio::extract_again(prepared_.bound, tree_, places, prepared_.apexes, threads_, extraction_);
+    cnio::extract_again(prepared_.bound, tree_, cells, prepared_.apexes, threads_, extraction_);
     if (!keep_) extraction_.arenas.clear();
     std::vector<std::uint32_t> unfit;
     for (const std::uint32_t i : dirty) {
         Touched& touched = touched_[i];
         u32 corners = 0;
-        if (touched.is_in) {
-            if (!find_surface(touched) || !snio::stays_hexahedron(touched.corners))
-                corners = touched.corners.snapped;
-        } else if (touched.needs_certificate()) {
-            const cnio::CellRecord& record = extraction_.records[touched.place];
+        if (touched.needs_certificate()) {
+            const cnio::CellRecord& record = extraction_.records[i];
             corners = record.unresolved + record.limited > 0 ? touched.corners.snapped : record.unfit;
+        } else if (touched.is_in && (!find_surface(touched) || !snio::stays_hexahedron(touched.corners))) {
+            corners = touched.corners.snapped;
         }
         for (; corners != 0; corners &= corners - 1)
             unfit.push_back(touched.vertex[mortise_lowest_bit(corners)]);
@@ -168,7 +171,8 @@ const SnioCandidate* Snapping::simple_beyond(const Touched& touched, int f) cons
     const Tree tree = tree_.view();
     i32 direction[3] = {0, 0, 0};
     direction[f / 2] = (f & 1) != 0 ? 1 : -1;
-    const Leaf beyond = leaf_beside(&tree, touched.code, tree_.level_of(touched.code), direction);
+    const Leaf beyond =
+        leaf_beside(&tree, touched.leaf.morton, tree_.level_of(touched.leaf.morton), direction);
     if (beyond.kind != kLeafNio) return nullptr;
     const SnioCandidate& candidate = classifier_.candidates()[beyond.index];
     return (candidate.flags & kCandidateSimple) != 0 ? &candidate : nullptr;
@@ -217,10 +221,10 @@ void Snapping::classify() {
     std::vector<std::uint32_t> complex;
     for (const Touched& touched : touched_) {
         if (touched.is_complex) continue;
-        if (!touched.is_in && touched.keeps == snio::Keeps::kNothing) {
+        if (!touched.is_in && (touched.is_split || touched.keeps == snio::Keeps::kNothing)) {
             complex.push_back(touched.corners.leaf);
         } else if (touched.corners.snapped != 0 && touched.is_in) {
-            in_leaves.push_back({touched.code, touched.corners});
+            in_leaves.push_back({touched.leaf.morton, touched.corners, touched.is_split});
         } else if (touched.corners.snapped != 0) {
             simple.push_back(touched.corners);
         }
@@ -234,15 +238,15 @@ void Snapping::extract() {
     result.leaves = prepared_.classification.cnio;
     result.records.resize(result.leaves.size());
     result.arenas = std::move(extraction_.arenas);
-    std::vector<std::uint32_t> missing;
+    std::vector<cnio::CellToMesh> missing;
     auto known = touched_.begin();
     for (std::uint32_t i = 0; i < result.leaves.size(); ++i) {
-        const std::uint64_t code = tree_.nio[result.leaves[i]].morton;
-        while (known != touched_.end() && known->code < code) ++known;
-        if (known != touched_.end() && known->code == code && !known->is_in && known->needs_certificate()) {
-            result.records[i] = extraction_.records[known->place];
+        const TreeNode& leaf = tree_.nio[result.leaves[i]];
+        while (known != touched_.end() && known->leaf.morton < leaf.morton) ++known;
+        if (known != touched_.end() && known->leaf.morton == leaf.morton && known->needs_certificate()) {
+            result.records[i] = extraction_.records[static_cast<std::size_t>(known - touched_.begin())];
         } else {
-            missing.push_back(i);
+            missing.push_back({leaf, i});
         }
     }
     cnio::extract_again(prepared_.bound, tree_, missing, prepared_.apexes, threads_, result);

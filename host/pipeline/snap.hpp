@@ -33,15 +33,17 @@ class Snapping {
   private:
     /// A leaf with corners that snap, or did.
     struct Touched {
-        std::uint64_t code;
+        TreeNode leaf;  ///< of an IN leaf: without a tape
         bool is_in;
-        bool is_complex;  ///< from the start
+        bool is_complex;        ///< from the start
+        bool is_split = false;  ///< a face is (octree::odd_corner)
         snio::Keeps keeps = snio::Keeps::kTemplate;
         SnappedLeaf corners{};
         std::array<std::uint32_t, 8> vertex{};  ///< of corners.snapped: its place in vertices_
-        std::uint32_t place = 0;                ///< in extraction_, unless it is an IN leaf
 
-        bool needs_certificate() const { return is_complex || keeps != snio::Keeps::kTemplate; }
+        bool needs_certificate() const {
+            return is_complex || is_split || (!is_in && keeps != snio::Keeps::kTemplate);
+        }
     };
 
     std::vector<std::uint32_t> find_complex();
@@ -62,7 +64,7 @@ class Snapping {
     std::vector<octree::SnappedVertex> vertices_;  ///< all that were found
     std::vector<std::uint8_t> snaps_;              ///< which of them do
     std::vector<Touched> touched_;                 ///< by code
-    cnio::Extraction extraction_;  ///< of those that are no IN leaves, by index before promotion
+    cnio::Extraction extraction_;                  ///< records parallel to touched_, of what was meshed
 };
 
 }  // namespace mortise::pipeline

@@ -63,10 +63,17 @@ Classification Classifier::finish(const std::vector<SnappedLeaf>& simple,
     if (!templates_) return all_complex();
     if (on_device_.local_formulas) drop_misfits();  // promoted leaves, too
     for (std::size_t i = 0; i < simple.size(); ++i) snapped[i].leaf = tree_.nio_index(codes[i]);
+    std::vector<std::uint32_t> promoted;
     for (const SnappedInLeaf& leaf : in_leaves) {
-        snapped.push_back(leaf.corners);
-        snapped.back().leaf = tree_.nio_index(leaf.code);
+        const std::uint32_t index = tree_.nio_index(leaf.code);
+        if (leaf.is_complex) {
+            promoted.push_back(index);
+        } else {
+            snapped.push_back(leaf.corners);
+            snapped.back().leaf = index;
+        }
     }
+    leave_to_certificate(promoted);
     if (!snapped.empty()) snap_corners(snapped);
     plans_ = device_.allocate(sizeof(FacePlans));
     device_.upload(plans_, &face_plans(), 1);

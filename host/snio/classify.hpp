@@ -21,10 +21,11 @@ struct Classification {
     std::vector<std::uint32_t> cnio;  ///< indices of the leaves left to the certificate, ascending
 };
 
-/// Corners of an IN leaf that are snapped beside complex leaves.
+/// An IN leaf with corners that are snapped beside complex leaves; `is_complex`: left to the certificate.
 struct SnappedInLeaf {
     std::uint64_t code;
     SnappedLeaf corners;  ///< `leaf` does not count
+    bool is_complex;
 };
 
 /// Bins the NIO leaves of one tree, in steps between which the host may snap vertices of complex leaves.
