@@ -21,10 +21,7 @@ constexpr double kLastStep = 1e-10;
 
 /// A corner that snaps is on its surfaces for all cells around it.
 void Cell::snap_corner(LocalNode corner) {
-    const u32 edge = u32{1} << (tree_.level - level_);
-    const octree::SnappedVertex* vertex =
-        tree_.snapped_at(morton_encode(xyz_[0] + (corner & 1u) * edge, xyz_[1] + ((corner >> 1) & 1u) * edge,
-                                       xyz_[2] + (corner >> 2) * edge));
+    const octree::SnappedVertex* vertex = tree_.snapped_at(tree_.vertex_of(leaf_.morton, level_, corner));
     if (vertex == nullptr) return;
     snapped_ |= static_cast<std::uint8_t>(1u << corner);
     for (std::size_t j = 0; j < 3; ++j) nodes_[corner].target[j] += vertex->moved[j] * (units_ / kCellUnits);

@@ -209,11 +209,7 @@ std::vector<SnappedVertex> find_snapped(const tape::BoundModel& model, const oct
     std::vector<std::uint64_t> codes;
     for (const std::uint32_t leaf : complex) {
         const std::uint64_t code = tree.nio[leaf].morton;
-        const u32 edge = u32{1} << (tree.level - tree.level_of(code));
-        for (u32 c = 0; c < 8; ++c)
-            codes.push_back(morton_encode(gather_bits(code) + (c & 1) * edge,
-                                          gather_bits(code >> 1) + ((c >> 1) & 1) * edge,
-                                          gather_bits(code >> 2) + (c >> 2) * edge));
+        for (u32 c = 0; c < 8; ++c) codes.push_back(tree.vertex_of(code, tree.level_of(code), c));
     }
     std::sort(codes.begin(), codes.end());
     codes.erase(std::unique(codes.begin(), codes.end()), codes.end());
