@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <set>
+#include <tuple>
 
 #include "kernels/shared/tape.h"
 
@@ -92,15 +94,15 @@ std::vector<CellFormula::Sample> CellFormula::take_samples(const std::vector<Pol
 template <class Add>
 void CellFormula::sample_creases(const std::vector<Polygon>& polygons, const Add& add) const {
     std::map<std::vector<std::uint32_t>, std::vector<glm::dvec3>> places;
+    std::set<std::tuple<std::uint32_t, double, double, double>> seen;  // neighbours share their corners
     const double near = std::max(tolerance_, 1e-5 * cell_size_);
     for (const Polygon& polygon : polygons) {
         for (int k = 0; k < polygon.count; ++k) {
             const glm::dvec3& x = polygon.corner[static_cast<std::size_t>(k)];
+            if (!seen.insert({polygon.surface, x.x, x.y, x.z}).second) continue;
             std::vector<std::uint32_t> here;
             for (const std::uint32_t surface : surfaces_) {
-                const SurfaceSample s = sample(surface, x);
-                if (surface == polygon.surface || std::fabs(s.value) <= near * glm::length(gradient(s)))
-                    here.push_back(surface);
+                if (surface == polygon.surface || is_on(surface, x, near)) here.push_back(surface);
             }
             if (here.size() < 2 || here.size() > 3) continue;
             std::vector<glm::dvec3>& list = places[here];
@@ -179,6 +181,11 @@ std::uint32_t CellFormula::decide(const std::vector<Sample>& samples) {
 
 SurfaceSample CellFormula::sample(std::uint32_t surface, const glm::dvec3& x) const {
     return surface_sample(&model_.surfaces[surface], model_.expression_ops.data(), x.x, x.y, x.z);
+}
+
+bool CellFormula::is_on(std::uint32_t surface, const glm::dvec3& x, double near) const {
+    const SurfaceSample s = sample(surface, x);
+    return std::fabs(s.value) <= near * glm::length(gradient(s));
 }
 
 CutPlane CellFormula::plane(std::uint32_t surface) const {

@@ -61,6 +61,7 @@ class CellFormula {
     std::uint32_t add_term(const Term& term);
     CutPlane plane(std::uint32_t surface) const;
     SurfaceSample sample(std::uint32_t surface, const glm::dvec3& x) const;
+    bool is_on(std::uint32_t surface, const glm::dvec3& x, double near) const;
     void emit(std::uint32_t term);
 
     const tape::BoundModel& model_;
