@@ -460,11 +460,15 @@ void Block::relax() {
 }
 
 /// Where the model itself has no room for good elements, the search must end: `tetrahedra` bounds it.
-void Block::mend(std::uint64_t tetrahedra) {
+void Block::limit_search(std::uint64_t tetrahedra) {
     most_tried_ = counters.tried + kMostTries * tetrahedra;
     const std::uint64_t each = options_.watch_facets ? kMostWatchedEvaluations : kMostEvaluations;
     most_evaluated_ = std::min(evaluated_ + each * tetrahedra, last_evaluation_);
     trials_left_ = options_.look_ahead ? kLeastTrials + tetrahedra / kTetrahedraPerTrial : 0;
+}
+
+void Block::mend(std::uint64_t tetrahedra) {
+    limit_search(tetrahedra);
     mend_further();
 }
 

@@ -84,6 +84,13 @@ class Block {
 
     void run(const BlockOptions& options);
 
+    /// After run(): whether there is what merging is for.
+    bool has_slivers() const;
+
+    /// After run(), where nothing else has helped: merges features closer than this, in cells. False if there
+    /// are none.
+    bool merge_slivers(double merge_distance);
+
     /// After run(): whether refine() is to be tried.
     bool may_refine() const;
 
@@ -235,6 +242,7 @@ class Block {
     bool is_barren(double quality) const;
     void lower_target();
     void sweep();
+    void limit_search(std::uint64_t tetrahedra);
     void mend(std::uint64_t tetrahedra);
     void mend_further();
     bool is_spent() const { return counters.tried >= most_tried_ || evaluated_ > most_evaluated_; }
@@ -254,7 +262,11 @@ class Block {
     static double asked_length(const std::vector<Seed>& seeds, const Point& at, double most);
     std::vector<Local> neighbours(Local node) const;
     bool share_tetrahedron(Local a, Local b) const;
-    bool is_relief(const Block& before, const Cluster& cluster) const;
+    struct Relief {
+        bool is_enough = false;
+        bool is_near = false;  ///< changes of several steps may make it one
+    };
+    Relief find_relief(const Block& before, const Cluster& cluster) const;
 
     // lookahead.cpp
     struct Candidate;

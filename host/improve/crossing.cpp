@@ -60,40 +60,42 @@ void Block::list_all_facets() {
             }
         }
     };
-    Bounds all = {{HUGE_VAL, HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}};
+    Bounds all = kNoBounds;
     std::size_t count = 0;
     for_facets([&](const Bounds& facet, std::uint32_t, std::uint32_t) {
         ++count;
-        for (std::size_t j = 0; j < 3; ++j) {
-            all.low[j] = std::min(all.low[j], facet.low[j]);
-            all.high[j] = std::max(all.high[j], facet.high[j]);
-        }
+        all.include(facet);
     });
     grid_.reset(all, count);
     for_facets([this](const Bounds& facet, std::uint32_t i, std::uint32_t f) { grid_.add(facet, i, f); });
     most_listed_ = kMostStale * grid_.size();
 }
 
-/// Whether one of `facets` crosses another one of them, or one of the block's that `stays` keeps.
+/// Whether one of `facets` crosses another one of them, or one of the block's that `stays` keeps. They lie
+/// side by side: the grid is asked once for all.
 template <class Stays>
 bool Block::any_crosses(const std::vector<std::array<Local, 3>>& facets, const Stays& stays) {
+    Bounds all = kNoBounds;
     boxes_.clear();
     for (std::size_t i = 0; i < facets.size(); ++i) {
-        const std::array<Local, 3>& facet = facets[i];
-        const Bounds box = bounds(triangle(facet));
+        const Bounds box = bounds(triangle(facets[i]));
         for (std::size_t k = 0; k < i; ++k) {
             ++evaluated_;
-            if (box.overlap(boxes_[k]) && stab_each_other(facet, facets[k])) return true;
+            if (box.overlap(boxes_[k]) && stab_each_other(facets[i], facets[k])) return true;
         }
         boxes_.push_back(box);
-        const bool crossed = grid_.any(box, [&](std::uint32_t t, std::uint32_t f) {
-            if (t >= tetrahedra_.size() || alive_[t] == 0 || !is_outer(tetrahedra_[t].tag[f])) return false;
-            const std::array<Local, 3> other = face_nodes(tetrahedra_[t], f);
-            return box.overlap(bounds(triangle(other))) && stays(t, other) && cross_each_other(facet, other);
-        });
-        if (crossed) return true;
+        all.include(box);
     }
-    return false;
+    return !facets.empty() && grid_.any(all, [&](std::uint32_t t, std::uint32_t f) {
+        if (t >= tetrahedra_.size() || alive_[t] == 0 || !is_outer(tetrahedra_[t].tag[f])) return false;
+        const std::array<Local, 3> other = face_nodes(tetrahedra_[t], f);
+        const Bounds box = bounds(triangle(other));
+        if (!box.overlap(all) || !stays(t, other)) return false;
+        for (std::size_t i = 0; i < facets.size(); ++i) {
+            if (box.overlap(boxes_[i]) && cross_each_other(facets[i], other)) return true;
+        }
+        return false;
+    });
 }
 
 /// Whether any two facets cross.

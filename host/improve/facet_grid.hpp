@@ -25,7 +25,16 @@ struct Bounds {
         }
         return true;
     }
+
+    void include(const Bounds& other) {
+        for (std::size_t j = 0; j < 3; ++j) {
+            low[j] = std::min(low[j], other.low[j]);
+            high[j] = std::max(high[j], other.high[j]);
+        }
+    }
 };
+
+inline constexpr Bounds kNoBounds = {{HUGE_VAL, HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}};
 
 class FacetGrid {
   public:

@@ -62,9 +62,8 @@ bool run_carefully(Block& block, const Load& load, BlockOptions options) {
     return false;
 }
 
-template <class Load>
-std::optional<Block::Result> run_and_refine(Block& block, const Load& load, const BlockOptions& options) {
-    if (!run_carefully(block, load, options)) return std::nullopt;
+/// What the block has become, with smaller elements where these help.
+Block::Result refined(Block& block) {
     if (!block.may_refine()) return block.result();
     const Block before = block;
     if (!block.refine()) return block.result();
@@ -73,6 +72,12 @@ std::optional<Block::Result> run_and_refine(Block& block, const Load& load, cons
     Block::Result result = block.result();
     result.slivers_unrefined = unrefined.slivers;
     return result;
+}
+
+template <class Load>
+std::optional<Block::Result> run_and_refine(Block& block, const Load& load, const BlockOptions& options) {
+    if (!run_carefully(block, load, options)) return std::nullopt;
+    return refined(block);
 }
 
 }  // namespace
@@ -219,15 +224,21 @@ std::optional<Block::Result> Improver::run_block(Block& block, const Load& load,
     BlockOptions merging = plain;
     merging.merge_distance = options_.merge_distance;
     const bool merges_first = block.has_creases_side_by_side(options_.merge_distance);
-    std::optional<Block::Result> result = run_and_refine(block, load, merges_first ? merging : plain);
-    if (result && (merges_first || !plain.look_ahead || result->slivers_unrefined == 0 || result->poor == 0))
+    if (!run_carefully(block, load, merges_first ? merging : plain)) {
+        load();
+        return run_and_refine(block, load, merges_first ? plain : merging);
+    }
+    if (merges_first || !plain.look_ahead || !block.has_slivers()) return refined(block);
+    Block merged = block;
+    Block::Result result = refined(block);
+    if (result.poor == 0 || !merged.merge_slivers(options_.merge_distance) || !merged.verify() ||
+        merged.has_crossed())
         return result;
-    load();
-    std::optional<Block::Result> other = run_and_refine(block, load, merges_first ? plain : merging);
+    Block::Result other = refined(merged);
     const auto is_better = [](const Block::Result& a, const Block::Result& b) {
         return a.slivers != b.slivers ? a.slivers < b.slivers : a.poor < b.poor;
     };
-    return other && (!result || is_better(*other, *result)) ? other : result;
+    return is_better(other, result) ? other : result;
 }
 
 template <class Load>

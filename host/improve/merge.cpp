@@ -151,6 +151,26 @@ bool Block::merge(const std::array<Local, 4>& node) {
     return found;
 }
 
+bool Block::has_slivers() const {
+    for (std::size_t i = 0; i < tetrahedra_.size(); ++i) {
+        const Tetrahedron& t = tetrahedra_[i];
+        if (alive_[i] != 0 && t.quality < kMergeBelow && is_inside(t.node)) return true;
+    }
+    return false;
+}
+
+bool Block::merge_slivers(double merge_distance) {
+    const std::uint64_t merged = counters.merged;
+    options_.merge_distance = merge_distance;
+    merge_close_nodes();
+    for (std::uint32_t i = 0; i < tetrahedra_.size(); ++i) {
+        if (alive_[i] != 0 && tetrahedra_[i].quality < kMergeBelow) improve(i);
+    }
+    if (counters.merged == merged) return false;
+    mend(static_cast<std::uint64_t>(std::count(alive_.begin(), alive_.end(), 1)));
+    return true;
+}
+
 /// Sets the strata of the nodes of a merge's elements by their facets.
 void Block::renew_strata(const Change& merge) {
     std::vector<Local> nodes;
