@@ -13,9 +13,8 @@ constexpr std::uint64_t kMostTries = 4;
 /// Qualities computed per tetrahedron of the block, at most; ordinary blocks need less than 100, those full
 /// of slivers between nearly coincident surfaces more than 800, in vain.
 constexpr std::uint64_t kMostEvaluations = 100;
-/// Where skins have crossed there is little room, and much to look at.
+/// Where skins have crossed in many places there is little room, and much to look at.
 constexpr std::uint64_t kMostWatchedEvaluations = 25;
-constexpr std::size_t kManyPoor = 1000;
 /// Of the median quality, where most elements are poor: better ones are left alone.
 constexpr double kBarrenPart = 0.5;
 constexpr int kLookAheads = 4;
@@ -428,13 +427,14 @@ void Block::run(const BlockOptions& options) {
     if (!options.is_first) lower_target();
     last_evaluation_ = std::numeric_limits<std::uint64_t>::max();
     running_.on = false;
-    if (options_.watch_facets) list_all_facets();
+    if (options_.watch_facets) list_watched_facets();
     merge_close_nodes();
-    if (options_.watch_facets) collapse_short_edges();  // what goes now need not be watched while it moves
+    // What goes now need not be watched while it moves; away from watched places all is to be as it was.
+    if (options_.watch_facets && options_.watched.empty()) collapse_short_edges();
     const bool all_placed = project_nodes();
     collapse_short_edges();
     // What follows may mend that, but not where there is so much to do: it would be done in vain.
-    if (!options_.watch_facets && count_poor() > kManyPoor + original_.size() / 4 && has_crossed()) return;
+    if (!options_.watch_facets && has_much_poor() && has_crossed()) return;
     mend(static_cast<std::uint64_t>(std::count(alive_.begin(), alive_.end(), 1)));
     if (!all_placed && !is_hopeless()) {
         // Nodes that could not be put on their stratum may have room there now.
@@ -462,7 +462,8 @@ void Block::relax() {
 /// Where the model itself has no room for good elements, the search must end: `tetrahedra` bounds it.
 void Block::limit_search(std::uint64_t tetrahedra) {
     most_tried_ = counters.tried + kMostTries * tetrahedra;
-    const std::uint64_t each = options_.watch_facets ? kMostWatchedEvaluations : kMostEvaluations;
+    const bool watches_all = options_.watch_facets && options_.watched.empty();
+    const std::uint64_t each = watches_all ? kMostWatchedEvaluations : kMostEvaluations;
     most_evaluated_ = std::min(evaluated_ + each * tetrahedra, last_evaluation_);
     trials_left_ = options_.look_ahead ? kLeastTrials + tetrahedra / kTetrahedraPerTrial : 0;
 }

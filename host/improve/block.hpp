@@ -52,7 +52,8 @@ struct BlockOptions {
     bool look_ahead = true;        ///< changes of several steps
     bool is_first = true;          ///< nothing has been improved yet
     double raised_from = 0;        ///< if positive: what is at least this good gets better still
-    bool watch_facets = false;     ///< no change may make facets cross
+    bool watch_facets = false;     ///< no change may make facets cross,
+    std::vector<Bounds> watched;   ///< in these places; if there are none, anywhere
     bool spares_shared = false;    ///< no change at nodes that other blocks have, too
     double target = kGoodQuality;  ///< elements at least this good are left alone
     double merge_distance = 0;     ///< features closer than this, in cells, may be merged; 0: none
@@ -106,6 +107,10 @@ class Block {
 
     /// Whether facets of the outer boundary cross.
     bool has_crossed();
+
+    /// After has_crossed(): around facets that cross each other, if those are few and most else has become
+    /// good; otherwise none.
+    std::vector<Bounds> crossed_places() const;
 
     /// Nodes of the zone with their strata.
     using Strata = std::vector<std::pair<ZoneNode, std::vector<std::uint32_t>>>;
@@ -205,8 +210,13 @@ class Block {
     std::array<Point, 3> triangle(const std::array<Local, 3>& node) const;
     bool stab_each_other(const std::array<Local, 3>& a, const std::array<Local, 3>& b) const;
     bool cross_each_other(const std::array<Local, 3>& a, const std::array<Local, 3>& b) const;
+    bool is_watched(const Bounds& facet) const;
     void list_facets(std::uint32_t tetrahedron);
-    void list_all_facets();
+    void list_watched_facets();
+    template <class Listed>
+    void list_all_facets(const Listed& listed);
+    void note_crossing(const std::array<Local, 3>& a, const std::array<Local, 3>& b);
+    void leave_watched(std::vector<std::array<Local, 3>>& facets) const;
     template <class Stays>
     bool any_crosses(const std::vector<std::array<Local, 3>>& facets, const Stays& stays);
     bool crosses(const Change& change);
@@ -274,6 +284,7 @@ class Block {
     std::size_t count_poor() const { return count_below(options_.target); }
     /// Whether so much is poor that the model must be the reason: it has no room for good elements.
     bool is_hopeless() const;
+    bool has_much_poor() const;
     bool look_ahead_all();
     bool look_ahead(std::uint32_t tetrahedron);
     void gather_candidates(std::uint32_t tetrahedron, std::vector<Candidate>& candidates);
@@ -398,6 +409,7 @@ class Block {
     std::vector<std::uint64_t> counted_;       ///< per tetrahedron: when its room was last counted
     std::vector<std::uint64_t> counted_node_;  ///< per node: the same of its tetrahedra
     std::uint64_t count_ = 0;
+    std::vector<Bounds> crossed_;  ///< places that has_crossed() has found
     // Scratch of crosses.
     std::vector<std::array<Local, 3>> facets_;
     std::vector<std::array<Local, 3>> faces_before_;

@@ -27,7 +27,10 @@ struct MovedNode {
     }
 };
 
-void find_coincident(const PassResult& pass, int threads, std::vector<std::uint32_t>& clashing) {
+/// Two blocks that do not go together; the same one twice if it alone is wrong.
+using Pair = std::pair<std::uint32_t, std::uint32_t>;
+
+void find_coincident(const PassResult& pass, int threads, std::vector<Pair>& clashing) {
     const double same = kSameNode * pass.unit;
     std::vector<MovedNode> moved;
     for (std::size_t n = 0; n < pass.after.size(); ++n) {
@@ -36,11 +39,12 @@ void find_coincident(const PassResult& pass, int threads, std::vector<std::uint3
     }
     if (moved.empty()) return;
     parallel_sort(moved, threads);
-    std::vector<std::vector<std::uint32_t>> found(chunk_count(pass.after.size(), kChunk));
+    std::vector<std::vector<Pair>> found(chunk_count(pass.after.size(), kChunk));
     parallel_chunks(pass.after.size(), kChunk, threads, [&](std::size_t begin, std::size_t end, int) {
         for (std::size_t n = begin; n < end; ++n) {
             if (pass.owner[n] == kNone) continue;  // no element has it any more
             const Point& at = pass.after[n];
+            const bool moves = at != pass.before[n];
             const double along = dot(kAcross, at);
             const double reach = 2 * same;  // kAcross is about 1 long
             const auto first =
@@ -48,7 +52,7 @@ void find_coincident(const PassResult& pass, int threads, std::vector<std::uint3
                                  [](const MovedNode& node, double low) { return node.along < low; });
             for (auto m = first; m != moved.end() && m->along <= along + reach; ++m) {
                 if (m->block != pass.owner[n] && squared_length(m->at - at) < same * same)
-                    found[begin / kChunk].push_back(m->block);
+                    found[begin / kChunk].push_back({m->block, moves ? pass.owner[n] : m->block});
             }
         }
     });
@@ -92,7 +96,7 @@ std::vector<std::uint8_t> find_touched(const PassResult& pass) {
     return touched;
 }
 
-void find_crowded_faces(const PassResult& pass, int threads, std::vector<std::uint32_t>& clashing) {
+void find_crowded_faces(const PassResult& pass, int threads, std::vector<Pair>& clashing) {
     const std::vector<std::uint8_t> touched = find_touched(pass);
     std::vector<SharedFace> faces =
         list_by_block<SharedFace>(pass, threads, [&](std::uint32_t block, std::vector<SharedFace>& list) {
@@ -111,7 +115,8 @@ void find_crowded_faces(const PassResult& pass, int threads, std::vector<std::ui
         std::size_t end = i + 1;
         while (end < faces.size() && faces[end].node == faces[i].node) ++end;
         if (end - i > 2 || (end - i == 2 && faces[i].even == faces[i + 1].even)) {
-            for (std::size_t k = i; k < end; ++k) clashing.push_back(faces[k].block);
+            for (std::size_t k = i + 1; k < end; ++k)
+                clashing.push_back({faces[k - 1].block, faces[k].block});
         }
         i = end;
     }
@@ -121,15 +126,6 @@ struct OuterFacet {
     std::array<ZoneNode, 3> node;
     std::uint32_t block;
 };
-
-const Bounds kNothing = {{HUGE_VAL, HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}};
-
-void include(Bounds& all, const Bounds& one) {
-    for (std::size_t j = 0; j < 3; ++j) {
-        all.low[j] = std::min(all.low[j], one.low[j]);
-        all.high[j] = std::max(all.high[j], one.high[j]);
-    }
-}
 
 /// Outer facets within the bounds of another block's, one of the two changed.
 std::vector<OuterFacet> facets_near_others(const PassResult& pass, int threads) {
@@ -146,11 +142,11 @@ std::vector<OuterFacet> facets_near_others(const PassResult& pass, int threads) 
     };
     const std::vector<Bounds> of_block =
         list_by_block<Bounds>(pass, threads, [&](std::uint32_t block, std::vector<Bounds>& list) {
-            list.push_back(kNothing);
-            for_facets(block, [&](const auto&, const Bounds& at) { include(list.back(), at); });
+            list.push_back(kNoBounds);
+            for_facets(block, [&](const auto&, const Bounds& at) { list.back().include(at); });
         });
-    Bounds all = kNothing;
-    for (const Bounds& one : of_block) include(all, one);
+    Bounds all = kNoBounds;
+    for (const Bounds& one : of_block) all.include(one);
     FacetGrid grid;
     grid.reset(all, blocks);
     for (std::uint32_t block = 0; block < blocks; ++block) {
@@ -166,19 +162,24 @@ std::vector<OuterFacet> facets_near_others(const PassResult& pass, int threads) 
     });
 }
 
-/// Those of one block have been looked at with the block.
-void find_crossing(const PassResult& pass, int threads, std::vector<std::uint32_t>& clashing) {
+/// Those of one block have been looked at with the block. Of two, one that has moved is wrong if the other
+/// has not.
+void find_crossing(const PassResult& pass, int threads, std::vector<Pair>& clashing) {
     const std::vector<OuterFacet> facets = facets_near_others(pass, threads);
     const auto triangle = [&](const OuterFacet& f) -> Triangle {
         return {pass.after[f.node[0]], pass.after[f.node[1]], pass.after[f.node[2]]};
     };
-    Bounds all = kNothing;
-    for (const OuterFacet& facet : facets) include(all, bounds(triangle(facet)));
+    Bounds all = kNoBounds;
+    for (const OuterFacet& facet : facets) all.include(bounds(triangle(facet)));
+    const auto moves = [&](const OuterFacet& f) {
+        return std::any_of(f.node.begin(), f.node.end(),
+                           [&](ZoneNode n) { return pass.after[n] != pass.before[n]; });
+    };
     FacetGrid grid;
     grid.reset(all, facets.size());
     for (std::uint32_t f = 0; f < facets.size(); ++f) grid.add(bounds(triangle(facets[f])), f, 0);
     const double depth = kCrossingDepth * pass.unit;
-    std::vector<std::vector<std::uint32_t>> found(chunk_count(facets.size(), kChunk));
+    std::vector<std::vector<Pair>> found(chunk_count(facets.size(), kChunk));
     parallel_chunks(facets.size(), kChunk, threads, [&](std::size_t begin, std::size_t end, int) {
         for (std::size_t f = begin; f < end; ++f) {
             const OuterFacet& facet = facets[f];
@@ -188,10 +189,11 @@ void find_crossing(const PassResult& pass, int threads, std::vector<std::uint32_
                 const OuterFacet& other = facets[g];
                 if (other.block == facet.block || common_nodes(facet.node, other.node) > 1) return false;
                 const Triangle there = triangle(other);
-                if (stabs(at, there, depth) || stabs(there, at, depth)) {
-                    found[begin / kChunk].push_back(facet.block);
-                    found[begin / kChunk].push_back(other.block);
-                }
+                if (!stabs(at, there, depth) && !stabs(there, at, depth)) return false;
+                const bool both = moves(facet) == moves(other);
+                found[begin / kChunk].push_back(both           ? Pair{facet.block, other.block}
+                                                : moves(facet) ? Pair{facet.block, facet.block}
+                                                               : Pair{other.block, other.block});
                 return false;
             });
         }
@@ -202,15 +204,30 @@ void find_crossing(const PassResult& pass, int threads, std::vector<std::uint32_
 }  // namespace
 
 std::vector<std::uint32_t> find_clashes(const PassResult& pass, int threads) {
-    std::vector<std::uint32_t> clashing;
+    std::vector<Pair> clashing;
     find_coincident(pass, threads, clashing);
     find_crowded_faces(pass, threads, clashing);
     find_crossing(pass, threads, clashing);
+    for (Pair& pair : clashing) {
+        if (pair.second < pair.first) std::swap(pair.first, pair.second);
+    }
     std::sort(clashing.begin(), clashing.end());
     clashing.erase(std::unique(clashing.begin(), clashing.end()), clashing.end());
-    const auto is_done = [&](std::uint32_t block) { return pass.changed[block] == 0; };
-    clashing.erase(std::remove_if(clashing.begin(), clashing.end(), is_done), clashing.end());
-    return clashing;
+    const auto is_changed = [&](std::uint32_t block) {
+        return block < pass.changed.size() && pass.changed[block] != 0;
+    };
+    // Whether one goes back depends on its own pairs alone: what is far away is not there in a part of a
+    // mesh.
+    std::vector<std::uint32_t> back;
+    for (const Pair& pair : clashing) {
+        if (is_changed(pair.second))
+            back.push_back(pair.second);
+        else if (is_changed(pair.first))
+            back.push_back(pair.first);
+    }
+    std::sort(back.begin(), back.end());
+    back.erase(std::unique(back.begin(), back.end()), back.end());
+    return back;
 }
 
 }  // namespace mortise::improve

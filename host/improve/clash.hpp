@@ -26,9 +26,10 @@ struct PassResult {
     double unit;                                 ///< Zone::unit
 };
 
-/// Changed blocks with a node that has come to lie on another block's, with a face between shared nodes that
-/// has more than two tetrahedra, or two on one side, or with a facet that crosses one of another block;
-/// ascending. The result does not depend on `threads`.
+/// Changed blocks to take back, ascending: those with a node that has come to lie on another block's, with a
+/// face between shared nodes that has more than two tetrahedra, or two on one side, or with a facet that
+/// crosses one of another block. Where two such blocks have done so together one is taken back, the second.
+/// There may be others afterwards. The result does not depend on `threads`.
 std::vector<std::uint32_t> find_clashes(const PassResult& pass, int threads);
 
 }  // namespace mortise::improve

@@ -3,7 +3,7 @@
 // Elements on both sides of a wall keep its two sides apart: they stay positive. Across a gap there are none,
 // so nothing local tells when a facet is moved through one on the gap's other side, which may share a node
 // with it. A block is looked through when it is done; if facets have come to cross, it is done again, and
-// every change of facets is held against those around it.
+// every change of facets there, or everywhere if it still happens, is held against those around it.
 #include <algorithm>
 #include <cmath>
 
@@ -16,6 +16,8 @@ namespace {
 
 /// The grid is made anew when it has grown by this factor.
 constexpr std::size_t kMostStale = 2;
+constexpr std::size_t kMostCrossed = 32;  ///< places that are watched apart
+constexpr double kAround = 1;             ///< cells around facets that cross
 
 std::array<std::uint32_t, 3> sorted(std::array<std::uint32_t, 3> node) {
     std::sort(node.begin(), node.end());
@@ -40,23 +42,37 @@ bool Block::cross_each_other(const std::array<Local, 3>& a, const std::array<Loc
     return stab_each_other(a, b);
 }
 
+bool Block::is_watched(const Bounds& facet) const {
+    return options_.watched.empty() || std::any_of(options_.watched.begin(), options_.watched.end(),
+                                                   [&](const Bounds& place) { return place.overlap(facet); });
+}
+
 /// Enters the element's facets where they are now.
 void Block::list_facets(std::uint32_t tetrahedron) {
     if (!options_.watch_facets) return;
     // What a trial has removed may come back: its entries stay until it ends.
-    if (grid_.size() > most_listed_ && !running_.on) list_all_facets();
+    if (grid_.size() > most_listed_ && !running_.on) list_watched_facets();
     const Tetrahedron& t = tetrahedra_[tetrahedron];
     for (std::uint32_t f = 0; f < 4; ++f) {
-        if (is_outer(t.tag[f])) grid_.add(bounds(triangle(face_nodes(t, f))), tetrahedron, f);
+        if (!is_outer(t.tag[f])) continue;
+        const Bounds facet = bounds(triangle(face_nodes(t, f)));
+        if (is_watched(facet)) grid_.add(facet, tetrahedron, f);
     }
 }
 
-void Block::list_all_facets() {
-    const auto for_facets = [this](const auto& visit) {
+void Block::list_watched_facets() {
+    list_all_facets([this](const Bounds& facet) { return is_watched(facet); });
+}
+
+/// Makes the grid anew, of facets whose bounds are `listed`.
+template <class Listed>
+void Block::list_all_facets(const Listed& listed) {
+    const auto for_facets = [&](const auto& visit) {
         for (std::uint32_t i = 0; i < tetrahedra_.size(); ++i) {
             for (std::uint32_t f = 0; f < 4 && alive_[i] != 0; ++f) {
-                if (is_outer(tetrahedra_[i].tag[f]))
-                    visit(bounds(triangle(face_nodes(tetrahedra_[i], f))), i, f);
+                if (!is_outer(tetrahedra_[i].tag[f])) continue;
+                const Bounds facet = bounds(triangle(face_nodes(tetrahedra_[i], f)));
+                if (listed(facet)) visit(facet, i, f);
             }
         }
     };
@@ -98,9 +114,10 @@ bool Block::any_crosses(const std::vector<std::array<Local, 3>>& facets, const S
     });
 }
 
-/// Whether any two facets cross.
+/// Whether any two facets cross. All such places are found, unless they are many.
 bool Block::has_crossed() {
-    list_all_facets();
+    list_all_facets([](const Bounds&) { return true; });
+    crossed_.clear();
     // Facets that were there when the block was loaded do not cross each other.
     const auto is_new = [this](std::uint32_t i, std::size_t f) {
         if (i >= original_.size() || !is_outer(original_[i].tag[f])) return true;
@@ -117,12 +134,40 @@ bool Block::has_crossed() {
             const bool crossed = grid_.any(bounds(triangle(facet)), [&](std::uint32_t t, std::uint32_t g) {
                 if (t <= i && is_new(t, g)) return false;  // has been seen, or is this one
                 const std::array<Local, 3> other = face_nodes(tetrahedra_[t], g);
-                return stab_each_other(facet, other);
+                if (!stab_each_other(facet, other)) return false;
+                note_crossing(facet, other);
+                return crossed_.size() > kMostCrossed;
             });
             if (crossed) return true;
         }
     }
-    return false;
+    return !crossed_.empty();
+}
+
+void Block::note_crossing(const std::array<Local, 3>& a, const std::array<Local, 3>& b) {
+    Bounds place = bounds(triangle(a));
+    place.include(bounds(triangle(b)));
+    const double around = kAround * std::max(size_[a[0]], size_[b[0]]);
+    for (std::size_t j = 0; j < 3; ++j) {
+        place.low[j] -= around;
+        place.high[j] += around;
+    }
+    const auto known = std::find_if(crossed_.begin(), crossed_.end(),
+                                    [&](const Bounds& other) { return other.overlap(place); });
+    if (known != crossed_.end())
+        known->include(place);
+    else
+        crossed_.push_back(place);
+}
+
+std::vector<Bounds> Block::crossed_places() const {
+    return crossed_.size() > kMostCrossed || has_much_poor() ? std::vector<Bounds>{} : crossed_;
+}
+
+void Block::leave_watched(std::vector<std::array<Local, 3>>& facets) const {
+    if (options_.watched.empty()) return;
+    const auto is_far = [this](const auto& facet) { return !is_watched(bounds(triangle(facet))); };
+    facets.erase(std::remove_if(facets.begin(), facets.end(), is_far), facets.end());
 }
 
 /// Whether facets that the change makes would cross others.
@@ -152,6 +197,7 @@ bool Block::crosses(const Change& change) {
     for (const Change::Retag& r : change.retagged) {
         if (is_outer(r.tag)) add(face_nodes(tetrahedra_[r.tetrahedron], r.face));
     }
+    leave_watched(facets_);
     return any_crosses(facets_, [&](std::uint32_t t, const std::array<Local, 3>&) {
         return !std::binary_search(removed_.begin(), removed_.end(), t);
     });
@@ -167,6 +213,7 @@ bool Block::facets_cross(Local node) {
             if (is_outer(t.tag[f]) && t.node[f] != node) facets_.push_back(face_nodes(t, f));
         }
     }
+    leave_watched(facets_);
     return any_crosses(facets_, [node](std::uint32_t, const std::array<Local, 3>& other) {
         return other[0] != node && other[1] != node && other[2] != node;
     });

@@ -26,6 +26,7 @@ constexpr std::size_t kRunChunk = 4096;
 /// Cells with more tetrahedra hold far more surfaces than they can show; those of a gyroid or a bracket have
 /// 80 at most.
 constexpr std::size_t kCrowdedCell = 400;
+constexpr int kMostAttempts = 5;
 /// Loose nodes go to kMostLoose in so many steps: not farther than needed.
 constexpr int kLooseParts = 3;
 
@@ -38,11 +39,19 @@ struct Run {
     }
 };
 
+/// Facets have crossed: watches them there, the next time everywhere. False if that has been done.
+bool watch_more(const Block& block, BlockOptions& options) {
+    if (options.watch_facets && options.watched.empty()) return false;
+    options.watched = options.watch_facets ? std::vector<Bounds>{} : block.crossed_places();
+    options.watch_facets = true;
+    return true;
+}
+
 /// Whatever goes wrong in a block, the mesh stays valid: the block is done again more carefully, or false
 /// is returned. The block has been loaded.
 template <class Load>
 bool run_carefully(Block& block, const Load& load, BlockOptions options) {
-    for (int attempt = 0; attempt < 4; ++attempt) {
+    for (int attempt = 0; attempt < kMostAttempts; ++attempt) {
         if (attempt > 0) load();
         block.counters = {};
         block.counters.repeated = attempt > 0 ? 1 : 0;
@@ -50,10 +59,7 @@ bool run_carefully(Block& block, const Load& load, BlockOptions options) {
         const bool sound = block.verify();
         if (sound && !block.has_crossed()) return true;
         if (!options.change_boundary) break;
-        if (sound && !options.watch_facets) {
-            options.watch_facets = true;
-            continue;
-        }
+        if (sound && watch_more(block, options)) continue;
         if (sound && options.merge_distance > 0) break;  // nodes that become one take their facets along
         options.change_boundary = options.look_ahead;
         options.move_boundary = options.look_ahead;

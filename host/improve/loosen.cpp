@@ -95,7 +95,7 @@ bool Block::loosen(const BlockOptions& options, LooseStart& start) {
     options_.target = kGoodQuality;
     running_.on = false;
     if (is_hopeless()) return false;
-    list_all_facets();
+    list_watched_facets();
     std::fill(tried_.begin(), tried_.end(), 0);
     most_evaluated_ = evaluated_ + kLeastEvaluations + kMostEvaluations * tetrahedra_.size();
     trials_left_ = kMostTrials;
