@@ -144,7 +144,6 @@ Block::Result Block::result() const {
         for (auto& n : t.node) n = zone_node_[n];
         result.tetrahedra.push_back(t);
     }
-    result.slivers_unrefined = result.slivers;
     return result;
 }
 

@@ -128,7 +128,6 @@ class Block {
         std::vector<std::pair<ZoneNode, Point>> points;  ///< where free nodes are now
         Strata strata;                                   ///< those that merging has changed
         std::size_t slivers = 0;                         ///< elements that merging is for
-        std::size_t slivers_unrefined = 0;               ///< before refine()
         std::size_t poor = 0;                            ///< elements below kRelieved
         BlockCounters counters;
     };

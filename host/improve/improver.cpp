@@ -72,12 +72,8 @@ bool run_carefully(Block& block, const Load& load, BlockOptions options) {
 Block::Result refined(Block& block) {
     if (!block.may_refine()) return block.result();
     const Block before = block;
-    if (!block.refine()) return block.result();
-    Block::Result unrefined = before.result();
-    if (!block.verify() || block.has_crossed()) return unrefined;
-    Block::Result result = block.result();
-    result.slivers_unrefined = unrefined.slivers;
-    return result;
+    if (block.refine() && (!block.verify() || block.has_crossed())) return before.result();
+    return block.result();
 }
 
 template <class Load>
