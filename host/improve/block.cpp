@@ -133,7 +133,7 @@ Block::Result Block::result() const {
     for (std::size_t i = 0; i < loaded_; ++i) {
         if (free_[i] != 0) result.points.push_back({zone_node_[i], points_[i]});
     }
-    result.tetrahedra.reserve(static_cast<std::size_t>(std::count(alive_.begin(), alive_.end(), 1)));
+    result.tetrahedra.reserve(count_alive());
     for (std::size_t i = 0; i < tetrahedra_.size(); ++i) {
         if (alive_[i] == 0) continue;
         Tetrahedron t = tetrahedra_[i];
@@ -379,10 +379,7 @@ bool Block::improve(std::uint32_t tetrahedron) {
 
 /// Whether most elements are worse than this: the model has no room for better ones, as in walls much thinner
 /// than cells.
-bool Block::is_barren(double quality) const {
-    const auto alive = static_cast<std::size_t>(std::count(alive_.begin(), alive_.end(), 1));
-    return 2 * count_below(quality) > alive;
-}
+bool Block::is_barren(double quality) const { return 2 * count_below(quality) > count_alive(); }
 
 /// Where all is barren searching for each element is in vain: only what is worse than the others is worked
 /// on.
@@ -434,7 +431,7 @@ void Block::run(const BlockOptions& options) {
     collapse_short_edges();
     // What follows may mend that, but not where there is so much to do: it would be done in vain.
     if (!options_.watch_facets && has_much_poor() && has_crossed()) return;
-    mend(static_cast<std::uint64_t>(std::count(alive_.begin(), alive_.end(), 1)));
+    mend(count_alive());
     if (!all_placed && !is_hopeless()) {
         // Nodes that could not be put on their stratum may have room there now.
         project_nodes();

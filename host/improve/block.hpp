@@ -213,9 +213,9 @@ class Block {
     void list_facets(std::uint32_t tetrahedron);
     void list_watched_facets();
     template <class Listed>
-    void list_all_facets(const Listed& listed);
+    void list_facets_if(const Listed& listed);
     void note_crossing(const std::array<Local, 3>& a, const std::array<Local, 3>& b);
-    void leave_watched(std::vector<std::array<Local, 3>>& facets) const;
+    void drop_unwatched(std::vector<std::array<Local, 3>>& facets) const;
     template <class Stays>
     bool any_crosses(const std::vector<std::array<Local, 3>>& facets, const Stays& stays);
     bool crosses(const Change& change);
@@ -279,6 +279,7 @@ class Block {
 
     // lookahead.cpp
     struct Candidate;
+    std::size_t count_alive() const;
     std::size_t count_below(double quality) const;
     std::size_t count_poor() const { return count_below(options_.target); }
     /// Whether so much is poor that the model must be the reason: it has no room for good elements.

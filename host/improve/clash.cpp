@@ -190,10 +190,10 @@ void find_crossing(const PassResult& pass, int threads, std::vector<Pair>& clash
                 if (other.block == facet.block || common_nodes(facet.node, other.node) > 1) return false;
                 const Triangle there = triangle(other);
                 if (!stabs(at, there, depth) && !stabs(there, at, depth)) return false;
-                const bool both = moves(facet) == moves(other);
-                found[begin / kChunk].push_back(both           ? Pair{facet.block, other.block}
-                                                : moves(facet) ? Pair{facet.block, facet.block}
-                                                               : Pair{other.block, other.block});
+                const bool only_this = moves(facet) && !moves(other);
+                const bool only_other = !moves(facet) && moves(other);
+                found[begin / kChunk].push_back(
+                    {only_other ? other.block : facet.block, only_this ? facet.block : other.block});
                 return false;
             });
         }

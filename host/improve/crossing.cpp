@@ -61,12 +61,12 @@ void Block::list_facets(std::uint32_t tetrahedron) {
 }
 
 void Block::list_watched_facets() {
-    list_all_facets([this](const Bounds& facet) { return is_watched(facet); });
+    list_facets_if([this](const Bounds& facet) { return is_watched(facet); });
 }
 
-/// Makes the grid anew, of facets whose bounds are `listed`.
+/// Makes the grid anew, of the facets of whose bounds `listed` holds.
 template <class Listed>
-void Block::list_all_facets(const Listed& listed) {
+void Block::list_facets_if(const Listed& listed) {
     const auto for_facets = [&](const auto& visit) {
         for (std::uint32_t i = 0; i < tetrahedra_.size(); ++i) {
             for (std::uint32_t f = 0; f < 4 && alive_[i] != 0; ++f) {
@@ -116,7 +116,7 @@ bool Block::any_crosses(const std::vector<std::array<Local, 3>>& facets, const S
 
 /// Whether any two facets cross. All such places are found, unless they are many.
 bool Block::has_crossed() {
-    list_all_facets([](const Bounds&) { return true; });
+    list_facets_if([](const Bounds&) { return true; });
     crossed_.clear();
     // Facets that were there when the block was loaded do not cross each other.
     const auto is_new = [this](std::uint32_t i, std::size_t f) {
@@ -164,7 +164,7 @@ std::vector<Bounds> Block::crossed_places() const {
     return crossed_.size() > kMostCrossed || has_much_poor() ? std::vector<Bounds>{} : crossed_;
 }
 
-void Block::leave_watched(std::vector<std::array<Local, 3>>& facets) const {
+void Block::drop_unwatched(std::vector<std::array<Local, 3>>& facets) const {
     if (options_.watched.empty()) return;
     const auto is_far = [this](const auto& facet) { return !is_watched(bounds(triangle(facet))); };
     facets.erase(std::remove_if(facets.begin(), facets.end(), is_far), facets.end());
@@ -197,7 +197,7 @@ bool Block::crosses(const Change& change) {
     for (const Change::Retag& r : change.retagged) {
         if (is_outer(r.tag)) add(face_nodes(tetrahedra_[r.tetrahedron], r.face));
     }
-    leave_watched(facets_);
+    drop_unwatched(facets_);
     return any_crosses(facets_, [&](std::uint32_t t, const std::array<Local, 3>&) {
         return !std::binary_search(removed_.begin(), removed_.end(), t);
     });
@@ -213,7 +213,7 @@ bool Block::facets_cross(Local node) {
             if (is_outer(t.tag[f]) && t.node[f] != node) facets_.push_back(face_nodes(t, f));
         }
     }
-    leave_watched(facets_);
+    drop_unwatched(facets_);
     return any_crosses(facets_, [node](std::uint32_t, const std::array<Local, 3>& other) {
         return other[0] != node && other[1] != node && other[2] != node;
     });

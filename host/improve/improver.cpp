@@ -26,6 +26,8 @@ constexpr std::size_t kRunChunk = 4096;
 /// Cells with more tetrahedra hold far more surfaces than they can show; those of a gyroid or a bracket have
 /// 80 at most.
 constexpr std::size_t kCrowdedCell = 400;
+/// At a block: plain, facets watched where they have crossed, watched everywhere, with single changes only,
+/// without changes of facets.
 constexpr int kMostAttempts = 5;
 /// Loose nodes go to kMostLoose in so many steps: not farther than needed.
 constexpr int kLooseParts = 3;

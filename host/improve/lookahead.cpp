@@ -204,6 +204,10 @@ bool Block::look_ahead(std::uint32_t tetrahedron) {
     return false;
 }
 
+std::size_t Block::count_alive() const {
+    return static_cast<std::size_t>(std::count(alive_.begin(), alive_.end(), 1));
+}
+
 std::size_t Block::count_below(double quality) const {
     std::size_t count = 0;
     for (std::size_t i = 0; i < tetrahedra_.size(); ++i)

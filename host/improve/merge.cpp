@@ -167,7 +167,7 @@ bool Block::merge_slivers(double merge_distance) {
         if (alive_[i] != 0 && tetrahedra_[i].quality < kMergeBelow) improve(i);
     }
     if (counters.merged == merged) return false;
-    mend(static_cast<std::uint64_t>(std::count(alive_.begin(), alive_.end(), 1)));
+    mend(count_alive());
     return true;
 }
 

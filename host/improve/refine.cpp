@@ -300,8 +300,12 @@ bool Block::relieve(const Cluster& cluster, const std::vector<std::uint32_t>& me
             limit_search(splits * kTetrahedraPerSplit);
             sweep();
             const Relief by_single = find_relief(before, cluster);
-            if (by_single.is_enough || by_single.is_near) mend_further();
-            if (by_single.is_enough || (by_single.is_near && find_relief(before, cluster).is_enough)) {
+            bool is_enough = by_single.is_enough;
+            if (is_enough || by_single.is_near) {
+                mend_further();
+                is_enough = is_enough || find_relief(before, cluster).is_enough;
+            }
+            if (is_enough) {
                 most_sag_ = before.most_sag_;
                 return true;
             }
@@ -321,8 +325,7 @@ bool Block::may_refine() const {
 
 bool Block::refine() {
     std::vector<Cluster> clusters = find_clusters();
-    const auto alive = static_cast<std::uint64_t>(std::count(alive_.begin(), alive_.end(), 1));
-    last_evaluation_ = evaluated_ + kLeastEvaluations + kMostEvaluations * alive;
+    last_evaluation_ = evaluated_ + kLeastEvaluations + kMostEvaluations * count_alive();
     bool any = false;
     for (const Cluster& cluster : clusters) {
         std::vector<std::uint32_t> members;
