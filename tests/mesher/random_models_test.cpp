@@ -114,12 +114,12 @@ TEST_CASE("the mesh does not depend on threads or work-group size") {
         options.level = kLevel;
         const std::optional<Meshed> reference = mesh_unless_empty(model, options);
         if (!reference) continue;
-        for (const int threads : {1, 2, 4}) {
-            options.threads = threads;
-            CHECK(is_same_mesh(generate_mesh(model, options), reference->mesh));
-        }
-        for (const int size : {16, 64}) {
-            options.work_group_size = size;
+        struct Way {
+            int threads, work_group_size;
+        };
+        for (const Way& way : {Way{1, 16}, Way{2, 64}, Way{4, 0}}) {
+            options.threads = way.threads;
+            options.work_group_size = way.work_group_size;
             CHECK(is_same_mesh(generate_mesh(model, options), reference->mesh));
         }
     }
