@@ -126,8 +126,8 @@ Model ball() {
     return model;
 }
 
-/// What this process holds and so many MiB more. What the heap has free goes back first: a run that gave it back
-/// later would find more than these.
+/// What this process holds and so many MiB more. What the heap has free goes back first: a run that gave it
+/// back later would find more than these.
 std::uint64_t memory_with(std::uint64_t mebibytes) {
     malloc_trim(0);
     return pipeline::memory_now() + (mebibytes << 20);
