@@ -21,6 +21,11 @@ constexpr int kPlaceBits = 20;
 /// most elements at surfaces have to work for, is worth more.
 constexpr std::size_t kTetrahedraPerPoor = 16;
 constexpr std::size_t kTetrahedraPerRaised = 4;
+/// More poor elements than this after plain changes are films, or surfaces without room: changes of several
+/// steps mend one in twenty of them, in two thirds of the time.
+constexpr double kLostShare = 0.9;
+/// Fewer may be a corner of what the block of another pass has all of.
+constexpr std::size_t kLeastLost = 500;
 constexpr std::uint32_t kMixed = 0xfffffffeu;
 constexpr std::size_t kRunChunk = 4096;
 /// Cells with more tetrahedra hold far more surfaces than they can show; those of a gyroid or a bracket have
@@ -121,7 +126,7 @@ void Improver::pass(int number, Effort effort, Counters& counters) {
     parallel_chunks(groups_.size(), 1, options_.threads, [&](std::size_t begin, std::size_t, int thread) {
         const Group& group = groups_[begin];
         if (!group.poor) return;
-        if (group.crowded) {
+        if (group.crowded || (effort != Effort::kPlain && group.lost)) {
             counted[begin].given_up = 1;
             return;
         }
@@ -387,10 +392,12 @@ void Improver::group(int pairing, double shift, double least) {
     begins.push_back(runs.size());
     parallel_chunks(groups_.size(), 1, options_.threads, [&](std::size_t g, std::size_t, int) {
         Group& group = groups_[g];
+        std::size_t poor = 0;
         const auto add = [&](std::uint32_t at) {
             if (at < tetrahedra) {
                 group.tetrahedra.push_back(at);
                 group.poor = group.poor || is_poor(zone_.tetrahedra[at]);
+                if (zone_.tetrahedra[at].quality < least) ++poor;
             } else {
                 group.pyramids.push_back(static_cast<std::uint32_t>(at - tetrahedra));
                 group.poor = group.poor || quality_of(zone_.pyramids[at - tetrahedra]) < least;
@@ -399,6 +406,8 @@ void Improver::group(int pairing, double shift, double least) {
         for (std::size_t r = begins[g]; r < begins[g + 1]; ++r) {
             for (std::uint32_t i = runs[r].begin; i < runs[r].end; ++i) add(i);
         }
+        group.lost = !(aim_.raised_from > 0) && poor >= kLeastLost &&
+                     static_cast<double>(poor) > kLostShare * static_cast<double>(group.tetrahedra.size());
         group.crowded = group.poor && is_crowded(group.tetrahedra);
     });
 }

@@ -51,6 +51,7 @@ class Improver {
         std::vector<std::uint32_t> tetrahedra;
         std::vector<std::uint32_t> pyramids;
         bool poor = false;
+        bool lost = false;     ///< nearly all tetrahedra are poor
         bool crowded = false;  ///< most tetrahedra are in crowded cells: nothing would become good, in hours
     };
 
