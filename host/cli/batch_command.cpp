@@ -19,6 +19,7 @@
 #include "host/cli/refusals.hpp"
 #include "host/cli/signals.hpp"
 #include "host/cli/worker_pool.hpp"
+#include "host/device/environment.hpp"
 #include "mortise/check.hpp"
 #include "mortise/io.hpp"
 
@@ -262,7 +263,10 @@ ExitCode batch_command(const Arguments& arguments) {
     const unsigned cores = std::max(1u, std::thread::hardware_concurrency());
     const std::size_t jobs = std::min<std::size_t>(
         arguments.jobs > 0 ? static_cast<std::size_t>(arguments.jobs) : cores, items.size());
-    if (jobs > 1 && options.threads == 0) options.threads = 1;
+    if (jobs > 1 && options.threads == 0) {
+        options.threads = static_cast<int>(std::max<std::size_t>(1, cores / jobs));
+        device::limit_driver_threads(options.threads);
+    }
     options.progress = [](const char*, double) {
         report_aborts();
         return true;

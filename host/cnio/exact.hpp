@@ -40,18 +40,27 @@ inline Int128 determinant(const LatticePoint& a, const LatticePoint& b, const La
     return static_cast<Int128>(ux) * x + static_cast<Int128>(uy) * y + static_cast<Int128>(uz) * z;
 }
 
-inline double twice_area(const LatticePoint& a, const LatticePoint& b, const LatticePoint& c) {
+/// Square of twice a triangle's area.
+inline double squared_normal(const LatticePoint& a, const LatticePoint& b, const LatticePoint& c) {
     const double ux = b[0] - a[0], uy = b[1] - a[1], uz = b[2] - a[2];
     const double vx = c[0] - a[0], vy = c[1] - a[1], vz = c[2] - a[2];
     const double x = uy * vz - uz * vy;
     const double y = uz * vx - ux * vz;
     const double z = ux * vy - uy * vx;
-    return std::sqrt(x * x + y * y + z * z);
+    return x * x + y * y + z * z;
+}
+
+inline double twice_area(const LatticePoint& a, const LatticePoint& b, const LatticePoint& c) {
+    return std::sqrt(squared_normal(a, b, c));
+}
+
+inline double squared_distance(const LatticePoint& a, const LatticePoint& b) {
+    const double x = b[0] - a[0], y = b[1] - a[1], z = b[2] - a[2];
+    return x * x + y * y + z * z;
 }
 
 inline double distance(const LatticePoint& a, const LatticePoint& b) {
-    const double x = b[0] - a[0], y = b[1] - a[1], z = b[2] - a[2];
-    return std::sqrt(x * x + y * y + z * z);
+    return std::sqrt(squared_distance(a, b));
 }
 
 /// A tetrahedron that is positive and nowhere lower than kMinHeight.

@@ -14,10 +14,11 @@ namespace {
 constexpr std::size_t kMostWork = 1u << 14;  ///< triangles times surfaces
 constexpr std::size_t kFewestTriangles = 64;
 
-/// Smallest height of a triangle over its longest side, squared and relative: a measure of shape.
+/// Height of a triangle over its longest side, relative to it, squared. The arithmetic is that of templates
+/// (triangle_shape in kernels/shared/cell_boundary.h), which meet undisplaced faces.
 double shape(const LatticePoint& a, const LatticePoint& b, const LatticePoint& c) {
-    const double longest = std::max({distance(a, b), distance(b, c), distance(c, a)});
-    return twice_area(a, b, c) / (longest * longest);
+    const double longest = std::max({squared_distance(a, b), squared_distance(b, c), squared_distance(c, a)});
+    return squared_normal(a, b, c) / (longest * longest);
 }
 
 /// Order of a patch's corners by u + 2 v.

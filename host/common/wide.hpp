@@ -11,17 +11,10 @@
 #if defined(__x86_64__) && defined(__gnu_linux__)
 #define MORTISE_FOR(machine, lanes, result, name, parameters, arguments) \
     __attribute__((target(machine))) result name parameters { return name##_in<lanes> arguments; }
-#if defined(__clang__) || __GNUC__ < 12
-#define MORTISE_FOR_MULTIPLICATION(result, name, parameters, arguments)
-#else  // of 64-bit integers
-#define MORTISE_FOR_MULTIPLICATION(result, name, parameters, arguments) \
-    MORTISE_FOR("arch=x86-64-v4", 8, result, name, parameters, arguments)
-#endif
 #define MORTISE_BY_WIDTH(result, name, parameters, arguments)      \
     MORTISE_FOR("default", 2, result, name, parameters, arguments) \
     MORTISE_FOR("avx2", 4, result, name, parameters, arguments)    \
-    MORTISE_FOR("avx512f", 8, result, name, parameters, arguments) \
-    MORTISE_FOR_MULTIPLICATION(result, name, parameters, arguments)
+    MORTISE_FOR("avx512f", 8, result, name, parameters, arguments)
 #else
 #define MORTISE_BY_WIDTH(result, name, parameters, arguments) \
     result name parameters { return name##_in<2> arguments; }
@@ -32,14 +25,11 @@ namespace mortise::lanes {
 template <std::size_t kWidth>
 struct Types {
     typedef double Doubles __attribute__((vector_size(kWidth * sizeof(double))));
-    typedef std::uint64_t Words __attribute__((vector_size(kWidth * sizeof(std::uint64_t))));
-    typedef std::uint32_t HalfWords __attribute__((vector_size(kWidth * sizeof(std::uint32_t))));
+    typedef std::uint32_t Words __attribute__((vector_size(kWidth * sizeof(std::uint32_t))));
 };
 template <std::size_t kWidth>
 using Doubles = typename Types<kWidth>::Doubles;
 template <std::size_t kWidth>
 using Words = typename Types<kWidth>::Words;
-template <std::size_t kWidth>
-using HalfWords = typename Types<kWidth>::HalfWords;
 
 }  // namespace mortise::lanes

@@ -72,6 +72,10 @@ void prepare_environment() {
     });
 }
 
+void limit_driver_threads(int threads) {
+    setenv("POCL_MAX_PTHREAD_COUNT", std::to_string(threads).c_str(), 0);
+}
+
 std::string find_on_path(const std::string& program) {
     std::istringstream folders(variable("PATH"));
     std::string folder;

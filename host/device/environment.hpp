@@ -1,5 +1,5 @@
-// Internal to host/device: the surroundings of an OpenCL driver. PoCL aborts, or hides its device, when its
-// cache folder or the linker is not what it expects; each case is answered here before the first OpenCL call.
+// The surroundings of an OpenCL driver. PoCL aborts, or hides its device, when its cache folder or the linker
+// is not what it expects; each case is answered here before the first OpenCL call.
 #pragma once
 
 #include <string>
@@ -13,6 +13,11 @@ namespace mortise::device {
 /// otherwise: ours have lanes of their own, and LLVM would make several into lanes with gather instructions.
 /// Changes the environment, so no other thread may read it meanwhile.
 void prepare_environment();
+
+/// For processes that share a machine, before the first OpenCL call of this one and those it starts: PoCL
+/// gets so many threads instead of one for each core, unless POCL_MAX_PTHREAD_COUNT says otherwise. No other
+/// thread may read the environment meanwhile.
+void limit_driver_threads(int threads);
 
 /// Where PoCL keeps its compiled kernels; empty if neither HOME nor XDG_CACHE_HOME says.
 std::string pocl_cache_folder();

@@ -61,7 +61,7 @@ class Streamer {
         begin(model.source, sink, out);
         for (std::size_t p = 0; p < parts_.count(); ++p) hand_on(p, sink);
         hand_on_added(sink);
-        if (unpaired_ != 0) refuse_unpaired(model.source);
+        if (unpaired_ != quality::FaceSum{}) refuse_unpaired(model.source);
         warn_of_empty_regions(prepared_.compiled.region_names, present_, model.source, out);
     }
 
@@ -295,7 +295,7 @@ class Streamer {
     Skin skin_;
     std::vector<std::uint8_t> dimension_;  ///< per node of the skin
     std::vector<bool> present_;            ///< by region
-    std::uint64_t unpaired_ = 0;           ///< outer facets less the faces of elements (face_pairs.hpp)
+    quality::FaceSum unpaired_;            ///< outer facets less the faces of elements (face_pairs.hpp)
 };
 
 }  // namespace

@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <cstring>
+#include <numeric>
+#include <vector>
 
 #include "host/common/parallel.hpp"
 #include "host/common/wide.hpp"
@@ -16,53 +17,65 @@ namespace {
 #pragma GCC diagnostic ignored "-Wpsabi"
 
 constexpr std::size_t kChunk = 16384;
+constexpr NodeId kNoNode = 0xffffffffu;
 
-/// A number made of two, of which every bit counts; of numbers or of lanes of them. Multiplications alone
-/// carry bits upward only.
+/// Two numbers made of four, of which every bit counts; of numbers or of lanes of them. Multiplications alone
+/// carry bits upward only. No two fours that agree in their first two numbers, or in their last two, give the
+/// same.
 template <class Word>
-[[gnu::always_inline]] inline Word mix(Word x, const Word& y) {
-    x = (x ^ 0x9e3779b97f4a7c15u) * 0xbf58476d1ce4e5b9u;
-    x = ((x ^ (x >> 32)) + y) * 0x94d049bb133111ebu;
-    x = (x ^ (x >> 29)) * 0xd6e8feb86659fd93u;
-    return x ^ (x >> 32);
-}
+struct Hash {
+    Word low, high;
+};
 
-/// Two nodes in ascending order as one number; `odd` changes if they were not.
-std::uint64_t ordered_pair(NodeId a, NodeId b, unsigned& odd) {
-    odd ^= a > b;
-    return std::uint64_t{std::min(a, b)} << 32 | std::max(a, b);
+template <class Word>
+[[gnu::always_inline]] inline Hash<Word> mix(const Word& a, const Word& b, const Word& c, const Word& d) {
+    Word p = (a ^ 0x9e3779b9u) * 0x85ebca6bu;
+    p ^= p >> 15;
+    Word q = (b ^ p) * 0xc2b2ae35u;
+    q ^= q >> 13;
+    p = ((p + q) ^ c) * 0x27d4eb2fu;
+    p ^= p >> 16;
+    q = ((p + d) ^ q) * 0x165667b1u;
+    q ^= q >> 15;
+    p = (p + q) * 0x9e3779b1u;
+    p ^= p >> 14;
+    q = (q + p) * 0x2c1b3c6du;
+    q ^= q >> 16;
+    p = (p ^ q) * 0x297a2d39u;
+    p ^= p >> 15;
+    return {p, q};
 }
 
 /// The same from whichever node a face starts; the negative in the opposite order. A quadrilateral is told by
 /// its diagonals, put in order by their ends and by their lower ones: a turn by one node changes the order of
 /// one diagonal and that of the pair, a reversal those of both and of the pair. No branch: this runs over
-/// every face of every mesh.
-std::uint64_t signed_hash(const NodeId* node, int count) {
-    unsigned odd = 0;
-    std::uint64_t first, second;
+/// the faces of every mesh.
+FaceSum signed_hash(const NodeId* node, int count) {
+    Hash<NodeId> hash;
+    bool is_odd;
     if (count == 4) {
-        first = ordered_pair(node[0], node[2], odd);
-        second = ordered_pair(node[1], node[3], odd);
-        odd ^= first > second;
-        const std::uint64_t lower = std::min(first, second);
-        second = std::max(first, second);
-        first = lower;
+        const NodeId low_first = std::min(node[0], node[2]), high_first = std::max(node[0], node[2]);
+        const NodeId low_second = std::min(node[1], node[3]), high_second = std::max(node[1], node[3]);
+        const bool is_swapped =
+            (low_first > low_second) | ((low_first == low_second) & (high_first > high_second));
+        hash = mix(is_swapped ? low_second : low_first, is_swapped ? high_second : high_first,
+                   is_swapped ? low_first : low_second, is_swapped ? high_first : high_second);
+        is_odd = (node[0] > node[2]) ^ (node[1] > node[3]) ^ is_swapped;
     } else {
         const NodeId low = std::min(node[0], node[1]), high = std::max(node[0], node[1]);
-        const NodeId lowest = std::min(low, node[2]), middle = std::max(low, std::min(high, node[2]));
-        odd ^= (node[0] > node[1]) ^ (node[0] > node[2]) ^ (node[1] > node[2]);
-        first = std::uint64_t{lowest} << 32 | middle;
-        second = std::uint64_t{std::max(high, node[2])} << 32 | 0xffffffffu;
+        hash = mix(std::min(low, node[2]), std::max(low, std::min(high, node[2])), std::max(high, node[2]),
+                   kNoNode);
+        is_odd = (node[0] > node[1]) ^ (node[0] > node[2]) ^ (node[1] > node[2]);
     }
-    const std::uint64_t hash = mix(first, second);
-    return odd != 0 ? 0 - hash : hash;
+    const FaceSum sum = {hash.low, hash.high};
+    return is_odd ? FaceSum{} - sum : sum;
 }
 
 /// Sum of signed_hash() over all faces of some elements of a type.
-std::uint64_t sum_one_by_one(ElementType type, const NodeId* nodes, std::size_t count) {
+FaceSum sum_one_by_one(ElementType type, const NodeId* nodes, std::size_t count) {
     const LocalFaces faces = local_faces(type);
     const auto per_element = static_cast<std::size_t>(kElementNodes[static_cast<std::size_t>(type)]);
-    std::uint64_t sum = 0;
+    FaceSum sum;
     for (const NodeId* element = nodes; element != nodes + per_element * count; element += per_element) {
         for (int f = 0; f < faces.count; ++f) {
             const LocalFace& face = faces.faces[f];
@@ -76,39 +89,25 @@ std::uint64_t sum_one_by_one(ElementType type, const NodeId* nodes, std::size_t 
 }
 
 #if defined(__GNUC__) && !defined(__clang__)
-using lanes::HalfWords;
-using lanes::Words;
-using Nodes = HalfWords<8>;
+using Nodes = lanes::Words<8>;
 static_assert(sizeof(Nodes) == 8 * sizeof(NodeId));
 
-/// Eight faces: two numbers each, as pairs of nodes, and whether the hash counts negatively.
-struct Faces {
-    Nodes first[2], second[2];
-    Nodes is_odd;  ///< 0 or 1
-};
+/// Sums of the hashes of eight faces, lane by lane.
+struct LaneSum {
+    Nodes low = {}, high = {};
 
-/// Adds to as many sums as there are lanes.
-template <std::size_t kWidth>
-[[gnu::always_inline]] inline void add_hashes(const Faces& faces, Words<kWidth>& sum) {
-    const auto part = [](const Nodes& all, std::size_t lane) __attribute__((always_inline)) {
-        HalfWords<kWidth> some;
-        std::memcpy(&some, reinterpret_cast<const char*>(&all) + lane * sizeof(NodeId), sizeof some);
-        return __builtin_convertvector(some, Words<kWidth>);
-    };
-    for (std::size_t lane = 0; lane < 8; lane += kWidth) {
-        const Words<kWidth> first = part(faces.first[0], lane) << 32 | part(faces.first[1], lane);
-        const Words<kWidth> second = part(faces.second[0], lane) << 32 | part(faces.second[1], lane);
-        const Words<kWidth> sign = Words<kWidth>{} - part(faces.is_odd, lane);
-        sum += (mix<Words<kWidth>>(first, second) ^ sign) - sign;
+    /// `is_odd`: all bits of a lane whose hash counts negatively.
+    [[gnu::always_inline]] void add(const Hash<Nodes>& hash, const Nodes& is_odd) {
+        low += (hash.low ^ is_odd) - is_odd;
+        high += (hash.high ^ is_odd) - is_odd;
     }
-}
 
-template <std::size_t kWidth>
-[[gnu::always_inline]] inline std::uint64_t total_of(const Words<kWidth>& sum) {
-    std::uint64_t total = 0;
-    for (std::size_t lane = 0; lane < kWidth; ++lane) total += sum[lane];
-    return total;
-}
+    [[gnu::always_inline]] FaceSum total() const {
+        FaceSum sum;
+        for (std::size_t lane = 0; lane < 8; ++lane) sum += FaceSum{low[lane], high[lane]};
+        return sum;
+    }
+};
 
 /// Node k of each face of a hexahedron. There are eight lanes: the last two are a face and its reverse, which
 /// cancel.
@@ -123,11 +122,11 @@ constexpr std::array<NodeId, 8> kLanes[4] = {lanes_of_faces(0), lanes_of_faces(1
                                              lanes_of_faces(3)};
 
 /// The same of hexahedra, which are most of what there is: all faces of one at a time.
-template <std::size_t kWidth>
-[[gnu::always_inline]] inline std::uint64_t sum_of_hexahedra_in(const NodeId* nodes, std::size_t count) {
+template <std::size_t>
+[[gnu::always_inline]] inline FaceSum sum_of_hexahedra_in(const NodeId* nodes, std::size_t count) {
     Nodes place[4];
     std::memcpy(place, kLanes, sizeof place);
-    Words<kWidth> sum = {};
+    LaneSum sum;
     for (std::size_t i = 0; i < count; ++i) {
         Nodes all;
         std::memcpy(&all, nodes + 8 * i, sizeof all);
@@ -140,14 +139,13 @@ template <std::size_t kWidth>
         const Nodes low_second = b < d ? b : d, high_second = b < d ? d : b;
         const auto is_swapped =
             (low_first > low_second) | ((low_first == low_second) & (high_first > high_second));
-        const Faces faces = {{is_swapped ? low_second : low_first, is_swapped ? high_second : high_first},
-                             {is_swapped ? low_first : low_second, is_swapped ? high_first : high_second},
-                             (a > c) ^ (b > d) ^ is_swapped ? Nodes{} + 1 : Nodes{}};
-        add_hashes<kWidth>(faces, sum);
+        sum.add(mix<Nodes>(is_swapped ? low_second : low_first, is_swapped ? high_second : high_first,
+                           is_swapped ? low_first : low_second, is_swapped ? high_first : high_second),
+                (Nodes)((a > c) ^ (b > d) ^ is_swapped));
     }
-    return total_of<kWidth>(sum);
+    return sum.total();
 }
-MORTISE_BY_WIDTH(std::uint64_t, sum_of_hexahedra, (const NodeId* nodes, std::size_t count), (nodes, count))
+MORTISE_BY_WIDTH(FaceSum, sum_of_hexahedra, (const NodeId* nodes, std::size_t count), (nodes, count))
 
 /// Node k of each face of two tetrahedra.
 constexpr std::array<NodeId, 8> lanes_of_triangles(std::size_t k) {
@@ -160,11 +158,11 @@ constexpr std::array<NodeId, 8> kTriangleLanes[3] = {lanes_of_triangles(0), lane
                                                      lanes_of_triangles(2)};
 
 /// The same of tetrahedra, two at a time.
-template <std::size_t kWidth>
-[[gnu::always_inline]] inline std::uint64_t sum_of_tetrahedra_in(const NodeId* nodes, std::size_t count) {
+template <std::size_t>
+[[gnu::always_inline]] inline FaceSum sum_of_tetrahedra_in(const NodeId* nodes, std::size_t count) {
     Nodes place[3];
     std::memcpy(place, kTriangleLanes, sizeof place);
-    Words<kWidth> sum = {};
+    LaneSum sum;
     for (std::size_t i = 0; i + 2 <= count; i += 2) {
         Nodes all;
         std::memcpy(&all, nodes + 4 * i, sizeof all);
@@ -174,20 +172,17 @@ template <std::size_t kWidth>
         const Nodes low = a < b ? a : b, high = a < b ? b : a;
         const Nodes lowest = low < c ? low : c, highest = high < c ? c : high;
         const Nodes upper = high < c ? high : c;
-        const Faces faces = {{lowest, low < upper ? upper : low},
-                             {highest, Nodes{} - 1},
-                             (a > b) ^ (a > c) ^ (b > c) ? Nodes{} + 1 : Nodes{}};
-        add_hashes<kWidth>(faces, sum);
+        sum.add(mix<Nodes>(lowest, low < upper ? upper : low, highest, Nodes{} + kNoNode),
+                (Nodes)((a > b) ^ (a > c) ^ (b > c)));
     }
     const std::size_t odd_one = count % 2;
-    return total_of<kWidth>(sum) +
-           sum_one_by_one(ElementType::kTetrahedron, nodes + 4 * (count - odd_one), odd_one);
+    return sum.total() + sum_one_by_one(ElementType::kTetrahedron, nodes + 4 * (count - odd_one), odd_one);
 }
-MORTISE_BY_WIDTH(std::uint64_t, sum_of_tetrahedra, (const NodeId* nodes, std::size_t count), (nodes, count))
+MORTISE_BY_WIDTH(FaceSum, sum_of_tetrahedra, (const NodeId* nodes, std::size_t count), (nodes, count))
 #define MORTISE_FACES_IN_LANES
 #endif
 
-std::uint64_t sum_of_elements(ElementType type, const NodeId* nodes, std::size_t count) {
+FaceSum sum_of_elements(ElementType type, const NodeId* nodes, std::size_t count) {
 #ifdef MORTISE_FACES_IN_LANES
     if (type == ElementType::kHexahedron) return sum_of_hexahedra(nodes, count);
     if (type == ElementType::kTetrahedron) return sum_of_tetrahedra(nodes, count);
@@ -197,18 +192,18 @@ std::uint64_t sum_of_elements(ElementType type, const NodeId* nodes, std::size_t
 
 /// Sum of part(begin, end) over the chunks of [0, count).
 template <class Part>
-std::uint64_t sum_of_chunks(std::size_t count, int threads, const Part& part) {
-    std::atomic<std::uint64_t> sum{0};
+FaceSum sum_of_chunks(std::size_t count, int threads, const Part& part) {
+    std::vector<FaceSum> sums(chunk_count(count, kChunk));
     parallel_chunks(count, kChunk, threads, [&](std::size_t begin, std::size_t end, int) {
-        sum.fetch_add(part(begin, end), std::memory_order_relaxed);
+        sums[begin / kChunk] = part(begin, end);
     });
-    return sum;
+    return std::accumulate(sums.begin(), sums.end(), FaceSum{});
 }
 
 }  // namespace
 
-std::uint64_t sum_of_faces(const Mesh& mesh, int threads) {
-    std::uint64_t sum = 0;
+FaceSum sum_of_faces(const Mesh& mesh, int threads) {
+    FaceSum sum;
     for (std::size_t t = 0; t < kElementTypes; ++t) {
         const ElementBlock& block = mesh.elements[t];
         const auto per_element = static_cast<std::size_t>(kElementNodes[t]);
@@ -220,9 +215,9 @@ std::uint64_t sum_of_faces(const Mesh& mesh, int threads) {
     return sum;
 }
 
-std::uint64_t sum_of_outer_facets(const FacetBlock& facets, int threads) {
+FaceSum sum_of_outer_facets(const FacetBlock& facets, int threads) {
     return sum_of_chunks(facets.size(), threads, [&](std::size_t begin, std::size_t end) {
-        std::uint64_t sum = 0;
+        FaceSum sum;
         for (std::size_t i = begin; i < end; ++i) {
             if (facets.outside[i] != 0) continue;
             const NodeId* node = facets.nodes.data() + 4 * i;
@@ -232,8 +227,8 @@ std::uint64_t sum_of_outer_facets(const FacetBlock& facets, int threads) {
     });
 }
 
-std::uint64_t sum_of_hanging_faces(const HangingNodes& hanging) {
-    std::uint64_t sum = 0;
+FaceSum sum_of_hanging_faces(const HangingNodes& hanging) {
+    FaceSum sum;
     for (const HangingFace& face : hanging_faces(hanging)) {
         sum += signed_hash(face.whole.data(), 4);
         for (const auto& quarter : face.quarters) sum -= signed_hash(quarter.data(), 4);

@@ -117,8 +117,8 @@ void Classifier::leave_to_certificate(const std::vector<std::uint32_t>& leaves) 
 void Classifier::find_points() {
     points_ = device_.allocate(count() * sizeof(SnioPoints));
     const Buffer near = device_.allocate(count() * sizeof(std::uint8_t));
-    launch("snio/points.cl", "find_points", count(), on_device_.nio, on_device_.surfaces, on_device_.ops,
-           candidates_, points_, near, snap_);
+    launch("snio/points.cl", "find_points", rows(), on_device_.nio, on_device_.surfaces, on_device_.ops,
+           candidates_, points_, near, snap_, static_cast<std::uint32_t>(count()));
     if (!on_device_.has_formulas) return;
     launch("snio/share_points.cl", "share_points", count(), on_device_.nio, on_device_.surfaces, candidates_,
            points_, near, snap_);

@@ -1,5 +1,5 @@
-// snap_displacement (shared/snap.h) for the eight corners of a leaf at a time, on planes and quadrics: the
-// same operations in the same order, lane by lane, and so the same bits.
+// snap_displacement (shared/snap.h) for eight vertices at a time, on planes and quadrics: the same operations
+// in the same order, lane by lane, and so the same bits.
 #ifndef MORTISE_SNIO_SNAP_LANES_H
 #define MORTISE_SNIO_SNAP_LANES_H
 
@@ -8,13 +8,10 @@
 
 #if LANES == 8
 
-// Displacements, in lattice units, of those of a leaf's `corners` that have one: the set of these is
-// returned.
-MORTISE_NOINLINE uint snap_corners(__global const Surface* s, double x, double y, double z, double cell,
-                                   uint corners, __global int (*moved)[3]) {
-    const double8 first[3] = {x + (double8)(0, 1, 0, 1, 0, 1, 0, 1) * cell,
-                              y + (double8)(0, 0, 1, 1, 0, 0, 1, 1) * cell,
-                              z + (double8)(0, 0, 0, 0, 1, 1, 1, 1) * cell};
+// Displacements, in lattice units, of those of eight vertices in the set `wanted` that have one: the set of
+// these is returned.
+MORTISE_NOINLINE uint snap_points(__global const Surface* s, const double8* first, double cell, uint wanted,
+                                  int (*units)[8]) {
     const long8 bit = (long8)(1, 2, 4, 8, 16, 32, 64, 128);
     const double reach = snap_distance(s) * cell;
     const double still = cell / 1073741824.0;
@@ -23,7 +20,7 @@ MORTISE_NOINLINE uint snap_corners(__global const Surface* s, double x, double y
     double8 offset[3];
     double8 side = 0;                // value at the corner
     double8 way = kMortiseInfinity;  // of the last step
-    long8 settles = ((long8)corners & bit) != 0;
+    long8 settles = ((long8)wanted & bit) != 0;
     long8 goes_on = settles;
     for (int step = 0; step < kProjectionSteps && any(goes_on); ++step) {
         const LaneSample sample = sample_lanes(s, at);
@@ -54,20 +51,9 @@ MORTISE_NOINLINE uint snap_corners(__global const Surface* s, double x, double y
         for (int j = 0; j < 3; ++j) far[j] = first[j] + step * sample.gradient[j];
         settles &= (side == 0) | ((sample_lanes(s, far).value < 0) == (side < 0));
     }
-    {
-        uint found = 0;
-        int units[3][8];
-        long lanes[8];
-        vstore8(settles, 0, lanes);
-        for (int j = 0; j < 3; ++j)
-            vstore8(convert_int8(rint(offset[j] / cell * (double)kCellUnits)), 0, units[j]);
-        for (uint c = 0; c < 8; ++c) {
-            if (lanes[c] == 0) continue;
-            found |= 1u << c;
-            for (int j = 0; j < 3; ++j) moved[c][j] = units[j][c];
-        }
-        return found;
-    }
+    for (int j = 0; j < 3; ++j)
+        vstore8(convert_int8(rint(offset[j] / cell * (double)kCellUnits)), 0, units[j]);
+    return set_of_lanes(settles);
 }
 
 #endif
