@@ -142,7 +142,7 @@ MORTISE_FUNCTION int has_wedge(MORTISE_GLOBAL FacePlans* plans, u32 inside, u32 
         int n[6];
         if (axis < 0) return 0;
         wedge_nodes(&b, axis, n);
-        return row_element_quality(p, 1, n) > 0;
+        return wedge_quality(p, n) > 0;
     }
 }
 

@@ -80,6 +80,28 @@ MORTISE_FUNCTION double row_element_quality(const double (*p)[3], int type, cons
     return worst;
 }
 
+// Whether a wedge with positive corners can be divided into tetrahedra along any diagonals of its
+// quadrilaterals, as meshes of tetrahedra and improvement do it: each division has its corners, and one
+// tetrahedron with an edge from triangle to triangle and a node more of each, on either side of it.
+MORTISE_FUNCTION int wedge_divides(const double (*p)[3], const int* nodes) {
+    for (int i = 0; i < 3; ++i) {
+        const int next = i < 2 ? i + 1 : 0;
+        const int last = i > 0 ? i - 1 : 2;
+        const double* low = p[nodes[i]];
+        const double* high = p[nodes[3 + i]];
+        if (!is_positive_corner(low, p[nodes[next]], p[nodes[3 + last]], high) ||
+            !is_positive_corner(low, p[nodes[3 + next]], p[nodes[last]], high))
+            return 0;
+    }
+    return 1;
+}
+
+// Quality of a wedge; <= 0 if it is not positive, or not however it is divided.
+MORTISE_FUNCTION double wedge_quality(const double (*p)[3], const int* nodes) {
+    const double quality = row_element_quality(p, 1, nodes);
+    return quality > 0 && wedge_divides(p, nodes) ? quality : -1;
+}
+
 // Places the interior node of a row of the table.
 MORTISE_FUNCTION void place_row_node(const TemplateRow* row, double (*p)[3]) {
     if (row->interior_mean != 0) {
@@ -200,7 +222,7 @@ MORTISE_FUNCTION void choose_template(MORTISE_GLOBAL FacePlans* plans, u32 insid
         if (axis >= 0) {
             int n[6];
             wedge_nodes(b, axis, n);
-            found = row_element_quality((const double(*)[3])p, 1, n);
+            found = wedge_quality((const double(*)[3])p, n);
             if (found > 0) result->method = kMethodWedge;
             result->cone.apex = (u32)axis;
             result->cone.facet_count = 1;

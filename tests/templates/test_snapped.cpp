@@ -105,11 +105,11 @@ Element cone_over(const Facet& outward, u32 apex) {
     return element;
 }
 
-Chosen choose(u32 inside, u32 on, const Positions& positions, u32 facing) {
+Chosen choose(u32 inside, u32 on, const Positions& positions, u32 facing, u32 snapped = 0) {
     Chosen result;
     double p[kCellNodes][3];
     for (std::size_t i = 0; i < kCellNodes; ++i) std::copy(positions[i].begin(), positions[i].end(), p[i]);
-    choose_template(&mortise::snio::face_plans(), inside, on, 0, p, facing, 0, &result.found);
+    choose_template(&mortise::snio::face_plans(), inside, on, snapped, p, facing, 0, &result.found);
     result.positions = positions;
     std::copy(p[kCellInteriorNode], p[kCellInteriorNode] + 3, result.positions[kCellInteriorNode].begin());
     const LeafTemplate& found = result.found;
@@ -186,6 +186,43 @@ bool is_closed(const std::vector<Facet>& facets) {
         }
     }
     return std::all_of(edges.begin(), edges.end(), [](const auto& edge) { return edge.second == 0; });
+}
+
+double six_volumes(const Point& a, const Point& b, const Point& c, const Point& d) {
+    double e[3][3];
+    for (std::size_t j = 0; j < 3; ++j) {
+        e[0][j] = b[j] - a[j];
+        e[1][j] = c[j] - a[j];
+        e[2][j] = d[j] - a[j];
+    }
+    return e[0][0] * (e[1][1] * e[2][2] - e[1][2] * e[2][1]) +
+           e[0][1] * (e[1][2] * e[2][0] - e[1][0] * e[2][2]) +
+           e[0][2] * (e[1][0] * e[2][1] - e[1][1] * e[2][0]);
+}
+
+/// Whether a wedge's cones from all its nodes are positive, whichever diagonal divides the quadrilateral that
+/// is opposite.
+bool divides(const Element& wedge, const Positions& positions) {
+    const auto at = [&](std::size_t k) { return positions[wedge.nodes[k]]; };
+    for (std::size_t apex = 0; apex < 6; ++apex) {
+        for (const Facet& facet : element_facets(wedge)) {
+            std::array<Point, 4> p{};
+            bool holds = false;
+            for (std::size_t k = 0; k < static_cast<std::size_t>(facet.size); ++k) {
+                p[k] = positions[facet.nodes[k]];
+                holds = holds || facet.nodes[k] == wedge.nodes[apex];
+            }
+            if (holds) continue;
+            // Outward facets.
+            if (!(six_volumes(p[0], p[2], p[1], at(apex)) > 0)) return false;
+            if (facet.size == 3) continue;
+            if (!(six_volumes(p[0], p[3], p[2], at(apex)) > 0) ||
+                !(six_volumes(p[0], p[3], p[1], at(apex)) > 0) ||
+                !(six_volumes(p[1], p[3], p[2], at(apex)) > 0))
+                return false;
+        }
+    }
+    return true;
 }
 
 }  // namespace
@@ -308,6 +345,37 @@ TEST_CASE("planes: quality of the cells with all near corners moved") {
         CHECK(degrees(extremes.smallest) <= 160);
         CHECK(jacobian >= (noise > 0 ? 0.14 : 0.15));
     }
+}
+
+TEST_CASE("wedges can be divided along any diagonals") {
+    Random random(74);
+    int wedges = 0;
+    int indivisible = 0;
+    for (int i = 0; i < 200000; ++i) {
+        const PlaneCell cell = random_cell(random);
+        // Alike on both faces across the x axis, along which many of these planes are.
+        const u32 low = 0x55 & static_cast<u32>(256 * random.uniform());
+        const u32 on = cell.near & (low | low << 1);
+        const u32 inside = cell.inside & ~on;
+        if (inside == 0 || inside == 255) continue;
+        const Chosen chosen = choose(inside, on, positions_of(cell, on, 0.2, random), 0, on);
+        if (chosen.found.method != kMethodWedge) continue;
+        ++wedges;
+        indivisible += divides(chosen.elements.front(), chosen.positions) ? 0 : 1;
+    }
+    CHECK(wedges > 1000);
+    CHECK(indivisible == 0);
+    // Beside a crease: two corners are on it, two others have not moved though the surface is close.
+    Positions positions{};
+    for (std::size_t c = 0; c < 8; ++c) {
+        for (std::size_t j = 0; j < 3; ++j) positions[c][j] = static_cast<double>(c >> j & 1);
+    }
+    positions[4] = {-0.0963, 0.0612, 1.2520};
+    positions[6] = {0.2998, 0.9028, 1.2520};
+    positions[8] = {0.0164, 0, 0};
+    positions[9] = {0.4630, 1, 0};
+    const Chosen twisted = choose(0x05, 0x50, positions, 0, 0x50);
+    CHECK(twisted.found.method == -1);  // no cone is positive either
 }
 
 TEST_CASE("planes: every subset of the near corners has a valid template") {
