@@ -427,7 +427,7 @@ void Block::run(const BlockOptions& options) {
     merge_close_nodes();
     // What goes now need not be watched while it moves; away from watched places all is to be as it was.
     if (options_.watch_facets && options_.watched.empty()) collapse_short_edges();
-    const bool all_placed = project_nodes();
+    const bool all_placed = options_.keeps_loose || project_nodes();
     collapse_short_edges();
     // What follows may mend that, but not where there is so much to do: it would be done in vain.
     if (!options_.watch_facets && has_much_poor() && has_crossed()) return;

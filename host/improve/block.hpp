@@ -49,6 +49,7 @@ struct BlockOptions {
     bool reposition = true;        ///< move nodes (besides their projection onto the model)
     bool change_boundary = true;   ///< false: facets stay as they are
     bool move_boundary = true;     ///< false: their nodes do, too
+    bool keeps_loose = false;      ///< nodes beside their surfaces are not put there
     bool look_ahead = true;        ///< changes of several steps
     bool is_first = true;          ///< nothing has been improved yet
     double raised_from = 0;        ///< if positive: what is at least this good gets better still

@@ -198,7 +198,9 @@ Mesh improve(Mesh mesh, const tape::BoundModel& model, const Options& options, C
 
 Mesh mend_parts(Mesh mesh, const tape::BoundModel& model, const Options& options, IndexRuns cube_pieces,
                 Counters& counters) {
-    Session session(std::move(mesh), model, options, nullptr);
+    Options keeping = options;
+    keeping.keeps_loose = true;
+    Session session(std::move(mesh), model, keeping, nullptr);
     session.raise(kGoodQuality, kGoodQuality, false, std::move(cube_pieces));
     Counters added;
     mesh = session.finish(added);

@@ -28,6 +28,7 @@ struct Options {
     const std::vector<std::uint8_t>* is_open = nullptr;
     /// Poor elements that are not in all of these are left alone; uniform trees only. May be null.
     const std::vector<Slab>* slabs = nullptr;
+    bool keeps_loose = false;  ///< nodes that do not lie on their surfaces are not put there first
     /// Hexahedra; brought up to date: where those are that stay. May be null.
     IndexRuns* followed = nullptr;
 };
@@ -52,7 +53,8 @@ Mesh improve(Mesh mesh, const tape::BoundModel& model, const Options& options, C
              Trace* trace = nullptr);
 
 /// Improves what improve()'s elements have been split into, whose quality may be less than theirs. Without
-/// merging or smaller elements; nodes that are loose stay where they are, no others become loose.
+/// merging or smaller elements; nodes that are loose move only where that mends elements, no others become
+/// loose.
 /// `cube_pieces`: the tetrahedra that cubes inside have been split into, in the order of the cubes.
 Mesh mend_parts(Mesh mesh, const tape::BoundModel& model, const Options& options, IndexRuns cube_pieces,
                 Counters& counters);

@@ -115,6 +115,7 @@ void Improver::pass(int number, Effort effort, Counters& counters) {
     BlockOptions block_options;
     block_options.look_ahead = effort != Effort::kPlain;
     block_options.reposition = options_.smooth > 0;
+    block_options.keeps_loose = options_.keeps_loose;
     // Where nodes are repositioned they get out of the way; after the last pass there is no later one.
     block_options.spares_shared =
         options_.smooth == 0 && effort == Effort::kPlain && number + 1 < pass_count();

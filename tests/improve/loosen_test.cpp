@@ -127,6 +127,23 @@ TEST_CASE("nodes of slivers leave the model by a small part of a cell") {
     CHECK(3 * better >= poor);  // the others are as poor as the model is sharp
 }
 
+TEST_CASE("meshes of tetrahedra keep what loose nodes have mended") {
+    int loose = 0;
+    for (std::uint64_t seed = 0; seed < 12; ++seed) {
+        CAPTURE(seed);
+        MeshOptions options;
+        options.level = kLevel;
+        const Clump clump = make_clump(seed);
+        const Meshed hybrid = mesh_and_check(clump.model, options);
+        options.tetrahedra = true;
+        const Meshed split = mesh_and_check(clump.model, options);
+        CHECK(split.defects == "");
+        loose += hybrid.report.loosened_nodes > 0 ? 1 : 0;
+        CHECK(worst(split) > 0.99f * worst(hybrid));
+    }
+    CHECK(loose >= 6);
+}
+
 TEST_CASE("a thin wall stays as thin as it is") {
     const Affine turn = rotation({1, 2, 3}, 0.7);
     const Model model = one_solid([&](Model& m) {
