@@ -17,7 +17,7 @@
 // Corners, or edges by their low ends, of a row's leaves, each once, by hashing with open addressing.
 typedef struct RowKeys {
     ulong vertex[ROW_POINTS];  // coordinates in finest cells, COORDINATE_BITS each
-    uint kind[ROW_POINTS];     // whatever else tells points apart
+    uint kind[ROW_POINTS];     // point_kind; of edges also the axis, in the lowest two bits
     uint count;
     ushort table[ROW_PLACES];  // indices, or NO_POINT
 } RowKeys;
@@ -27,12 +27,13 @@ static void clear_keys(RowKeys* keys) {
     for (uint i = 0; i < ROW_PLACES; ++i) keys->table[i] = NO_POINT;
 }
 
-// Index of a point.
+// Index of a point, which is entered if it is new.
 static uint index_of_point(RowKeys* keys, ulong vertex, uint kind, uint* is_new) {
+    // Fibonacci hashing; 11 bits are ROW_PLACES.
     uint place = (uint)(((vertex ^ ((ulong)kind << 40)) * 0x9e3779b97f4a7c15UL) >> 53);
+    *is_new = 0;
     while (keys->table[place] != NO_POINT) {
         const uint index = keys->table[place];
-        *is_new = 0;
         if (keys->vertex[index] == vertex && keys->kind[index] == kind) return index;
         place = (place + 1) % ROW_PLACES;
     }
@@ -43,7 +44,8 @@ static uint index_of_point(RowKeys* keys, ulong vertex, uint kind, uint* is_new)
     return keys->count++;
 }
 
-// A leaf's low corner, and its corner c.
+// A leaf's low corner, from its Morton code; and its corner c, from that one and the leaf's edge in finest
+// cells.
 static ulong first_vertex(ulong code) {
     return (ulong)gather_bits(code) | ((ulong)gather_bits(code >> 1) << COORDINATE_BITS) |
            ((ulong)gather_bits(code >> 2) << (2 * COORDINATE_BITS));
@@ -52,6 +54,7 @@ static ulong vertex_at(ulong first, uint edge, uint c) {
     return first + ((ulong)((c & 1) * edge) | ((ulong)(((c >> 1) & 1) * edge) << COORDINATE_BITS) |
                     ((ulong)((c >> 2) * edge) << (2 * COORDINATE_BITS)));
 }
+// Its place in the root cube; finest: the edge of a finest cell.
 static void place_of_vertex(ulong vertex, double finest, double* at) {
     for (int j = 0; j < 3; ++j)
         at[j] = (double)((vertex >> (j * COORDINATE_BITS)) & ((1UL << COORDINATE_BITS) - 1)) * finest;
@@ -59,12 +62,13 @@ static void place_of_vertex(ulong vertex, double finest, double* at) {
 
 // The corners of a row's leaves, and where they move.
 typedef struct RowCorners {
-    RowKeys keys;  // kind: point_kind
+    RowKeys keys;
     ushort index[LEAVES][8];
     int moved[ROW_POINTS][3];
     uchar moves[ROW_POINTS];
 } RowCorners;
 
+// What tells points apart beside their vertices: where a corner moves depends on the size of its cells, too.
 static uint point_kind(uint surface, int level) { return (surface << 5) | (uint)level; }
 
 // Lists the corners of a leaf that are not in `zero`.
@@ -121,7 +125,7 @@ static uint take_corners(const RowCorners* corners, uint leaf_of_row, __global i
 
 // The roots that the row has found.
 typedef struct RowRoots {
-    RowKeys keys;  // kind: as of corners, and the axis in the lowest two bits
+    RowKeys keys;
     int root[ROW_POINTS];
 } RowRoots;
 
