@@ -19,14 +19,14 @@ namespace {
 constexpr std::size_t kChunk = 16384;
 constexpr NodeId kNoNode = 0xffffffffu;
 
-/// Two numbers made of four, of which every bit counts; of numbers or of lanes of them. Multiplications alone
-/// carry bits upward only. No two fours that agree in their first two numbers, or in their last two, give the
-/// same.
+/// What a face counts, of numbers or of lanes of them.
 template <class Word>
 struct Hash {
     Word low, high;
 };
 
+/// Two numbers made of four, of which every bit counts. Multiplications alone carry bits upward only. No two
+/// fours that agree in their first two numbers, or in their last two, give the same.
 template <class Word>
 [[gnu::always_inline]] inline Hash<Word> mix(const Word& a, const Word& b, const Word& c, const Word& d) {
     Word p = (a ^ 0x9e3779b9u) * 0x85ebca6bu;
@@ -46,29 +46,51 @@ template <class Word>
     return {p, q};
 }
 
+using Nodes = lanes::Words<8>;
+static_assert(sizeof(Nodes) == 8 * sizeof(NodeId));
+
+/// What a comparison gives, as all bits of a number or of each lane.
+NodeId all_bits(int holds) { return NodeId{} - static_cast<NodeId>(holds); }
+template <class Lanes>
+[[gnu::always_inline]] inline Nodes all_bits(const Lanes& lanes) {
+    return (Nodes)lanes;
+}
+
+/// The negative where `is_odd` has all bits.
+template <class Word>
+[[gnu::always_inline]] inline Hash<Word> with_sign(const Hash<Word>& hash, const Word& is_odd) {
+    return {(hash.low ^ is_odd) - is_odd, (hash.high ^ is_odd) - is_odd};
+}
+
 /// The same from whichever node a face starts; the negative in the opposite order. A quadrilateral is told by
 /// its diagonals, put in order by their ends and by their lower ones: a turn by one node changes the order of
 /// one diagonal and that of the pair, a reversal those of both and of the pair. No branch: this runs over
-/// the faces of every mesh.
-FaceSum signed_hash(const NodeId* node, int count) {
-    Hash<NodeId> hash;
-    bool is_odd;
-    if (count == 4) {
-        const NodeId low_first = std::min(node[0], node[2]), high_first = std::max(node[0], node[2]);
-        const NodeId low_second = std::min(node[1], node[3]), high_second = std::max(node[1], node[3]);
-        const bool is_swapped =
-            (low_first > low_second) | ((low_first == low_second) & (high_first > high_second));
-        hash = mix(is_swapped ? low_second : low_first, is_swapped ? high_second : high_first,
-                   is_swapped ? low_first : low_second, is_swapped ? high_first : high_second);
-        is_odd = (node[0] > node[2]) ^ (node[1] > node[3]) ^ is_swapped;
-    } else {
-        const NodeId low = std::min(node[0], node[1]), high = std::max(node[0], node[1]);
-        hash = mix(std::min(low, node[2]), std::max(low, std::min(high, node[2])), std::max(high, node[2]),
-                   kNoNode);
-        is_odd = (node[0] > node[1]) ^ (node[0] > node[2]) ^ (node[1] > node[2]);
-    }
-    const FaceSum sum = {hash.low, hash.high};
-    return is_odd ? FaceSum{} - sum : sum;
+/// every face of every mesh.
+template <class Word>
+[[gnu::always_inline]] inline Hash<Word> hash_of_quadrilateral(const Word& a, const Word& b, const Word& c,
+                                                               const Word& d) {
+    const Word low_first = a < c ? a : c, high_first = a < c ? c : a;
+    const Word low_second = b < d ? b : d, high_second = b < d ? d : b;
+    const auto is_swapped =
+        (low_first > low_second) | ((low_first == low_second) & (high_first > high_second));
+    return with_sign(mix<Word>(is_swapped ? low_second : low_first, is_swapped ? high_second : high_first,
+                               is_swapped ? low_first : low_second, is_swapped ? high_first : high_second),
+                     all_bits((a > c) ^ (b > d) ^ is_swapped));
+}
+
+template <class Word>
+[[gnu::always_inline]] inline Hash<Word> hash_of_triangle(const Word& a, const Word& b, const Word& c) {
+    const Word low = a < b ? a : b, high = a < b ? b : a;
+    const Word lowest = low < c ? low : c, highest = high < c ? c : high;
+    const Word upper = high < c ? high : c;
+    return with_sign(mix<Word>(lowest, low < upper ? upper : low, highest, Word{} + kNoNode),
+                     all_bits((a > b) ^ (a > c) ^ (b > c)));
+}
+
+FaceSum signed_hash(const NodeId* n, int count) {
+    const Hash<NodeId> hash =
+        count == 4 ? hash_of_quadrilateral(n[0], n[1], n[2], n[3]) : hash_of_triangle(n[0], n[1], n[2]);
+    return {hash.low, hash.high};
 }
 
 /// Sum of signed_hash() over all faces of some elements of a type.
@@ -89,17 +111,13 @@ FaceSum sum_one_by_one(ElementType type, const NodeId* nodes, std::size_t count)
 }
 
 #if defined(__GNUC__) && !defined(__clang__)
-using Nodes = lanes::Words<8>;
-static_assert(sizeof(Nodes) == 8 * sizeof(NodeId));
-
 /// Sums of the hashes of eight faces, lane by lane.
 struct LaneSum {
     Nodes low = {}, high = {};
 
-    /// `is_odd`: all bits of a lane whose hash counts negatively.
-    [[gnu::always_inline]] void add(const Hash<Nodes>& hash, const Nodes& is_odd) {
-        low += (hash.low ^ is_odd) - is_odd;
-        high += (hash.high ^ is_odd) - is_odd;
+    [[gnu::always_inline]] void add(const Hash<Nodes>& hash) {
+        low += hash.low;
+        high += hash.high;
     }
 
     [[gnu::always_inline]] FaceSum total() const {
@@ -130,18 +148,9 @@ template <std::size_t>
     for (std::size_t i = 0; i < count; ++i) {
         Nodes all;
         std::memcpy(&all, nodes + 8 * i, sizeof all);
-        const Nodes a = __builtin_shuffle(all, place[0]);
-        const Nodes b = __builtin_shuffle(all, place[1]);
-        const Nodes c = __builtin_shuffle(all, place[2]);
-        const Nodes d = __builtin_shuffle(all, place[3]);
-        // The ends of diagonals in order, and then the diagonals.
-        const Nodes low_first = a < c ? a : c, high_first = a < c ? c : a;
-        const Nodes low_second = b < d ? b : d, high_second = b < d ? d : b;
-        const auto is_swapped =
-            (low_first > low_second) | ((low_first == low_second) & (high_first > high_second));
-        sum.add(mix<Nodes>(is_swapped ? low_second : low_first, is_swapped ? high_second : high_first,
-                           is_swapped ? low_first : low_second, is_swapped ? high_first : high_second),
-                (Nodes)((a > c) ^ (b > d) ^ is_swapped));
+        sum.add(
+            hash_of_quadrilateral<Nodes>(__builtin_shuffle(all, place[0]), __builtin_shuffle(all, place[1]),
+                                         __builtin_shuffle(all, place[2]), __builtin_shuffle(all, place[3])));
     }
     return sum.total();
 }
@@ -166,14 +175,8 @@ template <std::size_t>
     for (std::size_t i = 0; i + 2 <= count; i += 2) {
         Nodes all;
         std::memcpy(&all, nodes + 4 * i, sizeof all);
-        const Nodes a = __builtin_shuffle(all, place[0]);
-        const Nodes b = __builtin_shuffle(all, place[1]);
-        const Nodes c = __builtin_shuffle(all, place[2]);
-        const Nodes low = a < b ? a : b, high = a < b ? b : a;
-        const Nodes lowest = low < c ? low : c, highest = high < c ? c : high;
-        const Nodes upper = high < c ? high : c;
-        sum.add(mix<Nodes>(lowest, low < upper ? upper : low, highest, Nodes{} + kNoNode),
-                (Nodes)((a > b) ^ (a > c) ^ (b > c)));
+        sum.add(hash_of_triangle<Nodes>(__builtin_shuffle(all, place[0]), __builtin_shuffle(all, place[1]),
+                                        __builtin_shuffle(all, place[2])));
     }
     const std::size_t odd_one = count % 2;
     return sum.total() + sum_one_by_one(ElementType::kTetrahedron, nodes + 4 * (count - odd_one), odd_one);

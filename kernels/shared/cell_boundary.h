@@ -111,40 +111,25 @@ MORTISE_FUNCTION double triangle_shape(const double* a, const double* b, const d
     return (x * x + y * y + z * z) / (longest * longest);
 }
 
-// Whether the cosine of the angle between two edges is small, by their product and squared lengths.
-MORTISE_FUNCTION int is_nearly_right(double product, double first, double second) {
-    return product * product < kSquareCosineSquared * (first * second);
-}
-
 MORTISE_FUNCTION int is_nearly_square(const double (*p)[3], const u8* n) {
-    const double* a = p[n[0]];
-    const double* b = p[n[1]];
-    const double* c = p[n[2]];
-    const double* d = p[n[3]];
-    const double ax = b[0] - a[0];
-    const double ay = b[1] - a[1];
-    const double az = b[2] - a[2];
-    const double bx = c[0] - b[0];
-    const double by = c[1] - b[1];
-    const double bz = c[2] - b[2];
-    const double cx = d[0] - c[0];
-    const double cy = d[1] - c[1];
-    const double cz = d[2] - c[2];
-    const double dx = a[0] - d[0];
-    const double dy = a[1] - d[1];
-    const double dz = a[2] - d[2];
-    const double from_a = ax * ax + ay * ay + az * az;
-    const double from_b = bx * bx + by * by + bz * bz;
-    const double from_c = cx * cx + cy * cy + cz * cz;
-    const double from_d = dx * dx + dy * dy + dz * dz;
-    const double x = ay * bz - az * by;
-    const double y = az * bx - ax * bz;
-    const double z = ax * by - ay * bx;
-    return is_nearly_right(ax * bx + ay * by + az * bz, from_a, from_b) &&
-           is_nearly_right(bx * cx + by * cy + bz * cz, from_b, from_c) &&
-           is_nearly_right(cx * dx + cy * dy + cz * dz, from_c, from_d) &&
-           is_nearly_right(dx * ax + dy * ay + dz * az, from_d, from_a) &&
-           mortise_fabs(x * cx + y * cy + z * cz) < kSquareWarp;
+    double e[4][3];
+    for (int i = 0; i < 4; ++i) {
+        for (int j = 0; j < 3; ++j) e[i][j] = p[n[(i + 1) & 3]][j] - p[n[i]][j];
+    }
+    for (int i = 0; i < 4; ++i) {
+        const double* u = e[i];
+        const double* v = e[(i + 1) & 3];
+        const double dot = u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
+        const double product =
+            (u[0] * u[0] + u[1] * u[1] + u[2] * u[2]) * (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+        if (!(dot * dot < kSquareCosineSquared * product)) return 0;
+    }
+    {
+        const double x = e[0][1] * e[1][2] - e[0][2] * e[1][1];
+        const double y = e[0][2] * e[1][0] - e[0][0] * e[1][2];
+        const double z = e[0][0] * e[1][1] - e[0][1] * e[1][0];
+        return mortise_fabs(x * e[2][0] + y * e[2][1] + z * e[2][2]) < kSquareWarp;
+    }
 }
 
 // Whether four corners lie on the grid.
