@@ -2,6 +2,7 @@
 //
 // layout: sizes and offsets of every struct, in the order of tests/shared/device_test.cpp.
 // evaluate: surfaces at points and along segments; the bits must equal the host's (shared/platform.h).
+#define MORTISE_ONE_LANE
 #include "shared/bounds.h"
 #include "shared/expression_bounds.h"
 #include "shared/face_plan.h"

@@ -35,7 +35,7 @@ std::uint8_t Certificate::unfit_corners() const {
     if (!whole_.empty()) {  // the cell as it is: leaves beside finer ones have no corners that snap
         double p[8][3];
         for (LocalNode c = 0; c < 8; ++c) position(c, p[c]);
-        if (!hexahedron_is_positive(p)) unfit |= snapped;
+        if (positive_hexahedra(p) == 0) unfit |= snapped;
     }
     for (std::size_t i = 0; i < pyramids_.size(); ++i) {
         if (pyramid_region_[i] > 0) judge(2, pyramids_[i].node.data(), 5);

@@ -78,8 +78,8 @@ Classification Classifier::finish(const std::vector<SnappedLeaf>& simple,
     plans_ = device_.allocate(sizeof(FacePlans));
     device_.upload(plans_, &face_plans(), 1);
     vetoes_ = no_vetoes();
-    launch("snio/snap.cl", "test_subsets", rows(), on_device_.nio, points_, promoted_points_, point_of_,
-           candidates_, plans_, vetoes_, snap_, static_cast<std::uint32_t>(count()));
+    launch("snio/snap.cl", "test_subsets", rows(kLeavesInChunk), on_device_.nio, points_, promoted_points_,
+           point_of_, candidates_, plans_, vetoes_, snap_, static_cast<std::uint32_t>(count()));
     launch("snio/snap.cl", "veto_needs", count(), on_device_.nio, candidates_, vetoes_);
     Classification result = fill();
     for (std::uint32_t i = 0; i < count(); ++i) {
@@ -88,9 +88,9 @@ Classification Classifier::finish(const std::vector<SnappedLeaf>& simple,
     return result;
 }
 
-/// Work-items of kernels that handle leaves in a row (kernels/snio/alike.h).
-std::size_t Classifier::rows() const {
-    const std::size_t leaves = device_.lanes() == 8 ? kLeavesInRow : 1;
+/// Work-items of kernels that handle so many leaves each on a CPU, and one on others.
+std::size_t Classifier::rows(std::size_t leaves) const {
+    if (device_.lanes() != 8) return count();
     return (count() + leaves - 1) / leaves;
 }
 
@@ -117,8 +117,8 @@ void Classifier::leave_to_certificate(const std::vector<std::uint32_t>& leaves) 
 void Classifier::find_points() {
     points_ = device_.allocate(count() * sizeof(SnioPoints));
     const Buffer near = device_.allocate(count() * sizeof(std::uint8_t));
-    launch("snio/points.cl", "find_points", rows(), on_device_.nio, on_device_.surfaces, on_device_.ops,
-           candidates_, points_, near, snap_, static_cast<std::uint32_t>(count()));
+    launch("snio/points.cl", "find_points", rows(kLeavesInRow), on_device_.nio, on_device_.surfaces,
+           on_device_.ops, candidates_, points_, near, snap_, static_cast<std::uint32_t>(count()));
     if (!on_device_.has_formulas) return;
     launch("snio/share_points.cl", "share_points", count(), on_device_.nio, on_device_.surfaces, candidates_,
            points_, near, snap_);
@@ -200,8 +200,9 @@ Classification Classifier::fill() {
     Buffer used = device_.allocate(count() * sizeof(std::uint32_t));
     Buffer counts = device_.allocate(kElementTypes * count() * sizeof(std::uint32_t));
     Buffer facets = device_.allocate(count() * sizeof(std::uint32_t));
-    launch("snio/fill.cl", "fill", rows(), on_device_.nio, candidates_, vetoes_, points_, promoted_points_,
-           point_of_, plans_, leaves, used, counts, facets, static_cast<std::uint32_t>(count()), snap_);
+    launch("snio/fill.cl", "fill", rows(kLeavesInChunk), on_device_.nio, candidates_, vetoes_, points_,
+           promoted_points_, point_of_, plans_, leaves, used, counts, facets,
+           static_cast<std::uint32_t>(count()), snap_);
     result.leaves = device_.download<SnioLeaf>(leaves, count());
     result.used = device_.download<std::uint32_t>(used, count());
     result.facets = device_.download<std::uint32_t>(facets, count());

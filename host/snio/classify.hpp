@@ -53,7 +53,7 @@ class Classifier {
 
   private:
     std::size_t count() const { return tree_.nio.size(); }
-    std::size_t rows() const;
+    std::size_t rows(std::size_t leaves) const;
     device::Buffer no_vetoes();
     template <class... Arguments>
     void launch(const char* file, const char* entry, std::size_t items, const Arguments&... arguments);

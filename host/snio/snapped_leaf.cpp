@@ -31,18 +31,18 @@ Keeps keeps_template(const tape::BoundModel& model, const octree::Octree& tree,
         points.root[e] = edge_root(&model.surfaces[candidate.surface], model.expression_ops.data(), a, b);
     }
     double p[kCellNodes][3];
-    leaf_positions(&points, leaf.snapped, cuts, p);
-    CornerChoices choices{};
-    choices.snapped = leaf.snapped;
-    choices.apex = choices.seen_from = kNoApex;
-    choices.stale = 0x3f;
+    grid_positions(p);
+    leaf_positions(&points, leaf.snapped, cuts, 0, p);
+    CornerChoices choices;
+    forget_choices(leaf.snapped, &choices);
     const u32 inside = candidate.inside & ~u32{candidate.zero};
-    if (has_template(&face_plans(), inside, candidate.zero, 0, p, 0, &choices) == 0) return Keeps::kNothing;
+    if (have_templates(&face_plans(), inside, candidate.zero, 0, kAllLanes, p, 0, &choices) == 0)
+        return Keeps::kNothing;
     if (inside == 0) return Keeps::kTemplate;
     // Nodes that should be on one plane may lie on both sides of it by their rounding.
-    LeafTemplate found;
-    choose_template(&face_plans(), inside, candidate.zero, leaf.snapped, p, 0, 0, &found);
-    const bool is_flat = found.method == kMethodCone && !(found.cone.quality > kLeastQuality);
+    LeafTemplates found;
+    choose_templates(&face_plans(), inside, candidate.zero, leaf.snapped, p, 0, 0, &found);
+    const bool is_flat = found.method[0] == kMethodCone && !(found.cones.quality > kLeastQuality);
     return is_flat ? Keeps::kNothing : Keeps::kTemplate;
 }
 
@@ -53,7 +53,7 @@ bool stays_hexahedron(const SnappedLeaf& leaf) {
         for (u32 j = 0; j < 3; ++j)
             p[c][j] = ((c >> j) & 1u) + (moves ? leaf.moved[c][j] / static_cast<double>(kCellUnits) : 0);
     }
-    return hexahedron_is_positive(p) != 0;
+    return positive_hexahedra(p) != 0;
 }
 
 }  // namespace mortise::snio

@@ -1,6 +1,7 @@
 // Rounds of repositioning: every movable node looks for a better place, then those move that no other around
 // them goes before. So each element has one node at most that moves in a round, and what a round does depends
 // on neither the order nor the number of work-items.
+#define MORTISE_ONE_LANE
 #include "shared/reposition.h"
 
 // Where nodes want to move.

@@ -21,6 +21,7 @@
 #ifndef MORTISE_SHARED_CELL_BOUNDARY_H
 #define MORTISE_SHARED_CELL_BOUNDARY_H
 
+#include "lanes.h"
 #include "lattice.h"
 
 #define kLargestLoop 8
@@ -84,62 +85,45 @@ MORTISE_FUNCTION int face_outline(u32 inside, u32 on, int f, u8* node) {
     return count;
 }
 
-MORTISE_FUNCTION double squared_distance(const double* a, const double* b) {
-    const double x = b[0] - a[0];
-    const double y = b[1] - a[1];
-    const double z = b[2] - a[2];
-    return x * x + y * y + z * z;
-}
-
 // Height of a triangle over its longest side, relative to it, squared. The arithmetic is that of the
 // certificate (host/cnio/face.cpp), which meets undisplaced faces.
-MORTISE_FUNCTION double triangle_shape(const double* a, const double* b, const double* c) {
-    const double ux = b[0] - a[0];
-    const double uy = b[1] - a[1];
-    const double uz = b[2] - a[2];
-    const double vx = c[0] - a[0];
-    const double vy = c[1] - a[1];
-    const double vz = c[2] - a[2];
-    const double x = uy * vz - uz * vy;
-    const double y = uz * vx - ux * vz;
-    const double z = ux * vy - uy * vx;
-    const double ab = squared_distance(a, b);
-    const double bc = squared_distance(b, c);
-    const double ca = squared_distance(c, a);
-    double longest = ab > bc ? ab : bc;
-    if (ca > longest) longest = ca;
-    return (x * x + y * y + z * z) / (longest * longest);
+MORTISE_FUNCTION Reals triangle_shape(const Reals* a, const Reals* b, const Reals* c) {
+    const LaneVector ab = lane_edge(a, b);
+    const LaneVector bc = lane_edge(b, c);
+    const LaneVector ac = lane_edge(a, c);
+    const LaneVector normal = cross_lanes(ab, ac);
+    const Reals square = dot_lanes(ab, ab);
+    const Reals other = dot_lanes(bc, bc);
+    const Reals last = dot_lanes(ac, ac);
+    Reals longest = choose_lanes(other, square, square > other);
+    longest = choose_lanes(longest, last, last > longest);
+    return dot_lanes(normal, normal) / (longest * longest);
 }
 
-MORTISE_FUNCTION int is_nearly_square(const double (*p)[3], const u8* n) {
-    double e[4][3];
-    for (int i = 0; i < 4; ++i) {
-        for (int j = 0; j < 3; ++j) e[i][j] = p[n[(i + 1) & 3]][j] - p[n[i]][j];
-    }
-    for (int i = 0; i < 4; ++i) {
-        const double* u = e[i];
-        const double* v = e[(i + 1) & 3];
-        const double dot = u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
-        const double product =
-            (u[0] * u[0] + u[1] * u[1] + u[2] * u[2]) * (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-        if (!(dot * dot < kSquareCosineSquared * product)) return 0;
-    }
-    {
-        const double x = e[0][1] * e[1][2] - e[0][2] * e[1][1];
-        const double y = e[0][2] * e[1][0] - e[0][0] * e[1][2];
-        const double z = e[0][0] * e[1][1] - e[0][1] * e[1][0];
-        return mortise_fabs(x * e[2][0] + y * e[2][1] + z * e[2][2]) < kSquareWarp;
-    }
+// Whether two edges make nearly a right angle.
+MORTISE_FUNCTION Flags are_nearly_normal(LaneVector u, LaneVector v) {
+    const Reals dot = dot_lanes(u, v);
+    return dot * dot < kSquareCosineSquared * (dot_lanes(u, u) * dot_lanes(v, v));
 }
 
-// Whether four corners lie on the grid.
-MORTISE_FUNCTION int is_undisplaced(const double (*p)[3], const u8* n) {
+// Leaves in which four corners are nearly a square.
+MORTISE_NOINLINE LaneSet nearly_squares(const Reals (*p)[3], const u8* n) {
+    const LaneVector a = lane_edge(p[n[0]], p[n[1]]);
+    const LaneVector b = lane_edge(p[n[1]], p[n[2]]);
+    const LaneVector c = lane_edge(p[n[2]], p[n[3]]);
+    const LaneVector d = lane_edge(p[n[3]], p[n[0]]);
+    return set_of_lanes(are_nearly_normal(a, b) & are_nearly_normal(b, c) & are_nearly_normal(c, d) &
+                        are_nearly_normal(d, a) &
+                        (mortise_fabs(dot_lanes(cross_lanes(a, b), c)) < kSquareWarp));
+}
+
+// Leaves in which four corners lie on the grid.
+MORTISE_FUNCTION LaneSet undisplaced(const Reals (*p)[3], const u8* n) {
+    LaneSet still = kAllLanes;
     for (int i = 0; i < 4; ++i) {
-        for (int j = 0; j < 3; ++j) {
-            if (p[n[i]][j] != (double)((n[i] >> j) & 1)) return 0;
-        }
+        for (int j = 0; j < 3; ++j) still &= set_of_lanes(p[n[i]][j] == (double)((n[i] >> j) & 1));
     }
-    return 1;
+    return still;
 }
 
 // Place of the middle corner in a polygon of five nodes.
@@ -194,33 +178,44 @@ MORTISE_FUNCTION int face_rule(const u8* n, int count, u32 inside) {
     return rule;
 }
 
-// Mesh of a polygon with four nodes by the better of the worse triangles.
-MORTISE_FUNCTION int better_split(const u8* n, const double (*p)[3]) {
-    double first = triangle_shape(p[n[0]], p[n[1]], p[n[2]]);
-    double second = triangle_shape(p[n[0]], p[n[1]], p[n[3]]);
-    const double first_other = triangle_shape(p[n[0]], p[n[2]], p[n[3]]);
-    const double second_other = triangle_shape(p[n[1]], p[n[2]], p[n[3]]);
-    if (first_other < first) first = first_other;
-    if (second_other < second) second = second_other;
-    if (first != second) return first > second ? kFaceSplit02 : kFaceSplit13;
-    {
-        // Ties go to the first corner of the frame's order.
-        int lowest = 0;
-        for (int i = 1; i < 4; ++i) lowest = n[i] < n[lowest] ? i : lowest;
-        return (lowest & 1) ? kFaceSplit13 : kFaceSplit02;
+// Leaves in which a polygon with four nodes is split by its first diagonal, for the better of the worse
+// triangles.
+MORTISE_NOINLINE LaneSet better_split02(const u8* n, const Reals (*p)[3]) {
+    const Reals first =
+        lower_lanes(triangle_shape(p[n[0]], p[n[1]], p[n[2]]), triangle_shape(p[n[0]], p[n[2]], p[n[3]]));
+    const Reals second =
+        lower_lanes(triangle_shape(p[n[0]], p[n[1]], p[n[3]]), triangle_shape(p[n[1]], p[n[2]], p[n[3]]));
+    // Ties go to the first corner of the frame's order.
+    int lowest = 0;
+    for (int i = 1; i < 4; ++i) lowest = n[i] < n[lowest] ? i : lowest;
+    return set_of_lanes((lowest & 1) ? first > second : first >= second);
+}
+
+#define kFaceMeshes 3  // kFaceWhole, kFaceSplit02, kFaceSplit13; an empty face has the first, without facets
+
+// Meshes of a face's polygon, whose rule is known: the sets of leaves that have each.
+MORTISE_FUNCTION void face_meshes_by(int rule, const u8* n, const Reals (*p)[3], u8* meshes) {
+    LaneSet whole = 0;
+    LaneSet first;
+    if ((rule & kFaceIfSquare) != 0) {
+        whole = nearly_squares(p, n);
+        if (whole != 0 && (rule & kFaceIfOnGrid) != 0) whole &= undisplaced(p, n);
+    } else if (rule == kFaceEmpty || rule == kFaceWhole) {
+        whole = kAllLanes;
     }
+    if ((rule & kFaceByShape) != 0) {
+        first = whole != kAllLanes ? better_split02(n, p) : 0;
+    } else {
+        first = (rule & 3) == kFaceSplit02 ? kAllLanes : 0;
+    }
+    meshes[kFaceWhole - kFaceWhole] = (u8)whole;
+    meshes[kFaceSplit02 - kFaceWhole] = (u8)(first & ~whole);
+    meshes[kFaceSplit13 - kFaceWhole] = (u8)(kAllLanes & ~first & ~whole);
 }
 
-// Mesh of a face's polygon, whose rule is known.
-MORTISE_FUNCTION int face_mesh_by(int rule, const u8* n, const double (*p)[3]) {
-    if ((rule & kFaceIfSquare) && is_nearly_square(p, n) && (!(rule & kFaceIfOnGrid) || is_undisplaced(p, n)))
-        return kFaceWhole;
-    return (rule & kFaceByShape) ? better_split(n, p) : rule & 3;
-}
-
-// Mesh of a face's polygon by the face rule.
-MORTISE_FUNCTION int face_mesh_of(const u8* n, int count, u32 inside, const double (*p)[3]) {
-    return face_mesh_by(face_rule(n, count, inside), n, p);
+// The mesh of one leaf.
+MORTISE_FUNCTION int mesh_of_lane(const u8* meshes, u32 lane) {
+    return (meshes[0] >> lane) & 1 ? kFaceWhole : (meshes[1] >> lane) & 1 ? kFaceSplit02 : kFaceSplit13;
 }
 
 // How many facets a polygon has that is meshed as `mesh` tells.
@@ -357,24 +352,26 @@ MORTISE_FUNCTION void make_outline(u32 inside, u32 on, CellBoundary* b) {
 }
 
 // Axis of the wedge that a cell's inside part is: two opposite triangular faces alike, two faces whole
-// quadrilaterals, Γ the third; -1 if it is none.
-MORTISE_FUNCTION int wedge_axis(u32 inside, u32 on, const CellBoundary* b) {
+// quadrilaterals, Γ the third; -1 if it is none. quads: the faces that must be whole.
+MORTISE_FUNCTION int wedge_axis(u32 inside, u32 on, const CellBoundary* b, u32* quads) {
     const u32 low_corners[3] = {0x55, 0x33, 0x0f};
     if (b->loop_size != 4) return -1;
     for (int axis = 0; axis < 3; ++axis) {
         const u32 low = low_corners[axis];
         const int step = 1 << axis;
-        int quads = 0;
+        int count = 0;
         if (b->count[2 * axis] != 3 || b->count[2 * axis + 1] != 3) continue;
         if (((inside & low) << step) != (inside & ~low & 0xff) ||
             ((on & low) << step) != (on & ~low & 0xff)) {
             continue;
         }
+        *quads = 0;
         for (int f = 0; f < 6; ++f) {
             if (f / 2 == axis || b->count[f] == 0) continue;
-            quads += b->count[f] == 4 && b->mesh[f] == kFaceWhole ? 1 : 4;
+            count += b->count[f] == 4 ? 1 : 4;
+            *quads |= 1u << f;
         }
-        if (quads == 2) return axis;
+        if (count == 2) return axis;
     }
     return -1;
 }

@@ -1,14 +1,13 @@
 // What the states of a face's four corners tell of it, whatever their positions: its polygon, and the facets
 // of each mesh that the polygon may have; and what those of a cell's eight tell of Γ: its loop. The host
-// makes all of them once (host/snio/face_plans.cpp) from the functions of cell_boundary.h and cone.h.
+// makes all of them once (host/snio/face_plans.cpp) from the functions of cell_boundary.h.
 #ifndef MORTISE_SHARED_FACE_PLAN_H
 #define MORTISE_SHARED_FACE_PLAN_H
 
-#include "cone.h"
+#include "cell_boundary.h"
 
 #define kFaceStates 81    // of four corners, three each
 #define kCellStates 6561  // of eight
-#define kFaceMeshes 3  // kFaceWhole, kFaceSplit02, kFaceSplit13; an empty face has the first, without facets
 #define kMostFaceCorners 4
 #define kNoPolygon 255
 
@@ -19,7 +18,7 @@ typedef struct FaceMeshPlan {
     u8 count;     // of corners
     u8 padding[3];
     u32 facet[kMostFaceCorners];     // the set of nodes of the corner's facet
-    u8 corner[kMostFaceCorners][4];  // its node, the next and the one before; the last is not used
+    u8 corner[kMostFaceCorners][4];  // its node, the next and the one before; the facet's size
 } FaceMeshPlan;
 
 typedef struct FacePlan {
@@ -48,6 +47,24 @@ typedef struct FacePlans {
     LoopPlan loop[kCellStates];     // by the cell's state
 } FacePlans;
 
+// Nodes of a face's polygon from which no cone has its facets: those that are not on all of them, and any
+// where they are not triangles.
+MORTISE_FUNCTION u32 forbidden_apexes(const u8* n, int count, int mesh) {
+    u32 on_face = 0;
+    u32 allowed = 0;
+    for (int i = 0; i < count; ++i) on_face |= 1u << n[i];
+    if (count == 5) {
+        allowed = 1u << n[pentagon_apex(n, mesh)];
+    } else if (mesh == kFaceSplit02) {
+        allowed = (1u << n[0]) | (1u << n[2]);
+    } else if (mesh == kFaceSplit13) {
+        allowed = (1u << n[1]) | (1u << n[3]);
+    } else if (count == 3) {
+        allowed = on_face;
+    }
+    return on_face & ~allowed;
+}
+
 MORTISE_FUNCTION void make_face_mesh_plan(const u8* node, int count, int mesh, int f, FaceMeshPlan* plan) {
     plan->no_apex = forbidden_apexes(node, count, mesh);
     plan->count = 0;
@@ -62,8 +79,17 @@ MORTISE_FUNCTION void make_face_mesh_plan(const u8* node, int count, int mesh, i
             corner[0] = facet[k];
             corner[1] = facet[k + 1 < size ? k + 1 : 0];
             corner[2] = facet[k > 0 ? k - 1 : size - 1];
+            corner[3] = (u8)size;
         }
     }
+}
+
+// The facet whose corner i is the next: its nodes, counter-clockwise seen from inside the cell, and their
+// number.
+MORTISE_FUNCTION u32 mesh_facet(MORTISE_GLOBAL FaceMeshPlan* mesh, u32 i, u8* facet) {
+    const u32 size = mesh->corner[i][3];
+    for (u32 k = 0; k < size; ++k) facet[k] = size == 4 ? mesh->corner[i + k][0] : mesh->corner[i][k];
+    return size;
 }
 
 // Of face f, for sets of the cell's corners; only those of the face matter. `edges`: of a face with a
@@ -92,9 +118,14 @@ MORTISE_FUNCTION MORTISE_GLOBAL FacePlan* plan_of_face(MORTISE_GLOBAL FacePlans*
     return &plans->plan[f][(states >> (8 * f)) & 0xff];
 }
 
+// The state of a cell.
+MORTISE_FUNCTION u32 cell_state(MORTISE_GLOBAL FacePlans* plans, u32 inside, u32 on) {
+    return plans->cell_states[inside] + 2 * plans->cell_states[on];
+}
+
 // What make_outline makes.
 MORTISE_FUNCTION void planned_outline(MORTISE_GLOBAL FacePlans* plans, u32 inside, u32 on, CellBoundary* b) {
-    MORTISE_GLOBAL LoopPlan* loop = &plans->loop[plans->cell_states[inside] + 2 * plans->cell_states[on]];
+    MORTISE_GLOBAL LoopPlan* loop = &plans->loop[cell_state(plans, inside, on)];
     b->nodes = 0;
     b->loop_size = loop->size == kNoLoop ? -1 : (i32)loop->size;
     if (b->loop_size < 0) return;
@@ -105,6 +136,43 @@ MORTISE_FUNCTION void planned_outline(MORTISE_GLOBAL FacePlans* plans, u32 insid
         for (int i = 0; i < 5; ++i) b->node[f][i] = plan->node[i];
         b->nodes |= plan->nodes;
     }
+}
+
+// The faces of leaves whose corners have the same states.
+typedef struct CellFaces {
+    MORTISE_GLOBAL FacePlan* plan[6];
+    u8 meshes[6][kFaceMeshes];  // the sets of leaves that have each mesh
+} CellFaces;
+
+// Meshes of a face with a polygon, by its plan and the positions p.
+MORTISE_FUNCTION void meshes_of_plan(MORTISE_GLOBAL FacePlan* plan, const Reals (*p)[3], u8* meshes) {
+    u8 node[4];
+    for (int i = 0; i < 4; ++i) node[i] = plan->node[i];
+    face_meshes_by(plan->rule, node, p, meshes);
+}
+
+// Nodes whose cones have the facets of a face, whichever mesh the leaves have: a node lies off it, or on all
+// its facets and these are triangles. `never` gets those that no leaf may have, `some` those that some may
+// not.
+MORTISE_FUNCTION void forbid_apexes(const CellFaces* faces, u32 f, u32* never, u32* some) {
+    u32 all = ~0u;
+    for (int m = 0; m < kFaceMeshes; ++m) {
+        if (faces->meshes[f][m] == 0) continue;
+        *some |= faces->plan[f]->mesh[m].no_apex;
+        all &= faces->plan[f]->mesh[m].no_apex;
+    }
+    *never |= all;
+}
+
+// Those of `wanted` that may have an apex, by the meshes of their faces.
+MORTISE_FUNCTION LaneSet with_apex(const CellFaces* faces, u32 apex, LaneSet wanted) {
+    for (u32 f = 0; f < 6; ++f) {
+        for (int m = 0; m < kFaceMeshes; ++m) {
+            const LaneSet leaves = faces->meshes[f][m];
+            if (leaves != 0 && ((faces->plan[f]->mesh[m].no_apex >> apex) & 1) != 0) wanted &= ~leaves;
+        }
+    }
+    return wanted;
 }
 
 #endif

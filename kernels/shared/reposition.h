@@ -2,7 +2,8 @@
 // §7).
 //
 // Everything is in box-local coordinates. A node is inside a region, and free, or on one surface, and slides
-// on it. A move makes no element around the node worse, but those that are good and stay so.
+// on it. A move makes no element around the node worse, but those that are good and stay so. For one lane
+// (MORTISE_ONE_LANE in lanes.h).
 #ifndef MORTISE_SHARED_REPOSITION_H
 #define MORTISE_SHARED_REPOSITION_H
 

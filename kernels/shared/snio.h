@@ -4,8 +4,10 @@
 
 #include "lattice.h"
 
-// Leaves that one work-item handles where the device is a CPU (snio/alike.h).
+// Leaves that one work-item handles where the device is a CPU: that have points in common
+// (snio/row_points.h), and that are binned by topology (snio/bins.h).
 #define kLeavesInRow 64
+#define kLeavesInChunk 512
 
 #define kPatternCnio 256  // SnioLeaf::pattern of a leaf that the certificate meshes
 

@@ -1,7 +1,7 @@
 // Chooses the template of each SNIO leaf, now that it is known which vertices move.
 #include "shared/bounds.h"
 #include "shared/leaf_template.h"
-#include "snio/alike.h"
+#include "snio/bins.h"
 
 // Neighbour of a leaf across a face: what it means for facets on that face.
 //   0: no volume there, and no certificate; 1: volume, or the certificate, which lists facets itself.
@@ -22,99 +22,151 @@ static int has_volume(const Tree* tree, __global const SnioCandidate* candidates
     }
 }
 
-// The template of a leaf with inside and outside corners, once for all that look like it.
-typedef struct Choice {
-    LeafTemplate found;
-    int interior[3];  // in lattice units
-} Choice;
+// What `fill` writes.
+typedef struct Filled {
+    __global SnioLeaf* leaves;
+    __global uint* used;
+    __global uint* counts;
+    __global uint* facet_counts;
+    uint stride;
+} Filled;
 
-MORTISE_NOINLINE void choose(__global const FacePlans* plans, __global const SnioPoints* points,
-                             const Look look, uint facing, int snap, Choice* choice) {
-    const uint inside = look.states & 0xff;
-    const uint on = (look.states >> 8) & 0xff;
-    const uint snapped = look.states >> 16;
-    double p[kCellNodes][3];
-    leaf_positions(points, look.corners, look.cuts, p);
-    choose_template(plans, inside, on, snapped, p, facing, !snap, &choice->found);
-    for (int j = 0; j < 3; ++j) {
-        choice->interior[j] = 0;
-        if (choice->found.method == kMethodRow && kTemplateRows[inside].interior_mean != 0)
-            choice->interior[j] = (int)rint(p[kCellInteriorNode][j] * kCellUnits);
-        if (choice->found.method == kMethodCone && choice->found.cone.apex == kCellInteriorNode)
-            choice->interior[j] = (int)rint(choice->found.cone.point[j] * kCellUnits);
+static void write_counts(const Filled* filled, uint item, uint mask, const uint* elements, uint facets) {
+    filled->used[item] = mask;
+    for (uint t = 0; t < 4; ++t) filled->counts[t * filled->stride + item] = elements[t];
+    filled->facet_counts[item] = facets;
+}
+
+static void write_row(const Filled* filled, uint item, uint inside) {
+    const TemplateRow row = kTemplateRows[inside];
+    const uint interior = row.interior_mean != 0 ? 1u << kInteriorNodeBit : 0u;
+    uint elements[4];
+    for (int t = 0; t < 4; ++t) elements[t] = row.elements[t];
+    write_counts(filled, item, row.corners | ((uint)row.cuts << 8) | interior, elements, row.facets);
+}
+
+// Elements of a cone; *mask gets its interior node.
+static void count_cone(const CellBoundary* boundary, const Cones* cones, uint lane, uint* elements,
+                       uint* mask) {
+    const uint apex = cones->apex[lane];
+    int off_loop = 1;
+    if (apex == kCellInteriorNode) *mask |= 1u << kInteriorNodeBit;
+    // The apex is on all facets of a face or on none (forbid_apexes).
+    for (int f = 0; f < 6; ++f) {
+        const int count = boundary->count[f];
+        if (facet_holds(boundary->node[f], count, (int)apex)) continue;
+        if (count == 4 && boundary->mesh[f] == kFaceWhole) {
+            ++elements[2];
+        } else if (count > 0) {
+            elements[3] += (uint)count - 2;
+        }
+    }
+    for (int i = 0; i < boundary->loop_size; ++i) {
+        if (boundary->loop[i] == apex) off_loop = 0;
+    }
+    for (uint i = 0; i < cones->facet_count[lane] && off_loop; ++i) {
+        const uint facet = cones->facets[lane][i];
+        ++elements[((facet >> 12) & 15) != ((facet >> 8) & 15) ? 2 : 3];
     }
 }
 
-// Elements of a leaf with a chosen template; the mask of its nodes and its facets, but for those on faces of
-// the cell, are in *mask and *facets.
-MORTISE_NOINLINE void take(const Choice* choice, uint inside, SnioLeaf* leaf, uint* elements, uint* mask,
-                           uint* facets) {
-    const CellBoundary* boundary = &choice->found.boundary;
-    const Cone* cone = &choice->found.cone;
-    leaf->method = (uchar)choice->found.method;
-    for (int j = 0; j < 3; ++j) leaf->point[j] = choice->interior[j];
-    if (leaf->method == kMethodRow) {
-        const TemplateRow row = kTemplateRows[inside];
-        *mask = row.corners | ((uint)row.cuts << 8) | (row.interior_mean != 0 ? 1u << kInteriorNodeBit : 0u);
-        for (int t = 0; t < 4; ++t) elements[t] = row.elements[t];
-        *facets = row.facets;
-        return;
-    }
-    *mask = boundary->nodes;
-    for (int f = 0; f < 6; ++f) {
-        leaf->faces |= (ushort)(boundary->mesh[f] << (2 * f));
-        if ((leaf->boundary >> f) & 1) *facets += boundary->mesh[f] == kFaceWhole ? 1 : 2;
-    }
-    if (leaf->method == kMethodHexahedron) {
-        elements[0] = 1;
-        return;
-    }
-    leaf->apex = (uchar)cone->apex;
-    leaf->facet_count = (uchar)cone->facet_count;
-    *facets += cone->facet_count;
-    for (uint i = 0; i < cone->facet_count; ++i) leaf->facets[i] = cone->facets[i];
-    if (leaf->method == kMethodWedge) {
-        elements[1] = 1;
-        return;
-    }
-    {
-        int off_loop = 1;
-        if (cone->apex == kCellInteriorNode) *mask |= 1u << kInteriorNodeBit;
-        // The apex is on all facets of a face or on none (possible_apexes).
+// A leaf's template, counted and written: the nodes' mask, and facets but for those on faces of the cell.
+static void fill_lane(const Filled* filled, uint item, uint inside, LeafTemplates* templates, uint lane,
+                      const Reals* interior) {
+    const CellBoundary* boundary = &templates->boundary;
+    const Cones* cones = &templates->cones;
+    SnioLeaf leaf = filled->leaves[item];
+    leaf.method = (uchar)templates->method[lane];
+    if (leaf.method == kMethodRow) {
+        for (int j = 0; j < 3 && kTemplateRows[inside].interior_mean != 0; ++j)
+            leaf.point[j] = (int)rint(get_lane(interior + j, lane) * kCellUnits);
+        write_row(filled, item, inside);
+    } else {
+        uint elements[4] = {0, 0, 0, 0};
+        uint mask = boundary->nodes;
+        uint facets = 0;
+        take_meshes(templates, lane);
         for (int f = 0; f < 6; ++f) {
-            const int count = boundary->count[f];
-            if (facet_holds(boundary->node[f], count, (int)cone->apex)) continue;
-            if (count == 4 && boundary->mesh[f] == kFaceWhole) {
-                ++elements[2];
-            } else if (count > 0) {
-                elements[3] += (uint)count - 2;
+            leaf.faces |= (ushort)(boundary->mesh[f] << (2 * f));
+            if ((leaf.boundary >> f) & 1) facets += boundary->mesh[f] == kFaceWhole ? 1 : 2;
+        }
+        if (leaf.method == kMethodHexahedron) {
+            elements[0] = 1;
+        } else {
+            leaf.apex = cones->apex[lane];
+            leaf.facet_count = cones->facet_count[lane];
+            for (uint i = 0; i < leaf.facet_count; ++i) leaf.facets[i] = cones->facets[lane][i];
+            facets += leaf.facet_count;
+            for (int j = 0; j < 3 && leaf.method == kMethodCone && leaf.apex == kCellInteriorNode; ++j)
+                leaf.point[j] = (int)rint(get_lane(cones->point + j, lane) * kCellUnits);
+            if (leaf.method == kMethodWedge) {
+                elements[1] = 1;
+            } else {
+                count_cone(boundary, cones, lane, elements, &mask);
             }
         }
-        for (int i = 0; i < boundary->loop_size; ++i) {
-            if (boundary->loop[i] == cone->apex) off_loop = 0;
-        }
-        for (uint i = 0; i < cone->facet_count && off_loop; ++i) {
-            const uint facet = cone->facets[i];
-            ++elements[((facet >> 12) & 15) != ((facet >> 8) & 15) ? 2 : 3];
-        }
+        write_counts(filled, item, mask, elements, facets);
     }
+    filled->leaves[item] = leaf;
+}
+
+// Chooses the templates of a bin's leaves, which have inside and outside corners, and empties it.
+MORTISE_NOINLINE void fill_bin(Bin* bin, const Chunk* chunk, POINTS_PARAMETERS,
+                               __global const FacePlans* plans, int snap, const Filled* filled) {
+    const uint inside = bin->states & 0xff;
+    Reals p[kCellNodes][3];
+    LeafTemplates templates;
+    grid_positions(p);
+    for (uint lane = 0; lane < kLanes; ++lane) {
+        const uint leaf = leaf_of_lane(chunk, bin, lane);
+        const Look look = chunk->looks[leaf - chunk->first];  // N corners have moved, or not
+        leaf_positions(POINTS_OF(leaf), look.corners, look.cuts, lane, p);
+    }
+    choose_templates(plans, inside, (bin->states >> 8) & 0xff, bin->states >> 16, p, bin->others, !snap,
+                     &templates);
+    for (uint lane = 0; lane < bin->count; ++lane)
+        fill_lane(filled, leaf_of_lane(chunk, bin, lane), inside, &templates, lane, p[kCellInteriorNode]);
+    bin->count = 0;
+}
+
+// What a leaf takes from one that looks like it.
+static void copy_template(const Filled* filled, uint from, uint to) {
+    const SnioLeaf other = filled->leaves[from];
+    SnioLeaf leaf = filled->leaves[to];
+    leaf.method = other.method;
+    leaf.apex = other.apex;
+    leaf.faces = other.faces;
+    leaf.facet_count = other.facet_count;
+    for (int i = 0; i < kMostSurfaceFacets; ++i) leaf.facets[i] = other.facets[i];
+    for (int j = 0; j < 3; ++j) leaf.point[j] = other.point[j];
+    filled->leaves[to] = leaf;
+    filled->used[to] = filled->used[from];
+    for (uint t = 0; t < 4; ++t)
+        filled->counts[t * filled->stride + to] = filled->counts[t * filled->stride + from];
+    filled->facet_counts[to] = filled->facet_counts[from];
 }
 
 // Reads the tree, nio, candidates, vetoes, points, plans; writes leaves[i], used[i] (the node mask of
 // shared/tree.h), counts[t * stride + i] elements of type t and facet_counts[i], all zero for CNIO leaves.
-// One work-item handles LEAVES leaves.
+// One work-item handles CHUNK leaves.
 MORTISE_KERNEL void fill(TREE_PARAMETERS, __global const TreeNode* nio,
                          __global const SnioCandidate* candidates, __global const uint* vetoes,
                          POINTS_PARAMETERS, __global const FacePlans* plans, __global SnioLeaf* leaves,
                          __global uint* used, __global uint* counts, __global uint* facet_counts, uint stride,
                          int snap, uint items) {
-    const uint first = LEAVES * get_global_id(0);
+    const uint first = CHUNK * get_global_id(0);
+    const uint end = first + CHUNK < stride ? first + CHUNK : stride;
     const Tree tree = TREE_OF_PARAMETERS;
-    Seen seen[PLACES];
-    Choice choices[PLACES];
+    Chunk chunk;
+    Filled filled;
     if (get_global_id(0) >= items) return;
-    for (uint i = 0; i < PLACES; ++i) seen[i].known = 0;
-    for (uint item = first; item < first + LEAVES && item < stride; ++item) {
+    filled.leaves = leaves;
+    filled.used = used;
+    filled.counts = counts;
+    filled.facet_counts = facet_counts;
+    filled.stride = stride;
+    clear_chunk(&chunk, first);
+    for (uint item = first; item < end; ++item) {
         const SnioCandidate candidate = candidates[item];
         const ulong morton = nio[item].morton;
         const int level = leaf_level(&tree, morton);
@@ -125,6 +177,7 @@ MORTISE_KERNEL void fill(TREE_PARAMETERS, __global const TreeNode* nio,
         uint facets = 0;
         uint mask = 0;
         uint facing = 0;
+        int is_open = 0;  // has inside and outside corners
         SnioLeaf leaf;
         leaf.surface = candidate.surface;
         leaf.pattern = (ushort)inside;
@@ -169,25 +222,27 @@ MORTISE_KERNEL void fill(TREE_PARAMETERS, __global const TreeNode* nio,
         } else if (inside == 0) {
             leaf.boundary = 0;
         } else {
-            __global const SnioPoints* points = POINTS_OF(item);
+            is_open = 1;
+        }
+        leaves[item] = leaf;
+        if (is_open) {
             Look look;
-            uint at;
+            Bin* bin;
             look.states = inside | (on << 8) | ((uint)candidate.snapped << 16);
             look.others = facing;
             look.corners = displaced | candidate.snapped;
             look.cuts = cut_edges(inside, on);
-            at = place_of_look(look, points);
-            if (!looks_like(look, points, seen + at)) {
-                seen[at].points = points;
-                seen[at].look = look;
-                seen[at].known = 1;
-                choose(plans, points, look, facing, snap, choices + at);
-            }
-            take(choices + at, inside, &leaf, elements, &mask, &facets);
+            bin = enter_leaf(&chunk, item, look, POINTS);
+            if (bin != 0) fill_bin(bin, &chunk, POINTS, plans, snap, &filled);
+        } else {
+            write_counts(&filled, item, mask, elements, facets);
         }
-        leaves[item] = leaf;
-        used[item] = mask;
-        for (int t = 0; t < 4; ++t) counts[t * stride + item] = elements[t];
-        facet_counts[item] = facets;
+    }
+    for (uint i = 0; i < chunk.bin_count; ++i) {
+        if (chunk.bins[i].count != 0) fill_bin(chunk.bins + i, &chunk, POINTS, plans, snap, &filled);
+    }
+    for (uint item = first; item < end; ++item) {
+        const uint like = chunk.like[item - first];
+        if (like != NO_PLACE && like != item - first) copy_template(&filled, first + like, item);
     }
 }

@@ -4,8 +4,14 @@
 #ifndef MORTISE_SNIO_ROW_POINTS_H
 #define MORTISE_SNIO_ROW_POINTS_H
 
-#include "snio/alike.h"
+#include "shared/snio.h"
 #include "snio/snap_lanes.h"
+
+#if LANES == 8
+#define LEAVES kLeavesInRow
+#else
+#define LEAVES 1
+#endif
 
 #if LANES == 8
 

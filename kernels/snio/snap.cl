@@ -10,7 +10,7 @@
 // a template like them.
 #include "shared/bounds.h"
 #include "shared/corner_choices.h"
-#include "snio/alike.h"
+#include "snio/bins.h"
 
 static void veto(__global uint* vetoes, uint leaf, uint corner) {
     atomic_or(vetoes + (leaf >> 2), 1u << (8 * (leaf & 3) + corner));
@@ -203,81 +203,107 @@ MORTISE_KERNEL void snap_corners_of(__global const SnappedLeaf* snapped, __globa
     }
 }
 
-// Flags of a simple leaf: kCandidateSimple if it has a template as it is, kCandidateSafe if it has one
-// whichever of its near corners move, all that it needs among them.
-MORTISE_NOINLINE uchar tested_flags(__global const SnioPoints* points, const SnioCandidate candidate,
-                                    __global const FacePlans* plans, uint cuts, int snap) {
-    const uint needed = candidate.needed;
-    double p[kCellNodes][3];
-    double moved[8][3];
+// Whether a leaf's subsets are to be tested, and what decides about them.
+static int is_to_test(const SnioCandidate candidate) {
+    return (candidate.flags & kCandidateSimple) != 0 && (candidate.needed & ~candidate.near) == 0;
+}
+static Look look_of_candidate(const SnioCandidate candidate) {
+    Look look;
+    look.states = candidate.inside | ((uint)candidate.zero << 8) | ((uint)candidate.near << 16) |
+                  ((uint)candidate.needed << 24);
+    look.others = candidate.flags | ((uint)candidate.snapped << 8);
+    look.corners = candidate.near | candidate.snapped;
+    look.cuts = cut_edges(candidate.inside, candidate.zero);
+    return look;
+}
+
+// Finds the flags of a bin's leaves, and empties it: kCandidateSimple if one has a template as it is,
+// kCandidateSafe if it has one whichever of its near corners move, all that it needs among them.
+MORTISE_NOINLINE void test_bin(Bin* bin, const Chunk* chunk, POINTS_PARAMETERS,
+                               __global const FacePlans* plans, int snap, uchar* flags) {
+    const uint inside = bin->states & 0xff;
+    const uint zero = (bin->states >> 8) & 0xff;
+    const uint near = (bin->states >> 16) & 0xff;
+    const uint needed = bin->states >> 24;
+    const uint before = bin->others & 0xff;
+    const uint snapped = bin->others >> 8;
+    const uint cuts = cut_edges(inside, zero);
     uint others[8];
     uint count = 0;
-    CornerChoices choices;
     uint subset = needed;
-    leaf_positions(points, needed | candidate.snapped, cuts, p);
-    for (uint rest = candidate.near & ~needed; rest != 0; rest &= rest - 1) {
-        const uint c = mortise_lowest_bit(rest);
-        others[count++] = c;
-        moved_position(points, c, moved[c]);
+    LaneSet simple = kAllLanes;
+    LaneSet safe = kAllLanes;
+    Reals p[kCellNodes][3];
+    Reals moved[8][3];
+    CornerChoices choices;
+    grid_positions(p);
+    for (uint rest = near & ~needed; rest != 0; rest &= rest - 1) others[count++] = mortise_lowest_bit(rest);
+    for (uint lane = 0; lane < kLanes; ++lane) {
+        __global const SnioPoints* points = POINTS_OF(leaf_of_lane(chunk, bin, lane));
+        leaf_positions(points, needed | snapped, cuts, lane, p);
+        for (uint i = 0; i < count; ++i) {
+            for (int j = 0; j < 3; ++j) set_lane(&moved[i][j], lane, moved_coordinate(points, others[i], j));
+        }
     }
-    choices.snapped = candidate.snapped;
-    for (uint f = 0; f < 6; ++f) choices.known[f] = 0;
-    choices.apex = kNoApex;
-    choices.seen_from = kNoApex;
-    choices.whole = 0;
-    choices.stale = 0x3f;
+    forget_choices(snapped, &choices);
     // All subsets of `near` that hold `needed`, this one first; each differs from the one before in one
     // corner.
     for (uint i = 0;;) {
-        const uint on = candidate.zero | subset;
-        const int valid = has_template(plans, candidate.inside & ~on, on, subset, p, !snap, &choices) ||
-                          (subset == 0 && (candidate.flags & kCandidatePromoted) != 0);
-        if (!valid) return subset == 0 ? candidate.flags & ~kCandidateSimple : candidate.flags;
-        if (++i >> count != 0) return candidate.flags | kCandidateSafe;
+        const uint on = zero | subset;
+        LaneSet valid = have_templates(plans, inside & ~on, on, subset, safe, p, !snap, &choices);
+        if (subset == 0) {
+            if ((before & kCandidatePromoted) != 0) valid = safe;
+            simple = valid;
+        }
+        safe &= valid;
+        if (++i >> count != 0 || safe == 0) break;
         {
-            const uint c = others[mortise_lowest_bit(i)];
+            const uint changed = mortise_lowest_bit(i);
+            const uint c = others[changed];
             const int is_moved = ((subset ^= 1u << c) >> c) & 1;
-            for (int j = 0; j < 3; ++j) p[c][j] = is_moved ? moved[c][j] : (double)((c >> j) & 1);
+            for (int j = 0; j < 3; ++j) {
+                p[c][j] = (double)((c >> j) & 1);
+                if (is_moved) p[c][j] = moved[changed][j];
+            }
             choices.stale |= kNodeFaces[c];
         }
     }
+    for (uint lane = 0; lane < bin->count; ++lane) {
+        const uint kept = (simple >> lane) & 1 ? before : before & ~(uint)kCandidateSimple;
+        flags[bin->leaf[lane]] = (uchar)(kept | ((safe >> lane) & 1 ? (uint)kCandidateSafe : 0u));
+    }
+    bin->count = 0;
 }
 
 // Tests all simple leaves. The corners of one that is not safe stay, in all leaves around them.
 //
 // Reads the tree, nio, points, plans; reads and writes candidates; sets bits of `vetoes`. One work-item
-// handles LEAVES leaves.
+// handles CHUNK leaves.
 MORTISE_KERNEL void test_subsets(TREE_PARAMETERS, __global const TreeNode* nio, POINTS_PARAMETERS,
                                  __global SnioCandidate* candidates, __global const FacePlans* plans,
                                  __global uint* vetoes, int snap, uint leaves, uint items) {
-    const uint first = LEAVES * get_global_id(0);
+    const uint first = CHUNK * get_global_id(0);
+    const uint end = first + CHUNK < leaves ? first + CHUNK : leaves;
     const Tree tree = TREE_OF_PARAMETERS;
-    Seen seen[PLACES];
-    uchar flags[PLACES];
+    Chunk chunk;
+    uchar flags[CHUNK];
     if (get_global_id(0) >= items) return;
-    for (uint i = 0; i < PLACES; ++i) seen[i].known = 0;
-    for (uint leaf = first; leaf < first + LEAVES && leaf < leaves; ++leaf) {
+    clear_chunk(&chunk, first);
+    for (uint leaf = first; leaf < end; ++leaf) {
         const SnioCandidate candidate = candidates[leaf];
-        uint tested = candidate.flags;
-        if ((tested & kCandidateSimple) != 0 && (candidate.needed & ~candidate.near) == 0) {
-            __global const SnioPoints* points = POINTS_OF(leaf);
-            Look look;
-            uint at;
-            look.states = candidate.inside | ((uint)candidate.zero << 8) | ((uint)candidate.near << 16) |
-                          ((uint)candidate.needed << 24);
-            look.others = candidate.flags | ((uint)candidate.snapped << 8);
-            look.corners = candidate.near | candidate.snapped;
-            look.cuts = cut_edges(candidate.inside, candidate.zero);
-            at = place_of_look(look, points);
-            if (!looks_like(look, points, seen + at)) {
-                seen[at].points = points;
-                seen[at].look = look;
-                seen[at].known = 1;
-                flags[at] = tested_flags(points, candidate, plans, look.cuts, snap);
-            }
-            tested = flags[at];
-            candidates[leaf].flags = (uchar)tested;
+        if (is_to_test(candidate)) {
+            Bin* bin = enter_leaf(&chunk, leaf, look_of_candidate(candidate), POINTS);
+            if (bin != 0) test_bin(bin, &chunk, POINTS, plans, snap, flags);
         }
+    }
+    for (uint i = 0; i < chunk.bin_count; ++i) {
+        if (chunk.bins[i].count != 0) test_bin(chunk.bins + i, &chunk, POINTS, plans, snap, flags);
+    }
+    for (uint leaf = first; leaf < end; ++leaf) {
+        const SnioCandidate candidate = candidates[leaf];
+        const uint like = chunk.like[leaf - first];
+        const uint tested = like != NO_PLACE ? flags[like] : candidate.flags;
+        if (tested != candidate.flags) candidates[leaf].flags = (uchar)tested;
         if ((tested & kCandidateSafe) == 0 && candidate.near != 0)
             veto_corners(&tree, nio[leaf].morton, vetoes);
     }

@@ -3,6 +3,7 @@
 #ifndef MORTISE_SNIO_SURFACE_LANES_H
 #define MORTISE_SNIO_SURFACE_LANES_H
 
+#include "shared/lanes.h"
 #include "shared/surface.h"
 
 #if LANES == 8
@@ -41,14 +42,6 @@ static double8 squared_lanes(const double8* v) {
     double8 square = 0;
     for (int j = 0; j < 3; ++j) square += v[j] * v[j];
     return square;
-}
-
-// A set of eight points, bit by bit.
-static uint set_of_lanes(long8 flags) {
-    const long8 bits = flags & (long8)(1, 2, 4, 8, 16, 32, 64, 128);
-    const long4 halves = bits.lo | bits.hi;
-    const long2 quarters = halves.lo | halves.hi;
-    return (uint)(quarters.x | quarters.y);
 }
 
 // As surface_sign: the points that are inside, and in *zero those on the surface.

@@ -74,6 +74,26 @@ Model box_beside_grid_planes(double part) {
     return model;
 }
 
+/// A cylinder and a ball of five cells around vertices: some corners lie on them as they are, others move
+/// there, in leaves whose corners have the same states.
+Model through_vertices() {
+    const double cell = std::ldexp(kSide, -kLevel);
+    Model model;
+    std::vector<std::uint32_t> nodes;
+    for (const int at : {9, 21}) {
+        const auto primitive = model.add_primitive(at == 9 ? infinite_cylinder(5 * cell) : sphere(5 * cell));
+        Vec3 centre = kOrigin;
+        for (double& x : centre) x += at * cell;
+        nodes.push_back(
+            model.add_transform({1, 0, 0, centre[0], 0, 1, 0, centre[1], 0, 0, 1, centre[2]}, primitive));
+    }
+    const auto both = model.add_operation(CsgNode::Op::kUnion, nodes);
+    const auto box_node = model.add_primitive(box({-1.2, -1.2, -1.2}, {1.2, 1.2, 1.2}));
+    model.regions.push_back(
+        {"solid", model.add_operation(CsgNode::Op::kIntersection, {both, box_node}), 0, {}});
+    return model;
+}
+
 }  // namespace
 
 TEST_CASE("leaves are classified alike with eight lanes and with one") {
@@ -84,6 +104,7 @@ TEST_CASE("leaves are classified alike with eight lanes and with one") {
     models.push_back({"box along the grid", solid(sphere(5))});
     models.push_back({"cylinder along the grid", solid(infinite_cylinder(0.873))});
     models.push_back({"box beside grid planes", box_beside_grid_planes(0.01)});
+    models.push_back({"through vertices", through_vertices()});
     for (int i = 0; i < 4; ++i) {
         models.push_back({"ball", solid(sphere(0.6 + 0.1 * i), &random)});
         models.push_back({"box", solid(sphere(5), &random)});

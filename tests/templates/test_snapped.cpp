@@ -89,8 +89,17 @@ Positions positions_of(const PlaneCell& cell, u32 on, double noise, Random& rand
     return p;
 }
 
+/// The mesh of a face's polygon by the face rule.
+int face_mesh_of(const u8* n, int count, u32 inside, const double (*p)[3]) {
+    u8 meshes[kFaceMeshes];
+    if (count == 0) return kFaceEmpty;
+    face_meshes_by(face_rule(n, count, inside), n, p, meshes);
+    return mesh_of_lane(meshes, 0);
+}
+
 struct Chosen {
-    LeafTemplate found;
+    LeafTemplates found;
+    int method = -1;
     Positions positions;
     std::vector<Element> elements;
     std::vector<Facet> boundary;  ///< outward
@@ -109,12 +118,15 @@ Chosen choose(u32 inside, u32 on, const Positions& positions, u32 facing, u32 sn
     Chosen result;
     double p[kCellNodes][3];
     for (std::size_t i = 0; i < kCellNodes; ++i) std::copy(positions[i].begin(), positions[i].end(), p[i]);
-    choose_template(&mortise::snio::face_plans(), inside, on, snapped, p, facing, 0, &result.found);
+    choose_templates(&mortise::snio::face_plans(), inside, on, snapped, p, facing, 0, &result.found);
+    result.method = result.found.method[0];
     result.positions = positions;
     std::copy(p[kCellInteriorNode], p[kCellInteriorNode] + 3, result.positions[kCellInteriorNode].begin());
-    const LeafTemplate& found = result.found;
-    if (found.method <= kMethodNothing) return result;
-    if (found.method == kMethodRow) {
+    if (result.method <= kMethodNothing) return result;
+    take_meshes(&result.found, 0);
+    const LeafTemplates& found = result.found;
+    const Cones& cones = found.cones;
+    if (result.method == kMethodRow) {
         result.elements = elements_of(static_cast<int>(inside));
         for (const Facet& facet : surface_of(static_cast<int>(inside))) result.boundary.push_back(facet);
     }
@@ -127,17 +139,17 @@ Chosen choose(u32 inside, u32 on, const Positions& positions, u32 facing, u32 sn
         }
     }
     const std::size_t on_faces = result.boundary.size();
-    if (found.method == kMethodCone || found.method == kMethodWedge) {
-        for (u32 i = 0; i < found.cone.facet_count; ++i) {
-            const auto at = [&](int k) { return found.boundary.loop[found.cone.facets[i] >> (4 * k) & 15]; };
+    if (result.method == kMethodCone || result.method == kMethodWedge) {
+        for (u32 i = 0; i < cones.facet_count[0]; ++i) {
+            const auto at = [&](int k) { return found.boundary.loop[cones.facets[0][i] >> (4 * k) & 15]; };
             result.boundary.push_back(at(2) != at(3) ? quad(at(0), at(1), at(2), at(3))
                                                      : triangle(at(0), at(1), at(2)));
         }
     }
-    if (found.method == kMethodCone) {
-        const auto apex = static_cast<NodeCode>(found.cone.apex);
+    if (result.method == kMethodCone) {
+        const auto apex = static_cast<NodeCode>(cones.apex[0]);
         if (apex == kInteriorNode) {
-            std::copy(found.cone.point, found.cone.point + 3, result.positions[kInteriorNode].begin());
+            std::copy(cones.point, cones.point + 3, result.positions[kInteriorNode].begin());
         }
         const auto loop_end = found.boundary.loop + found.boundary.loop_size;
         const bool on_loop = std::find(found.boundary.loop + 0, loop_end, apex) != loop_end;
@@ -147,15 +159,15 @@ Chosen choose(u32 inside, u32 on, const Positions& positions, u32 facing, u32 sn
             result.elements.push_back(cone_over(facet, apex));
         }
     }
-    if (found.method == kMethodWedge) {
+    if (result.method == kMethodWedge) {
         int n[6];
-        wedge_nodes(&found.boundary, static_cast<int>(found.cone.apex), n);
+        wedge_nodes(&found.boundary, static_cast<int>(cones.apex[0]), n);
         Element wedge;
         wedge.type = ElementType::kWedge;
         for (std::size_t i = 0; i < 6; ++i) wedge.nodes[i] = static_cast<NodeCode>(n[i]);
         result.elements.push_back(wedge);
     }
-    if (found.method == kMethodHexahedron) {
+    if (result.method == kMethodHexahedron) {
         result.elements.push_back({ElementType::kHexahedron, {0, 1, 3, 2, 4, 5, 7, 6}});
     }
     return result;
@@ -256,8 +268,7 @@ TEST_CASE("all 6561 corner states: face meshes and the surface loop close up, an
             REQUIRE(std::equal(planned.node[f], planned.node[f] + planned.count[f], boundary.node[f]));
             const int rule =
                 plan_of_face(&mortise::snio::face_plans(), inside, on, static_cast<u32>(f))->rule;
-            REQUIRE(face_mesh_by(rule, planned.node[f], p) ==
-                    face_mesh_of(boundary.node[f], boundary.count[f], inside, p));
+            REQUIRE(rule == face_rule(boundary.node[f], boundary.count[f], inside));
         }
         ++simple;
         // Every way to split the quadrilaterals.
@@ -323,7 +334,7 @@ TEST_CASE("planes: quality of the cells with all near corners moved") {
             if (inside == 0 || inside == 255) continue;
             ++cells;
             const Chosen chosen = choose(inside, cell.near, positions_of(cell, cell.near, noise, random), 0);
-            REQUIRE(chosen.found.method > kMethodNothing);
+            REQUIRE(chosen.method > kMethodNothing);
             std::vector<std::uint32_t> expected = sorted_keys(chosen.boundary);
             if (open_facets(chosen.elements) != expected) ++bad;
             double volume = 0;
@@ -359,7 +370,7 @@ TEST_CASE("wedges can be divided along any diagonals") {
         const u32 inside = cell.inside & ~on;
         if (inside == 0 || inside == 255) continue;
         const Chosen chosen = choose(inside, on, positions_of(cell, on, 0.2, random), 0, on);
-        if (chosen.found.method != kMethodWedge) continue;
+        if (chosen.method != kMethodWedge) continue;
         ++wedges;
         indivisible += divides(chosen.elements.front(), chosen.positions) ? 0 : 1;
     }
@@ -375,7 +386,7 @@ TEST_CASE("wedges can be divided along any diagonals") {
     positions[8] = {0.0164, 0, 0};
     positions[9] = {0.4630, 1, 0};
     const Chosen twisted = choose(0x05, 0x50, positions, 0, 0x50);
-    CHECK(twisted.found.method == -1);  // no cone is positive either
+    CHECK(twisted.method == -1);  // no cone is positive either
 }
 
 TEST_CASE("planes: every subset of the near corners has a valid template") {
@@ -398,9 +409,10 @@ TEST_CASE("planes: every subset of the near corners has a valid template") {
                 }
                 CornerChoices forgotten{};
                 choices.stale = forgotten.stale = 0x3f;
-                const int found =
-                    ::has_template(&mortise::snio::face_plans(), inside, on, on, p, 0, &choices);
-                if (found != ::has_template(&mortise::snio::face_plans(), inside, on, on, p, 0, &forgotten))
+                const LaneSet found =
+                    have_templates(&mortise::snio::face_plans(), inside, on, on, kAllLanes, p, 0, &choices);
+                if (found !=
+                    have_templates(&mortise::snio::face_plans(), inside, on, on, kAllLanes, p, 0, &forgotten))
                     ++bad;
                 if (found == 0) {
                     ++missing;
@@ -442,9 +454,9 @@ TEST_CASE("whatever is said to have a template has one, also where corners move 
                 for (std::size_t n = 0; n < kCellNodes; ++n)
                     std::copy(positions[n].begin(), positions[n].end(), p[n]);
                 choices.stale = 0x3f;
-                const bool found =
-                    ::has_template(&mortise::snio::face_plans(), inside, on, on, p, 0, &choices) != 0;
-                const bool chosen = choose(inside, on, positions, 0).found.method >= 0;
+                const bool found = have_templates(&mortise::snio::face_plans(), inside, on, on, kAllLanes, p,
+                                                  0, &choices) != 0;
+                const bool chosen = choose(inside, on, positions, 0).method >= 0;
                 ++(found ? with : without);
                 if (found && !chosen) ++wrong;
             }
