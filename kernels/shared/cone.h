@@ -191,6 +191,44 @@ MORTISE_NOINLINE LaneSet positive_corners(const Reals* o, const Reals* a, const 
                                                     (dot_lanes(u, u) * dot_lanes(v, v) * dot_lanes(w, w))));
 }
 
+// Joins the facets of all faces to an apex that is not on them. Returns those of `wanted` where all elements
+// are better than `floor`; *worst gets the worst one's quality.
+MORTISE_FUNCTION LaneSet join_faces(const CellFaces* faces, const Reals (*p)[3], u32 apex, LaneSet wanted,
+                                    Reals floor, Reals* worst) {
+    for (u32 f = 0; f < 6 && wanted != 0; ++f) {
+        for (int m = 0; m < kFaceMeshes; ++m) {
+            MORTISE_GLOBAL FaceMeshPlan* mesh = &faces->plan[f]->mesh[m];
+            const LaneSet leaves = faces->meshes[f][m];
+            for (u32 i = 0, size = 0; i < mesh->count && (leaves & wanted) != 0; i += size == 4 ? 4 : 1) {
+                u8 facet[4];
+                Reals q;
+                size = mesh_facet(mesh, i, facet);
+                if (((mesh->facet[i] >> apex) & 1) != 0) continue;
+                q = lower_lanes(*worst,
+                                cone_element_quality(p, facet, (int)size, p[apex], leaves & wanted, floor));
+                *worst = leaves == kAllLanes ? q : choose_lanes(*worst, q, lanes_of_set(leaves));
+                wanted &= set_of_lanes(*worst > floor);
+            }
+        }
+    }
+    return wanted;
+}
+
+// The fan of Γ from a place of its loop; returns how many facets it has, or -1 if one lies on a face in
+// `facing`.
+MORTISE_FUNCTION int fan_facets(MORTISE_GLOBAL LoopPlan* loop, int place, u32 facing, u16* facets) {
+    const int n = loop->size;
+    int count = 0;
+    for (int i = 1; i + 1 < n; ++i) {
+        const int k = place + i < n ? place + i : place + i - n;
+        const int l = k + 1 < n ? k + 1 : 0;
+        const u32 faces = kNodeFaces[loop->node[place]] & kNodeFaces[loop->node[k]];
+        if ((faces & kNodeFaces[loop->node[l]] & facing) != 0) return -1;
+        facets[count++] = (u16)(place | (k << 4) | (l << 8) | (l << 12));
+    }
+    return count;
+}
+
 // Gives those of `wanted` their cone from one apex where all its elements are better than `floor`, which is
 // not below the quality of what they have.
 MORTISE_NOINLINE LaneSet make_cones(const CellFaces* faces, MORTISE_GLOBAL LoopPlan* loop,
@@ -199,56 +237,26 @@ MORTISE_NOINLINE LaneSet make_cones(const CellFaces* faces, MORTISE_GLOBAL LoopP
     const int n = loop->size;
     Reals worst = kGoodQuality;
     Division division;
+    u16 fan[kMostSurfaceFacets];
+    int fan_size = 0;
     int place = -1;
     for (int i = 0; i < n; ++i) place = loop->node[i] == apex ? i : place;
-    for (u32 f = 0; f < 6 && wanted != 0; ++f) {
-        for (int m = 0; m < kFaceMeshes; ++m) {
-            MORTISE_GLOBAL FaceMeshPlan* mesh = &faces->plan[f]->mesh[m];
-            const LaneSet leaves = faces->meshes[f][m];
-            if ((leaves & wanted) == 0) continue;
-            for (u32 i = 0, size = 0; i < mesh->count && (leaves & wanted) != 0; i += size == 4 ? 4 : 1) {
-                u8 facet[4];
-                size = mesh_facet(mesh, i, facet);
-                if (((mesh->facet[i] >> apex) & 1) != 0) continue;
-                {
-                    const Reals q =
-                        cone_element_quality(p, facet, (int)size, p[apex], leaves & wanted, floor);
-                    worst = leaves == kAllLanes
-                                ? lower_lanes(worst, q)
-                                : choose_lanes(worst, lower_lanes(worst, q), lanes_of_set(leaves));
-                }
-                wanted &= set_of_lanes(worst > floor);
-            }
-        }
-    }
-    if (wanted == 0) return 0;
-    if (place >= 0) {
-        u16 facets[kMostSurfaceFacets];
-        u8 count = 0;
-        for (int i = 1; i + 1 < n; ++i) {
-            const int k = place + i < n ? place + i : place + i - n;
-            const int l = k + 1 < n ? k + 1 : 0;
-            if ((kNodeFaces[apex] & kNodeFaces[loop->node[k]] & kNodeFaces[loop->node[l]] & facing) != 0)
-                return 0;
-            facets[count++] = (u16)(place | (k << 4) | (l << 8) | (l << 12));
-        }
-        for (LaneSet rest = wanted; rest != 0; rest &= rest - 1) {
-            const u32 lane = mortise_lowest_bit(rest);
-            cones->facet_count[lane] = count;
-            for (u8 i = 0; i < count; ++i) cones->facets[lane][i] = facets[i];
-        }
-    } else if (n > 0) {
+    if (place >= 0) fan_size = fan_facets(loop, place, facing, fan);
+    if (fan_size < 0) return 0;
+    wanted = join_faces(faces, p, apex, wanted, floor, &worst);
+    if (wanted != 0 && n > 0 && place < 0) {
         wanted = divide_surface(loop, p, p[apex], facing, wanted, floor, &division);
         worst = lower_lanes(worst, division.quality[0][n - 1]);
-        for (LaneSet rest = wanted; rest != 0; rest &= rest - 1) {
-            const u32 lane = mortise_lowest_bit(rest);
-            cones->facet_count[lane] = facets_of_division(&division, n, lane, cones->facets[lane]);
-        }
     }
     for (LaneSet rest = wanted; rest != 0; rest &= rest - 1) {
         const u32 lane = mortise_lowest_bit(rest);
         cones->apex[lane] = (u8)apex;
-        if (n == 0) cones->facet_count[lane] = 0;
+        if (n > 0 && place < 0) {
+            cones->facet_count[lane] = facets_of_division(&division, n, lane, cones->facets[lane]);
+        } else {
+            cones->facet_count[lane] = (u8)fan_size;
+            for (int i = 0; i < fan_size; ++i) cones->facets[lane][i] = fan[i];
+        }
     }
     cones->quality = choose_lanes(cones->quality, worst, lanes_of_set(wanted));
     return wanted;

@@ -170,7 +170,7 @@ MORTISE_NOINLINE LaneSet positive_hexahedra(const Reals (*p)[3]) {
     return positive;
 }
 
-// The same where corners in `snapped` have not moved: what face meshes are chosen by, since the certificate
+// Positions with corners in `snapped` back on the grid: what face meshes are chosen by, since the certificate
 // (host/cnio), which meshes the leaves beside, moves these corners last.
 MORTISE_FUNCTION void face_positions(const Reals (*p)[3], u32 snapped, Reals (*q)[3]) {
     for (int n = 0; n < kCellInteriorNode; ++n) {
@@ -229,6 +229,38 @@ MORTISE_FUNCTION void set_methods(LeafTemplates* result, LaneSet leaves, i32 met
         result->method[mortise_lowest_bit(rest)] = method;
 }
 
+// Gives those of `wanted` their row of the table, or a wedge if they are one and it is positive; returns
+// their quality, -1 for none. Places the interior node of a row.
+MORTISE_FUNCTION Reals choose_rows_or_wedges(u32 inside, u32 on, LaneSet wanted, Reals (*p)[3],
+                                             LeafTemplates* result) {
+    Reals quality = -1;
+    u32 quads = 0;
+    int n[6];
+    int axis;
+    LaneSet wedges;
+    if (on == 0) {
+        const TemplateRow row = kTemplateRows[inside];
+        set_methods(result, wanted, kMethodRow);
+        place_row_node(&row, p);
+        return row_quality(&row, (const Reals(*)[3])p);
+    }
+    axis = wedge_axis(inside, on, &result->boundary, &quads);
+    if (axis < 0) return quality;
+    wedge_nodes(&result->boundary, axis, n);
+    wedges = with_whole_faces(&result->faces, quads, wanted);
+    if (wedges == 0) return quality;
+    quality = choose_lanes(quality, wedge_quality((const Reals(*)[3])p, n), lanes_of_set(wedges));
+    wedges &= set_of_lanes(quality > 0);
+    set_methods(result, wedges, kMethodWedge);
+    for (LaneSet rest = wedges; rest != 0; rest &= rest - 1) {
+        const u32 lane = mortise_lowest_bit(rest);
+        result->cones.apex[lane] = (u8)axis;
+        result->cones.facet_count[lane] = 1;
+        result->cones.facets[lane][0] = (u16)(0 | (1 << 4) | (2 << 8) | (3 << 12));
+    }
+    return quality;
+}
+
 // The best templates of leaves that have_templates (corner_choices.h) finds; snapped: corners that have
 // moved as SnappedLeaf tells; facing: faces beyond which there is volume. Leaves p[kCellInteriorNode] where
 // the node of a row is.
@@ -238,45 +270,23 @@ MORTISE_FUNCTION void choose_templates(MORTISE_GLOBAL FacePlans* plans, u32 insi
     const Outlined outlined =
         make_boundaries(plans, inside, on, snapped, (const Reals(*)[3])p, &result->boundary, &result->faces);
     LaneSet wanted = kAllLanes & ~(outlined.nothing | outlined.hexahedra | outlined.none);
-    LaneSet wedges = 0;
-    Reals found = -1;
+    Reals found;
+    Reals row_node[3];
     Cones cones;
-    u32 quads = 0;
-    const int axis = on != 0 && wanted != 0 ? wedge_axis(inside, on, b, &quads) : -1;
     set_methods(result, kAllLanes, -1);
     set_methods(result, outlined.nothing, kMethodNothing);
     set_methods(result, outlined.hexahedra, kMethodHexahedron);
     if (wanted == 0) return;
-    if (on == 0) {
-        const TemplateRow row = kTemplateRows[inside];
-        set_methods(result, wanted, kMethodRow);
-        place_row_node(&row, p);
-        if (rows_only) return;
-        found = row_quality(&row, (const Reals(*)[3])p);
-    } else if (axis >= 0) {
-        int n[6];
-        wedges = with_whole_faces(&result->faces, quads, wanted);
-        wedge_nodes(b, axis, n);
-        found = choose_lanes(found, wedge_quality((const Reals(*)[3])p, n), lanes_of_set(wedges));
-        wedges &= set_of_lanes(found > 0);
-        set_methods(result, wedges, kMethodWedge);
-        for (u32 lane = 0; lane < kLanes; ++lane) {
-            result->cones.apex[lane] = (u8)axis;
-            result->cones.facet_count[lane] = 1;
-            result->cones.facets[lane][0] = (u16)(0 | (1 << 4) | (2 << 8) | (3 << 12));
-        }
-    }
+    found = choose_rows_or_wedges(inside, on, wanted, p, result);
     wanted &= ~set_of_lanes(found >= kWorthNoNode);
-    if (wanted == 0) return;
-    {
-        // Scratch of the interior node.
-        Reals row_node[3];
-        for (int j = 0; j < 3; ++j) row_node[j] = p[kCellInteriorNode][j];
-        for (u32 f = 0; f < 6; ++f) facing |= b->count[f] > 0 ? 1u << f : 0;  // covered by the face's mesh
-        best_cones(&result->faces, &plans->loop[cell_state(plans, inside, on)], p, facing, wanted, &cones);
-        for (int j = 0; j < 3; ++j) p[kCellInteriorNode][j] = row_node[j];
+    if (wanted == 0 || (on == 0 && rows_only)) return;
+    for (int j = 0; j < 3; ++j) row_node[j] = p[kCellInteriorNode][j];
+    for (u32 f = 0; f < 6; ++f) facing |= b->count[f] > 0 ? 1u << f : 0;  // covered by the face's mesh
+    best_cones(&result->faces, &plans->loop[cell_state(plans, inside, on)], p, facing, wanted, &cones);
+    for (int j = 0; j < 3; ++j) {
+        result->cones.point[j] = cones.point[j];
+        p[kCellInteriorNode][j] = row_node[j];
     }
-    for (int j = 0; j < 3; ++j) result->cones.point[j] = cones.point[j];
     for (LaneSet rest = wanted & set_of_lanes(cones.quality > 0); rest != 0; rest &= rest - 1) {
         const u32 lane = mortise_lowest_bit(rest);
         if (get_lane(&cones.quality, lane) < get_lane(&found, lane) * kConeGain) continue;

@@ -37,12 +37,17 @@ static void write_counts(const Filled* filled, uint item, uint mask, const uint*
     filled->facet_counts[item] = facets;
 }
 
-static void write_row(const Filled* filled, uint item, uint inside) {
+// A leaf's row of the table, whose interior node lies at `interior`.
+static void fill_row(const Filled* filled, uint item, uint inside, uint lane, const Reals* interior,
+                     SnioLeaf* leaf) {
     const TemplateRow row = kTemplateRows[inside];
-    const uint interior = row.interior_mean != 0 ? 1u << kInteriorNodeBit : 0u;
+    const int has_interior = row.interior_mean != 0;
+    const uint mask = row.corners | ((uint)row.cuts << 8) | (has_interior ? 1u << kInteriorNodeBit : 0u);
     uint elements[4];
     for (int t = 0; t < 4; ++t) elements[t] = row.elements[t];
-    write_counts(filled, item, row.corners | ((uint)row.cuts << 8) | interior, elements, row.facets);
+    for (int j = 0; j < 3 && has_interior; ++j)
+        leaf->point[j] = (int)rint(get_lane(interior + j, lane) * kCellUnits);
+    write_counts(filled, item, mask, elements, row.facets);
 }
 
 // Elements of a cone; *mask gets its interior node.
@@ -70,44 +75,40 @@ static void count_cone(const CellBoundary* boundary, const Cones* cones, uint la
     }
 }
 
-// A leaf's template, counted and written: the nodes' mask, and facets but for those on faces of the cell.
-static void fill_lane(const Filled* filled, uint item, uint inside, LeafTemplates* templates, uint lane,
-                      const Reals* interior) {
-    const CellBoundary* boundary = &templates->boundary;
+// A leaf's cone or wedge: all but its boundary.
+static void fill_cone(const LeafTemplates* templates, uint lane, uint* elements, uint* mask, SnioLeaf* leaf) {
     const Cones* cones = &templates->cones;
-    SnioLeaf leaf = filled->leaves[item];
-    leaf.method = (uchar)templates->method[lane];
-    if (leaf.method == kMethodRow) {
-        for (int j = 0; j < 3 && kTemplateRows[inside].interior_mean != 0; ++j)
-            leaf.point[j] = (int)rint(get_lane(interior + j, lane) * kCellUnits);
-        write_row(filled, item, inside);
-    } else {
-        uint elements[4] = {0, 0, 0, 0};
-        uint mask = boundary->nodes;
-        uint facets = 0;
-        take_meshes(templates, lane);
-        for (int f = 0; f < 6; ++f) {
-            leaf.faces |= (ushort)(boundary->mesh[f] << (2 * f));
-            if ((leaf.boundary >> f) & 1) facets += boundary->mesh[f] == kFaceWhole ? 1 : 2;
-        }
-        if (leaf.method == kMethodHexahedron) {
-            elements[0] = 1;
-        } else {
-            leaf.apex = cones->apex[lane];
-            leaf.facet_count = cones->facet_count[lane];
-            for (uint i = 0; i < leaf.facet_count; ++i) leaf.facets[i] = cones->facets[lane][i];
-            facets += leaf.facet_count;
-            for (int j = 0; j < 3 && leaf.method == kMethodCone && leaf.apex == kCellInteriorNode; ++j)
-                leaf.point[j] = (int)rint(get_lane(cones->point + j, lane) * kCellUnits);
-            if (leaf.method == kMethodWedge) {
-                elements[1] = 1;
-            } else {
-                count_cone(boundary, cones, lane, elements, &mask);
-            }
-        }
-        write_counts(filled, item, mask, elements, facets);
+    leaf->apex = cones->apex[lane];
+    leaf->facet_count = cones->facet_count[lane];
+    for (uint i = 0; i < leaf->facet_count; ++i) leaf->facets[i] = cones->facets[lane][i];
+    if (leaf->method == kMethodWedge) {
+        elements[1] = 1;
+        return;
     }
-    filled->leaves[item] = leaf;
+    count_cone(&templates->boundary, cones, lane, elements, mask);
+    for (int j = 0; j < 3 && leaf->apex == kCellInteriorNode; ++j)
+        leaf->point[j] = (int)rint(get_lane(cones->point + j, lane) * kCellUnits);
+}
+
+// A leaf's template but a row: the nodes' mask, and facets but for those on faces of the cell.
+static void fill_others(const Filled* filled, uint item, LeafTemplates* templates, uint lane,
+                        SnioLeaf* leaf) {
+    const CellBoundary* boundary = &templates->boundary;
+    uint elements[4] = {0, 0, 0, 0};
+    uint mask = boundary->nodes;
+    uint facets = 0;
+    take_meshes(templates, lane);
+    for (int f = 0; f < 6; ++f) {
+        leaf->faces |= (ushort)(boundary->mesh[f] << (2 * f));
+        if ((leaf->boundary >> f) & 1) facets += boundary->mesh[f] == kFaceWhole ? 1 : 2;
+    }
+    if (leaf->method == kMethodHexahedron) {
+        elements[0] = 1;
+    } else {
+        fill_cone(templates, lane, elements, &mask, leaf);
+        facets += leaf->facet_count;
+    }
+    write_counts(filled, item, mask, elements, facets);
 }
 
 // Chooses the templates of a bin's leaves, which have inside and outside corners, and empties it.
@@ -124,8 +125,17 @@ MORTISE_NOINLINE void fill_bin(Bin* bin, const Chunk* chunk, POINTS_PARAMETERS,
     }
     choose_templates(plans, inside, (bin->states >> 8) & 0xff, bin->states >> 16, p, bin->others, !snap,
                      &templates);
-    for (uint lane = 0; lane < bin->count; ++lane)
-        fill_lane(filled, leaf_of_lane(chunk, bin, lane), inside, &templates, lane, p[kCellInteriorNode]);
+    for (uint lane = 0; lane < bin->count; ++lane) {
+        const uint item = leaf_of_lane(chunk, bin, lane);
+        SnioLeaf leaf = filled->leaves[item];
+        leaf.method = (uchar)templates.method[lane];
+        if (leaf.method == kMethodRow) {
+            fill_row(filled, item, inside, lane, p[kCellInteriorNode], &leaf);
+        } else {
+            fill_others(filled, item, &templates, lane, &leaf);
+        }
+        filled->leaves[item] = leaf;
+    }
     bin->count = 0;
 }
 
