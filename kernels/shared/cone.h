@@ -239,8 +239,7 @@ MORTISE_NOINLINE LaneSet make_cones(const CellFaces* faces, MORTISE_GLOBAL LoopP
     Division division;
     u16 fan[kMostSurfaceFacets];
     int fan_size = 0;
-    int place = -1;
-    for (int i = 0; i < n; ++i) place = loop->node[i] == apex ? i : place;
+    const int place = place_in_loop(loop, apex);
     if (place >= 0) fan_size = fan_facets(loop, place, facing, fan);
     if (fan_size < 0) return 0;
     wanted = join_faces(faces, p, apex, wanted, floor, &worst);
@@ -298,25 +297,20 @@ MORTISE_FUNCTION void move_cones(const CellFaces* faces, MORTISE_GLOBAL LoopPlan
 // a mesh, or volume beyond.
 MORTISE_FUNCTION void best_cones(const CellFaces* faces, MORTISE_GLOBAL LoopPlan* loop, Reals (*p)[3],
                                  u32 facing, LaneSet wanted, Cones* cones) {
-    u32 nodes = 0;
-    u32 never = 0;
-    u32 some = 0;
+    u32 some;
+    const u32 apexes = possible_apexes(faces, &some);
     cones->quality = -1;
     for (u32 lane = 0; lane < kLanes; ++lane) {
         cones->apex[lane] = kNoApex;
         cones->facet_count[lane] = 0;
     }
-    for (u32 f = 0; f < 6; ++f) {
-        nodes |= faces->plan[f]->nodes;
-        forbid_apexes(faces, f, &never, &some);
-    }
     for (int j = 0; j < 3; ++j) p[kCellInteriorNode][j] = 0;
-    for (u32 rest = (nodes | (1u << kCellInteriorNode)) & ~never; rest != 0; rest &= rest - 1) {
+    for (u32 rest = apexes; rest != 0; rest &= rest - 1) {
         const u32 apex = mortise_lowest_bit(rest);
         LaneSet left = wanted & ~set_of_lanes(cones->quality >= kGoodQuality);
         if (apex == kCellInteriorNode) {
             left &= ~set_of_lanes(cones->quality >= kWorthNoNode);
-            if (left != 0) place_interior_node(nodes, p);
+            if (left != 0) place_interior_node(nodes_of_faces(faces), p);
         }
         if ((some >> apex) & 1) left = with_apex(faces, apex, left);
         if (left == 0) continue;

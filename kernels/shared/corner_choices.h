@@ -56,9 +56,8 @@ MORTISE_FUNCTION LaneSet see_surface(MORTISE_GLOBAL LoopPlan* loop, const Reals 
                                      LaneSet wanted) {
     const int n = loop->size;
     LaneSet seen = 0;
-    int place = -1;
+    const int place = place_in_loop(loop, apex);
     if (n == 0) return wanted;
-    for (int i = 0; i < n; ++i) place = loop->node[i] == apex ? i : place;
     for (int first = place >= 0 ? place : 0; first < (place >= 0 ? place + 1 : n) && seen != wanted;
          ++first) {
         const u32 root = loop->node[first];
@@ -116,23 +115,18 @@ MORTISE_FUNCTION LaneSet see_faces(const Reals (*p)[3], u32 apex, u32 moved, Lan
 // Those of `wanted` for which best_cones finds a cone. The apex of the last choice is tried first.
 MORTISE_FUNCTION LaneSet have_cones(MORTISE_GLOBAL LoopPlan* loop, u32 moved, LaneSet wanted, Reals (*p)[3],
                                     CornerChoices* choices) {
-    u32 nodes = 0;
-    u32 never = 0;
-    u32 some = 0;
+    u32 some;
     LaneSet found = 0;
-    for (u32 f = 0; f < 6; ++f) {
-        nodes |= choices->faces.plan[f]->nodes;
-        forbid_apexes(&choices->faces, f, &never, &some);
-    }
     {
-        u32 apexes = (nodes | (1u << kCellInteriorNode)) & ~never;
+        u32 apexes = possible_apexes(&choices->faces, &some);
         u32 apex = choices->apex;
         if (apex >= kCellInteriorNode || ((apexes >> apex) & 1) == 0)
             apex = apexes != 0 ? mortise_lowest_bit(apexes) : kNoApex;
         while (apexes != 0 && found != wanted) {
             LaneSet left = wanted & ~found;
             if ((some >> apex) & 1) left = with_apex(&choices->faces, apex, left);
-            if (left != 0 && apex == kCellInteriorNode) place_interior_node(nodes, p);
+            if (left != 0 && apex == kCellInteriorNode)
+                place_interior_node(nodes_of_faces(&choices->faces), p);
             if (left != 0) left = see_faces((const Reals(*)[3])p, apex, moved, left, choices);
             if (left != 0) left = see_surface(loop, (const Reals(*)[3])p, apex, left);
             if (left != 0) choices->apex = apex;
@@ -142,20 +136,6 @@ MORTISE_FUNCTION LaneSet have_cones(MORTISE_GLOBAL LoopPlan* loop, u32 moved, La
         }
     }
     return found;
-}
-
-// Those of `wanted` whose inside part is a positive wedge.
-MORTISE_FUNCTION LaneSet have_wedges(MORTISE_GLOBAL FacePlans* plans, u32 inside, u32 on, LaneSet wanted,
-                                     const Reals (*p)[3], const CellFaces* faces) {
-    CellBoundary b;
-    u32 quads;
-    int n[6];
-    int axis;
-    planned_outline(plans, inside, on, &b);
-    axis = wedge_axis(inside, on, &b, &quads);
-    if (axis < 0) return 0;
-    wedge_nodes(&b, axis, n);
-    return with_whole_faces(faces, quads, wanted) & set_of_lanes(wedge_quality(p, n) > 0);
 }
 
 // Brings faces up to date; all of them have polygons.
@@ -194,9 +174,7 @@ MORTISE_FUNCTION LaneSet have_templates(MORTISE_GLOBAL FacePlans* plans, u32 ins
     if (loop_size == kNoLoop) return 0;
     choose_faces(plans, inside, on, moved, (const Reals(*)[3])p, choices);
     if (loop_size == 0) {
-        LaneSet whole = wanted;
-        for (int f = 0; f < 6; ++f)
-            whole &= choices->faces.plan[f]->count == 4 ? choices->faces.meshes[f][0] : 0u;
+        const LaneSet whole = with_whole_faces(&choices->faces, 0x3f, wanted);
         if (whole != 0) found = positive_hexahedra((const Reals(*)[3])p) & whole;
         wanted &= ~whole;
     }
@@ -207,8 +185,14 @@ MORTISE_FUNCTION LaneSet have_templates(MORTISE_GLOBAL FacePlans* plans, u32 ins
     }
     if (rows_only) return found;
     found |= have_cones(loop, moved, wanted, p, choices);
-    if ((wanted & ~found) != 0)
-        found |= have_wedges(plans, inside, on, wanted & ~found, (const Reals(*)[3])p, &choices->faces);
+    if ((wanted & ~found) != 0) {
+        CellBoundary b;
+        Reals quality;
+        int axis;
+        planned_outline(plans, inside, on, &b);
+        found |= positive_wedges(inside, on, &b, &choices->faces, wanted & ~found, (const Reals(*)[3])p,
+                                 &axis, &quality);
+    }
     return found;
 }
 

@@ -123,6 +123,13 @@ MORTISE_FUNCTION u32 cell_state(MORTISE_GLOBAL FacePlans* plans, u32 inside, u32
     return plans->cell_states[inside] + 2 * plans->cell_states[on];
 }
 
+// Place of a node in a loop, -1 if it is not on it.
+MORTISE_FUNCTION int place_in_loop(MORTISE_GLOBAL LoopPlan* loop, u32 node) {
+    int place = -1;
+    for (int i = 0; i < loop->size; ++i) place = loop->node[i] == node ? i : place;
+    return place;
+}
+
 // What make_outline makes.
 MORTISE_FUNCTION void planned_outline(MORTISE_GLOBAL FacePlans* plans, u32 inside, u32 on, CellBoundary* b) {
     MORTISE_GLOBAL LoopPlan* loop = &plans->loop[cell_state(plans, inside, on)];
@@ -151,17 +158,40 @@ MORTISE_FUNCTION void meshes_of_plan(MORTISE_GLOBAL FacePlan* plan, const Reals 
     face_meshes_by(plan->rule, node, p, meshes);
 }
 
-// Nodes whose cones have the facets of a face, whichever mesh the leaves have: a node lies off it, or on all
-// its facets and these are triangles. `never` gets those that no leaf may have, `some` those that some may
-// not.
-MORTISE_FUNCTION void forbid_apexes(const CellFaces* faces, u32 f, u32* never, u32* some) {
-    u32 all = ~0u;
-    for (int m = 0; m < kFaceMeshes; ++m) {
-        if (faces->meshes[f][m] == 0) continue;
-        *some |= faces->plan[f]->mesh[m].no_apex;
-        all &= faces->plan[f]->mesh[m].no_apex;
+// Apexes that some leaf may have: nodes whose cones have the facets of all faces, which lie off a face or on
+// all its facets if these are triangles, and the interior node. *some gets those that not all leaves may have
+// (with_apex).
+MORTISE_FUNCTION u32 possible_apexes(const CellFaces* faces, u32* some) {
+    u32 nodes = 1u << kCellInteriorNode;
+    u32 never = 0;
+    *some = 0;
+    for (int f = 0; f < 6; ++f) {
+        u32 all = ~0u;
+        nodes |= faces->plan[f]->nodes;
+        for (int m = 0; m < kFaceMeshes; ++m) {
+            if (faces->meshes[f][m] == 0) continue;
+            *some |= faces->plan[f]->mesh[m].no_apex;
+            all &= faces->plan[f]->mesh[m].no_apex;
+        }
+        never |= all;
     }
-    *never |= all;
+    return nodes & ~never;
+}
+
+// Nodes of all faces.
+MORTISE_FUNCTION u32 nodes_of_faces(const CellFaces* faces) {
+    u32 nodes = 0;
+    for (int f = 0; f < 6; ++f) nodes |= faces->plan[f]->nodes;
+    return nodes;
+}
+
+// Those of `wanted` in which the faces f in `which` are quadrilaterals that are not split.
+MORTISE_FUNCTION LaneSet with_whole_faces(const CellFaces* faces, u32 which, LaneSet wanted) {
+    for (u32 rest = which; rest != 0; rest &= rest - 1) {
+        const u32 f = mortise_lowest_bit(rest);
+        wanted &= faces->plan[f]->count == 4 ? faces->meshes[f][0] : 0u;
+    }
+    return wanted;
 }
 
 // Those of `wanted` that may have an apex, by the meshes of their faces.

@@ -191,7 +191,7 @@ typedef struct Outlined {
 MORTISE_FUNCTION Outlined make_boundaries(MORTISE_GLOBAL FacePlans* plans, u32 inside, u32 on, u32 snapped,
                                           const Reals (*p)[3], CellBoundary* b, CellFaces* faces) {
     Outlined result;
-    LaneSet whole = kAllLanes;
+    LaneSet whole;
     Reals q[kCellNodes][3];
     result.nothing = result.hexahedra = result.none = 0;
     b->nodes = 0;
@@ -210,18 +210,13 @@ MORTISE_FUNCTION Outlined make_boundaries(MORTISE_GLOBAL FacePlans* plans, u32 i
     for (u32 f = 0; f < 6; ++f) {
         faces->plan[f] = plan_of_face(plans, inside, on, f);
         meshes_of_plan(faces->plan[f], snapped != 0 ? (const Reals(*)[3])q : p, faces->meshes[f]);
-        whole &= b->count[f] == 4 ? faces->meshes[f][0] : 0u;
     }
-    if (b->loop_size > 0 || whole == 0) return result;
+    if (b->loop_size > 0) return result;
+    whole = with_whole_faces(faces, 0x3f, kAllLanes);
+    if (whole == 0) return result;
     result.hexahedra = positive_hexahedra(p) & whole;
     result.none = whole & ~result.hexahedra;
     return result;
-}
-
-// Those of `wanted` whose faces f in `quads` are whole.
-MORTISE_FUNCTION LaneSet with_whole_faces(const CellFaces* faces, u32 quads, LaneSet wanted) {
-    for (u32 rest = quads; rest != 0; rest &= rest - 1) wanted &= faces->meshes[mortise_lowest_bit(rest)][0];
-    return wanted;
 }
 
 MORTISE_FUNCTION void set_methods(LeafTemplates* result, LaneSet leaves, i32 method) {
@@ -229,13 +224,27 @@ MORTISE_FUNCTION void set_methods(LeafTemplates* result, LaneSet leaves, i32 met
         result->method[mortise_lowest_bit(rest)] = method;
 }
 
+// Those of `wanted` whose inside part is a positive wedge; *axis and *quality get the wedge's, if there is
+// one.
+MORTISE_FUNCTION LaneSet positive_wedges(u32 inside, u32 on, const CellBoundary* b, const CellFaces* faces,
+                                         LaneSet wanted, const Reals (*p)[3], int* axis, Reals* quality) {
+    u32 quads = 0;
+    int n[6];
+    *axis = wedge_axis(inside, on, b, &quads);
+    if (*axis < 0) return 0;
+    wanted = with_whole_faces(faces, quads, wanted);
+    if (wanted == 0) return 0;
+    wedge_nodes(b, *axis, n);
+    *quality = wedge_quality(p, n);
+    return wanted & set_of_lanes(*quality > 0);
+}
+
 // Gives those of `wanted` their row of the table, or a wedge if they are one and it is positive; returns
 // their quality, -1 for none. Places the interior node of a row.
 MORTISE_FUNCTION Reals choose_rows_or_wedges(u32 inside, u32 on, LaneSet wanted, Reals (*p)[3],
                                              LeafTemplates* result) {
-    Reals quality = -1;
-    u32 quads = 0;
-    int n[6];
+    const Reals none = -1;
+    Reals quality = none;
     int axis;
     LaneSet wedges;
     if (on == 0) {
@@ -244,13 +253,8 @@ MORTISE_FUNCTION Reals choose_rows_or_wedges(u32 inside, u32 on, LaneSet wanted,
         place_row_node(&row, p);
         return row_quality(&row, (const Reals(*)[3])p);
     }
-    axis = wedge_axis(inside, on, &result->boundary, &quads);
-    if (axis < 0) return quality;
-    wedge_nodes(&result->boundary, axis, n);
-    wedges = with_whole_faces(&result->faces, quads, wanted);
-    if (wedges == 0) return quality;
-    quality = choose_lanes(quality, wedge_quality((const Reals(*)[3])p, n), lanes_of_set(wedges));
-    wedges &= set_of_lanes(quality > 0);
+    wedges = positive_wedges(inside, on, &result->boundary, &result->faces, wanted, (const Reals(*)[3])p,
+                             &axis, &quality);
     set_methods(result, wedges, kMethodWedge);
     for (LaneSet rest = wedges; rest != 0; rest &= rest - 1) {
         const u32 lane = mortise_lowest_bit(rest);
@@ -258,7 +262,7 @@ MORTISE_FUNCTION Reals choose_rows_or_wedges(u32 inside, u32 on, LaneSet wanted,
         result->cones.facet_count[lane] = 1;
         result->cones.facets[lane][0] = (u16)(0 | (1 << 4) | (2 << 8) | (3 << 12));
     }
-    return quality;
+    return choose_lanes(none, quality, lanes_of_set(wedges));
 }
 
 // The best templates of leaves that have_templates (corner_choices.h) finds; snapped: corners that have

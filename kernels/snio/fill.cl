@@ -56,7 +56,7 @@ static void count_cone(const CellBoundary* boundary, const Cones* cones, uint la
     const uint apex = cones->apex[lane];
     int off_loop = 1;
     if (apex == kCellInteriorNode) *mask |= 1u << kInteriorNodeBit;
-    // The apex is on all facets of a face or on none (forbid_apexes).
+    // The apex is on all facets of a face or on none (possible_apexes).
     for (int f = 0; f < 6; ++f) {
         const int count = boundary->count[f];
         if (facet_holds(boundary->node[f], count, (int)apex)) continue;
