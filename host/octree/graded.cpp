@@ -174,8 +174,8 @@ class Builder {
         tree_.leaf_marks.reserve(entries_.size());
         for (const Entry& entry : entries_) {
             const std::uint64_t word = entry.code >> 5;
-            if (tree_.word_codes.empty() || tree_.word_codes.back() != word) {
-                tree_.word_codes.push_back(word);
+            if (tree_.page_codes.empty() || tree_.page_codes.back() != word) {
+                tree_.page_codes.push_back(word);
                 tree_.in_bits.push_back(0);
                 tree_.nio_bits.push_back(0);
             }
@@ -183,8 +183,8 @@ class Builder {
             bits.back() |= 1u << (entry.code & 31);
             tree_.leaf_marks.push_back(entry.level);
         }
-        if (tree_.word_codes.empty()) {  // nothing is meshed
-            tree_.word_codes = {0};
+        if (tree_.page_codes.empty()) {  // nothing is meshed
+            tree_.page_codes = {0};
             tree_.in_bits = {0};
             tree_.nio_bits = {0};
         }
@@ -198,7 +198,7 @@ class Builder {
         const std::size_t cells = std::size_t{1} << (3 * level);
         // One more for the end, and one for the code behind the last cell.
         tree_.directory.assign(cells + 2, 0);
-        for (const std::uint64_t word : tree_.word_codes)
+        for (const std::uint64_t word : tree_.page_codes)
             ++tree_.directory[((word << 5) >> tree_.directory_shift) + 1];
         for (std::size_t i = 1; i < tree_.directory.size(); ++i) tree_.directory[i] += tree_.directory[i - 1];
     }
@@ -263,8 +263,8 @@ class Builder {
             if (marks[i] != 0) tree_.transitions.push_back(static_cast<std::uint32_t>(tree_.nio.size()));
             if (joins) {
                 const auto word = static_cast<std::size_t>(
-                    std::lower_bound(tree_.word_codes.begin(), tree_.word_codes.end(), entry.code >> 5) -
-                    tree_.word_codes.begin());
+                    std::lower_bound(tree_.page_codes.begin(), tree_.page_codes.end(), entry.code >> 5) -
+                    tree_.page_codes.begin());
                 tree_.in_bits[word] &= ~(1u << (entry.code & 31));
                 tree_.nio_bits[word] |= 1u << (entry.code & 31);
                 tree_.nio.push_back({entry.code, 0, 0});
@@ -284,7 +284,7 @@ class Builder {
         view_.nio_bits = device_.upload(tree_.nio_bits);
         view_.in_rank = device_.upload(tree_.in_rank);
         view_.nio_rank = device_.upload(tree_.nio_rank);
-        view_.word_codes = device_.upload(tree_.word_codes);
+        view_.page_codes = device_.upload(tree_.page_codes);
         view_.directory = device_.upload(tree_.directory);
         view_.leaf_marks = device_.upload(tree_.leaf_marks);
         view_.shape = tree_.shape();

@@ -13,6 +13,44 @@ std::uint64_t make_rank(Device& device, const Buffer& bits, std::size_t words, B
     return device.exclusive_scan_u32(rank, rank, words);
 }
 
+namespace {
+
+/// Makes room for the words of all leaves found, and tells which they are.
+void make_pages(Device& device, int level, std::size_t in_nodes, std::size_t nio, DeviceTree& tree) {
+    const u32 cells_shift = static_cast<u32>(3 * level);
+    tree.shape = {level, 0, 0, 0, 0};
+    tree.shape.page_shift = cells_shift < 5 ? 0 : std::min<u32>(kPageShift, cells_shift - 5);
+    tree.shape.directory_shift = tree.shape.page_shift + 5;
+    const std::size_t most =
+        std::max<std::size_t>(1, (std::size_t{1} << cells_shift) >> tree.shape.directory_shift);
+
+    // One more for the end, and one for the code behind the last cell.
+    Buffer is_stored = device.allocate((most + 1) * sizeof(std::uint32_t));
+    tree.directory = device.allocate((most + 2) * sizeof(std::uint32_t));
+    device.fill_zero(is_stored);
+    const std::uint32_t first = 1;  // a tree without leaves has words, too
+    device.upload(is_stored, &first, 1);
+    device.launch(device.kernel("octree/leaves.cl", "store_in"), in_nodes, tree.in_nodes, is_stored,
+                  tree.shape);
+    device.launch(device.kernel("octree/leaves.cl", "store_nio"), nio, tree.nio, is_stored, tree.shape);
+    const std::uint64_t pages = device.exclusive_scan_u32(is_stored, tree.directory, most + 1);
+    tree.page_codes = device.allocate(pages * sizeof(std::uint64_t));
+    device.launch(device.kernel("octree/leaves.cl", "list_pages"), most, tree.directory, tree.page_codes);
+    tree.leaf_marks = device.allocate(0);
+    tree.shape.words = static_cast<u32>(pages << tree.shape.page_shift);
+}
+
+/// The bitmap of one kind of leaves, and its rank; returns how many there are.
+std::uint64_t make_bitmap(Device& device, const char* kernel, const Buffer& nodes, std::size_t count,
+                          const DeviceTree& tree, Buffer& bits, Buffer& rank) {
+    bits = device.allocate(tree.shape.words * sizeof(std::uint32_t));
+    device.fill_zero(bits);
+    device.launch(device.kernel("octree/leaves.cl", kernel), count, nodes, tree.directory, bits, tree.shape);
+    return make_rank(device, bits, tree.shape.words, rank);
+}
+
+}  // namespace
+
 bool drop_unused_tapes(Octree& tree) {
     constexpr std::size_t kFewWords = 4;  // a leaf: not worth the pass
     constexpr std::uint32_t kNowhere = 0xffffffffu;
@@ -52,21 +90,11 @@ Octree build(Device& device, const tape::BoundModel& model, int level, DeviceTre
     view.tapes = descent.take_tapes();
     view.in_nodes = descent.take_in_nodes();
 
-    const std::size_t words = std::max<std::size_t>(1, (std::size_t{1} << (3 * level)) / 32);
-    view.word_codes = device.allocate(0);
-    view.directory = device.allocate(0);
-    view.leaf_marks = device.allocate(0);
-    view.shape = {level, 0, static_cast<u32>(words), 0};
-    view.in_bits = device.allocate(words * sizeof(std::uint32_t));
-    view.nio_bits = device.allocate(words * sizeof(std::uint32_t));
-    device.fill_zero(view.in_bits);
-    device.fill_zero(view.nio_bits);
-    device.launch(device.kernel("octree/leaves.cl", "mark_in"), descent.in_count(), view.in_nodes,
-                  view.in_bits, static_cast<std::int32_t>(level));
-    device.launch(device.kernel("octree/leaves.cl", "mark_nio"), descent.node_count(), view.nio,
-                  view.nio_bits);
-    tree.in_count = make_rank(device, view.in_bits, words, view.in_rank);
-    make_rank(device, view.nio_bits, words, view.nio_rank);
+    make_pages(device, level, descent.in_count(), descent.node_count(), view);
+    const std::size_t words = view.shape.words;
+    tree.in_count =
+        make_bitmap(device, "mark_in", view.in_nodes, descent.in_count(), view, view.in_bits, view.in_rank);
+    make_bitmap(device, "mark_nio", view.nio, descent.node_count(), view, view.nio_bits, view.nio_rank);
 
     tree.nio = device.download<TreeNode>(view.nio, descent.node_count());
     tree.tapes = device.download<std::uint32_t>(view.tapes, descent.used_words());
@@ -75,6 +103,10 @@ Octree build(Device& device, const tape::BoundModel& model, int level, DeviceTre
         view.tapes = device.upload(tree.tapes);
     }
     tree.in_nodes = device.download<InNode>(view.in_nodes, descent.in_count());
+    tree.page_shift = view.shape.page_shift;
+    tree.directory_shift = view.shape.directory_shift;
+    tree.page_codes = device.download<std::uint64_t>(view.page_codes, words >> tree.page_shift);
+    tree.directory = device.download<std::uint32_t>(view.directory, view.directory.bytes() / sizeof(u32));
     tree.in_bits = device.download<std::uint32_t>(view.in_bits, words);
     tree.nio_bits = device.download<std::uint32_t>(view.nio_bits, words);
     tree.in_rank = device.download<std::uint32_t>(view.in_rank, words + 1);

@@ -26,9 +26,10 @@ struct Octree {
     std::vector<std::uint32_t> nio_bits;  ///< length: words()
     std::vector<std::uint32_t> in_rank;   ///< length: words() + 1
     std::vector<std::uint32_t> nio_rank;  ///< length: words() + 1
-    std::vector<std::uint64_t> word_codes;  ///< graded trees: length words()
-    std::vector<std::uint32_t> directory;   ///< graded trees: words before each cell of a coarse level
+    std::vector<std::uint64_t> page_codes;  ///< length: words() >> page_shift
+    std::vector<std::uint32_t> directory;   ///< pages before each cell of a coarse level, and twice all
     std::uint32_t directory_shift = 0;
+    std::uint32_t page_shift = 0;
     std::vector<std::uint8_t> leaf_marks;  ///< graded trees: per meshed leaf (shared/tree.h)
     std::vector<InNode> in_nodes;          ///< IN nodes of all levels as found, by level, then Morton code
     /// Graded trees: NIO leaves, by index, that touch a finer one, and IN leaves with a finer one at a face
@@ -43,9 +44,11 @@ struct Octree {
     std::uint64_t cells_evaluated = 0;
 
     std::size_t words() const { return in_bits.size(); }
-    TreeShape shape() const { return {level, graded ? 1 : 0, static_cast<u32>(words()), directory_shift}; }
+    TreeShape shape() const {
+        return {level, graded ? 1 : 0, static_cast<u32>(words()), directory_shift, page_shift};
+    }
     Tree view() const {
-        return make_tree(in_bits.data(), nio_bits.data(), in_rank.data(), nio_rank.data(), word_codes.data(),
+        return make_tree(in_bits.data(), nio_bits.data(), in_rank.data(), nio_rank.data(), page_codes.data(),
                          directory.data(), leaf_marks.data(), shape());
     }
     /// Edge of a leaf of this level, box-local.
@@ -54,12 +57,14 @@ struct Octree {
     /// Code of the first cell of a word; behind the last word, the number of finest cells.
     std::uint64_t code_of_word(std::size_t word) const {
         if (word >= words()) return std::uint64_t{1} << (3 * level);
-        return 32 * (graded ? word_codes[word] : std::uint64_t{word});
+        const Tree tree = view();
+        return word_code(&tree, static_cast<u32>(word));
     }
     /// Number of words that hold only codes below this one.
     std::size_t words_below(std::uint64_t code) const {
         const Tree tree = view();
-        return graded ? words_before(&tree, code) : static_cast<std::size_t>(code / 32);
+        u32 is_stored = 0;
+        return find_word(&tree, code, &is_stored);
     }
     /// The meshed leaf that holds a finest cell.
     Leaf at(std::uint64_t code) const {
@@ -123,7 +128,7 @@ struct DeviceTree {
     device::Buffer nio_bits;
     device::Buffer in_rank;
     device::Buffer nio_rank;
-    device::Buffer word_codes;
+    device::Buffer page_codes;
     device::Buffer directory;
     device::Buffer leaf_marks;
     TreeShape shape{};
@@ -146,7 +151,7 @@ template <class... Arguments>
 device::Event launch_on(device::Device& device, const DeviceTree& tree, const device::Kernel& kernel,
                         std::size_t items, const Arguments&... arguments) {
     return device.launch(kernel, items, tree.in_bits, tree.nio_bits, tree.in_rank, tree.nio_rank,
-                         tree.word_codes, tree.directory, tree.leaf_marks, tree.shape, arguments...);
+                         tree.page_codes, tree.directory, tree.leaf_marks, tree.shape, arguments...);
 }
 
 /// Largest level of a uniform tree: its bitmaps hold one bit per cell.

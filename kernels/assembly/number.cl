@@ -242,12 +242,11 @@ MORTISE_KERNEL void write_hexahedra(TREE_PARAMETERS, __global const uint* used, 
         uint inner = 0;
         uint ids[kBlockReach];
         if (!shape.graded && rest != 0) {
+            // Blocks behind come first in Morton order, the one behind along all axes before all others.
+            const ulong behind = cell_behind(code, 7);
             TreeBlock block;
             make_block(&tree, word, &block);
-            // Blocks behind come first in Morton order, the one behind along all axes before all others.
-            if (block.word[7] != kNoWord && (ulong)block.word[7] << 5 >= range.begin) {
-                inner = inner_cells(&block);
-            }
+            if (behind != kNoOwner && behind >= range.begin) inner = inner_cells(&block);
             if (inner != 0) block_ids(&tree, &block, base, range, ids);
         }
         for (; rest != 0; rest &= rest - 1, ++rank) {

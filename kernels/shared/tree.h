@@ -4,10 +4,13 @@
 // *_rank[w] is the number of set bits before word w, so the index of a leaf among its kind is a rank. A leaf
 // is meshed if it is IN or NIO.
 //
-// In a uniform tree all leaves have the finest level, and word w holds the codes from 32 w on. A graded tree
-// (2:1 across faces, edges and corners, algorithms.md §6) stores only words that are not empty: word_codes
-// tells which, ascending, and leaf_marks the level of each meshed leaf in Morton order and whether finer ones
-// are around it. The directory says where the words of each cell of a coarse level begin.
+// Only pages of the bitmaps that hold a leaf are stored: 2^page_shift words each, whose codes follow one
+// another. page_codes[p] << page_shift is the number of page p's first word among those of all codes, and
+// ascends with p. The directory says how many pages come before each cell of a coarse level.
+//
+// In a uniform tree all leaves have the finest level, and a page is one cell of the directory. A graded tree
+// (2:1 across faces, edges and corners, algorithms.md §6) has pages of one word; leaf_marks tells the level
+// of each meshed leaf in Morton order, and whether finer ones are around it.
 //
 // Ownership (algorithms.md §2): a grid vertex, or the single root on a leaf's edge, belongs to the
 // Morton-first of the finest leaves that use it. IN leaves use their eight corners; NIO leaves use what their
@@ -32,16 +35,20 @@
 typedef struct TreeShape {
     i32 level;            // of the finest leaves: their edge is the unit of all coordinates
     i32 graded;           // 0: uniform
-    u32 words;            // of the bitmaps
+    u32 words;            // of the bitmaps, as stored
     u32 directory_shift;  // from a code to its cell of the directory
+    u32 page_shift;       // from a word to its page
 } TreeShape;
+
+// Pages of a uniform tree hold 2^kPageShift words, 16 × 16 × 16 cells, or all that there are.
+#define kPageShift 7
 
 typedef struct Tree {
     MORTISE_GLOBAL u32* in_bits;
     MORTISE_GLOBAL u32* nio_bits;
     MORTISE_GLOBAL u32* in_rank;
     MORTISE_GLOBAL u32* nio_rank;
-    MORTISE_GLOBAL u64* word_codes;
+    MORTISE_GLOBAL u64* page_codes;
     MORTISE_GLOBAL u32* directory;
     MORTISE_GLOBAL u8* leaf_marks;
     TreeShape shape;
@@ -50,21 +57,21 @@ typedef struct Tree {
 // How kernels take a tree, and make one of what they took.
 #define TREE_PARAMETERS                                                                              \
     __global const u32 *in_bits, __global const u32 *nio_bits, __global const u32 *in_rank,          \
-        __global const u32 *nio_rank, __global const u64 *word_codes, __global const u32 *directory, \
+        __global const u32 *nio_rank, __global const u64 *page_codes, __global const u32 *directory, \
         __global const u8 *leaf_marks, TreeShape shape
 #define TREE_OF_PARAMETERS \
-    make_tree(in_bits, nio_bits, in_rank, nio_rank, word_codes, directory, leaf_marks, shape)
+    make_tree(in_bits, nio_bits, in_rank, nio_rank, page_codes, directory, leaf_marks, shape)
 
 MORTISE_FUNCTION Tree make_tree(MORTISE_GLOBAL u32* in_bits, MORTISE_GLOBAL u32* nio_bits,
                                 MORTISE_GLOBAL u32* in_rank, MORTISE_GLOBAL u32* nio_rank,
-                                MORTISE_GLOBAL u64* word_codes, MORTISE_GLOBAL u32* directory,
+                                MORTISE_GLOBAL u64* page_codes, MORTISE_GLOBAL u32* directory,
                                 MORTISE_GLOBAL u8* leaf_marks, TreeShape shape) {
     Tree tree;
     tree.in_bits = in_bits;
     tree.nio_bits = nio_bits;
     tree.in_rank = in_rank;
     tree.nio_rank = nio_rank;
-    tree.word_codes = word_codes;
+    tree.page_codes = page_codes;
     tree.directory = directory;
     tree.leaf_marks = leaf_marks;
     tree.shape = shape;
@@ -106,75 +113,78 @@ MORTISE_FUNCTION u32 highest_bit(u32 x) {
 #endif
 }
 
-MORTISE_FUNCTION u32 test_bit(MORTISE_GLOBAL u32* bits, u64 code) {
-    return (bits[code >> 5] >> (code & 31)) & 1u;
-}
-
 // Code of bit 0 of a word.
 MORTISE_FUNCTION u64 word_code(const Tree* tree, u32 word) {
-    return (tree->shape.graded ? tree->word_codes[word] : (u64)word) << 5;
+    const u32 shift = tree->shape.page_shift;
+    return ((tree->page_codes[word >> shift] << shift) | (word & ((1u << shift) - 1u))) << 5;
 }
 
-// Number of a graded tree's words before the one for `code`.
-MORTISE_FUNCTION u32 words_before(const Tree* tree, u64 code) {
-    const u64 wanted = code >> 5;
+// Number of words before the one for `code`, and whether that one is stored.
+MORTISE_FUNCTION u32 find_word(const Tree* tree, u64 code, u32* is_stored) {
     const u64 cell = code >> tree->shape.directory_shift;
     u32 low = tree->directory[cell];
     u32 high = tree->directory[cell + 1];
+    const u32 end = high;
+    if (!tree->shape.graded) {
+        const u32 shift = tree->shape.page_shift;
+        *is_stored = low != high;
+        return (low << shift) | (low != high ? (u32)(code >> 5) & ((1u << shift) - 1u) : 0);
+    }
     while (low < high) {
         const u32 middle = (low + high) / 2;
-        if (tree->word_codes[middle] < wanted) {
+        if (tree->page_codes[middle] < code >> 5) {
             low = middle + 1;
         } else {
             high = middle;
         }
     }
+    *is_stored = low < end && tree->page_codes[low] == code >> 5;
     return low;
+}
+
+// Whether a leaf of this bitmap has the code.
+MORTISE_FUNCTION u32 holds_code(const Tree* tree, MORTISE_GLOBAL u32* bits, u64 code) {
+    u32 is_stored;
+    const u32 word = find_word(tree, code, &is_stored);
+    return is_stored ? (bits[word] >> (code & 31)) & 1u : 0;
 }
 
 // Number of leaves of a kind with codes below `code`; bits and rank of that kind.
 MORTISE_FUNCTION u32 count_before(const Tree* tree, MORTISE_GLOBAL u32* bits, MORTISE_GLOBAL u32* rank,
                                   u64 code) {
-    u32 word = (u32)(code >> 5);
-    if (tree->shape.graded) {
-        word = words_before(tree, code);
-        if (word == tree->shape.words || tree->word_codes[word] != code >> 5) return rank[word];
-    }
-    return rank[word] + count_bits(bits[word] & ((1u << (code & 31)) - 1u));
+    u32 is_stored;
+    const u32 word = find_word(tree, code, &is_stored);
+    return rank[word] + (is_stored ? count_bits(bits[word] & ((1u << (code & 31)) - 1u)) : 0);
 }
 
 // Number of meshed leaves with codes below `code`: the place of the leaf with this code among them.
 MORTISE_FUNCTION u32 meshed_rank(const Tree* tree, u64 code) {
-    u32 word = (u32)(code >> 5);
-    if (tree->shape.graded) {
-        word = words_before(tree, code);
-        if (word == tree->shape.words || tree->word_codes[word] != code >> 5) {
-            return tree->in_rank[word] + tree->nio_rank[word];
-        }
-    }
-    return tree->in_rank[word] + tree->nio_rank[word] +
-           count_bits((tree->in_bits[word] | tree->nio_bits[word]) & ((1u << (code & 31)) - 1u));
+    u32 is_stored;
+    const u32 word = find_word(tree, code, &is_stored);
+    const u32 rank = tree->in_rank[word] + tree->nio_rank[word];
+    if (!is_stored) return rank;
+    return rank + count_bits((tree->in_bits[word] | tree->nio_bits[word]) & ((1u << (code & 31)) - 1u));
 }
 
 // The meshed leaf that holds finest cell `code`.
 MORTISE_FUNCTION Leaf leaf_at(const Tree* tree, u64 code) {
     Leaf leaf = no_leaf(tree->shape.level);
-    u32 word = (u32)(code >> 5);
+    u32 is_stored;
+    u32 word = find_word(tree, code, &is_stored);
     u32 bit = (u32)(code & 31);
     leaf.code = code;
-    if (tree->shape.graded) {
+    if (!tree->shape.graded) {
+        if (!is_stored) return leaf;
+    } else {
         u32 bits = 0;
-        word = words_before(tree, code);
-        if (word < tree->shape.words && tree->word_codes[word] == code >> 5) {
-            bits = (tree->in_bits[word] | tree->nio_bits[word]) & (0xffffffffu >> (31 - bit));
-        }
+        if (is_stored) bits = (tree->in_bits[word] | tree->nio_bits[word]) & (0xffffffffu >> (31 - bit));
         if (bits == 0) {
             if (word == 0) return leaf;
             --word;
             bits = tree->in_bits[word] | tree->nio_bits[word];
         }
         bit = highest_bit(bits);
-        leaf.code = (tree->word_codes[word] << 5) | bit;
+        leaf.code = (tree->page_codes[word] << 5) | bit;
         leaf.level =
             tree->leaf_marks[tree->in_rank[word] + tree->nio_rank[word] + count_bits(bits) - 1] & kMarkLevel;
         if (((leaf.code ^ code) >> (3 * (tree->shape.level - leaf.level))) != 0) return leaf;
@@ -316,7 +326,7 @@ MORTISE_FUNCTION u64 corner_owner(const Tree* tree, MORTISE_GLOBAL u32* used, u6
         const u64 behind = cell_behind(code, 7 - c);
         u64 owner = kNoOwner;
         i32 level = 0;
-        if (behind != kNoOwner && test_bit(tree->in_bits, behind)) {
+        if (behind != kNoOwner && holds_code(tree, tree->in_bits, behind)) {
             *bit = 7;
             return behind;
         }

@@ -11,17 +11,20 @@
 
 // A block and those one block back: index a, along the axes whose bits are set; 0 is the block itself.
 typedef struct TreeBlock {
-    u32 word[8];    // kNoWord: beyond the root box
+    u32 word[8];    // kNoWord: beyond the root box, or not stored
     u32 in[8];      // its IN cells
     u32 meshed[8];  // its IN and NIO cells
 } TreeBlock;
 
 MORTISE_FUNCTION void make_block(const Tree* tree, u32 word, TreeBlock* block) {
+    const u64 own = word_code(tree, word);
     for (u32 a = 0; a < 8; ++a) {
-        const u64 code = cell_behind((u64)word << 5, a);
-        block->word[a] = code != kNoOwner ? (u32)(code >> 5) : kNoWord;
-        block->in[a] = code != kNoOwner ? tree->in_bits[code >> 5] : 0;
-        block->meshed[a] = code != kNoOwner ? block->in[a] | tree->nio_bits[code >> 5] : 0;
+        const u64 code = cell_behind(own, a);
+        u32 is_stored = 0;
+        const u32 at = code != kNoOwner ? find_word(tree, code, &is_stored) : 0;
+        block->word[a] = is_stored ? at : kNoWord;
+        block->in[a] = is_stored ? tree->in_bits[at] : 0;
+        block->meshed[a] = is_stored ? block->in[a] | tree->nio_bits[at] : 0;
     }
 }
 

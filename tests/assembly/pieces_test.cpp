@@ -78,6 +78,10 @@ TEST_CASE("meshes larger than a device's largest allocation come in pieces with 
     octree::Octree tree;
     tree.level = 4;
     tree.in_bits.resize(128);
+    tree.page_shift = 7;
+    tree.directory_shift = 12;
+    tree.page_codes = {0};
+    tree.directory = {0, 1, 1};
     for (std::uint32_t word = 0; word <= 128; ++word) {
         tree.in_rank.push_back(word < 96 ? 0 : 32 * (word - 96));  // all leaves in the last quarter
         tree.nio_rank.push_back(0);

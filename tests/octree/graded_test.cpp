@@ -162,7 +162,7 @@ TEST_CASE("graded trees: every place is a leaf of the right kind, levels differ 
         const octree::Grading grading = random_grading(seed, 2, 5, 25);
         const octree::Octree tree = octree::build_graded(shared_device(), model, grading, 2, nullptr);
         const octree::Octree again = octree::build_graded(shared_device(), model, grading, 1, nullptr);
-        REQUIRE(tree.word_codes == again.word_codes);
+        REQUIRE(tree.page_codes == again.page_codes);
         REQUIRE(tree.in_bits == again.in_bits);
         REQUIRE(tree.nio_bits == again.nio_bits);
         REQUIRE(tree.leaf_marks == again.leaf_marks);

@@ -119,6 +119,25 @@ TEST_CASE("work-group size and repetition do not change the tree") {
     }
 }
 
+TEST_CASE("pages of the bitmaps without leaves are not stored") {
+    // 200 cells across in the box of level 8, one cell thick: two layers of pages at most, and the first.
+    Model plate;
+    plate.add_primitive(box({-1, -1, 0}, {1, 1, 0.01}));
+    plate.regions.push_back({"plate", 0, 0, {}});
+    const octree::Octree tree = octree::build(device_with(8, 0), bind_model(plate, 8), 8, nullptr);
+    check_bitmaps(tree);
+    CHECK(tree.page_shift == kPageShift);
+    CHECK(tree.page_codes.size() <= 2 * 16 * 16 + 1);
+    CHECK(tree.in_count + tree.nio.size() > 50000);
+    std::size_t empty = 0;
+    for (std::size_t page = 0; page < tree.page_codes.size(); ++page) {
+        const std::size_t begin = page << kPageShift, end = begin + (std::size_t{1} << kPageShift);
+        empty += tree.in_rank[begin] == tree.in_rank[end] && tree.nio_rank[begin] == tree.nio_rank[end];
+        if (page > 0) REQUIRE(tree.page_codes[page - 1] < tree.page_codes[page]);
+    }
+    CHECK(empty <= 1);  // the first one is always there
+}
+
 TEST_CASE("every level from 1 on works") {
     for (int level = 1; level <= 6; ++level) {
         const Model source = rotated_box();

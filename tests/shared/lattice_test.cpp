@@ -114,47 +114,51 @@ struct RandomLeaves {
     };
     std::vector<Entry> entries;  ///< in Morton order
     std::vector<u32> in, nio, in_rank, nio_rank, used;
-    std::vector<u64> word_codes;
-    std::vector<u32> directory;  ///< of the level-1 cells
+    std::vector<u64> page_codes;
+    std::vector<u32> directory;
     std::vector<u8> marks;
     bool graded;
+    TreeShape shape{};
 
     /// Of one level if `coarse` is 0, else with that share of larger leaves in percent; `sparse`: stored as a
     /// graded tree.
     RandomLeaves(RandomSource& random, int coarse, bool sparse) : graded(sparse) {
-        for (u64 parent = 0; parent < kSize * kSize * kSize / 8; ++parent) {
+        constexpr u64 kCells = kSize * kSize * kSize;
+        bool is_empty = false;  // so are some pages of a uniform tree
+        for (u64 parent = 0; parent < kCells / 8; ++parent) {
             const bool is_coarse = random.integer(1, 100) <= coarse;
+            if (parent % 16 == 0) is_empty = random.chance(0.3);
             for (u64 child = 0; child < (is_coarse ? 1 : 8); ++child) {
-                const int kind = random.integer(0, 2);
+                const int kind = is_empty ? kLeafNone : random.integer(0, 2);
                 const u32 mask = kind == kLeafIn    ? 0xffu
                                  : kind == kLeafNio ? static_cast<u32>(random.next()) & 0xfffffu
                                                     : 0u;
                 entries.push_back({8 * parent + child, is_coarse ? kLevel - 1 : kLevel, kind, mask});
             }
         }
-        if (!sparse) {
-            in.assign(kSize * kSize * kSize / 32, 0);
-            nio = in;
-        }
+        shape.level = kLevel;
+        shape.graded = sparse ? 1 : 0;
+        shape.page_shift = sparse ? 0 : 2;
+        shape.directory_shift = sparse ? 3 * (kLevel - 1) : 7;
         for (const Entry& entry : entries) {
             if (entry.kind == kLeafNone) continue;
-            std::size_t word = entry.code / 32;
-            if (sparse) {
-                if (word_codes.empty() || word_codes.back() != entry.code / 32) {
-                    word_codes.push_back(entry.code / 32);
-                    in.push_back(0);
-                    nio.push_back(0);
-                }
-                word = word_codes.size() - 1;
-                marks.push_back(static_cast<u8>(mark(entry)));
+            const u64 page = entry.code / 32 >> shape.page_shift;
+            if (page_codes.empty() || page_codes.back() != page) {
+                page_codes.push_back(page);
+                in.resize(page_codes.size() << shape.page_shift, 0);
+                nio.resize(in.size(), 0);
             }
+            const std::size_t word = ((page_codes.size() - 1) << shape.page_shift) +
+                                     entry.code / 32 % (u64{1} << shape.page_shift);
+            if (sparse) marks.push_back(static_cast<u8>(mark(entry)));
             (entry.kind == kLeafIn ? in : nio)[word] |= 1u << (entry.code % 32);
             if (entry.kind == kLeafNio) used.push_back(entry.mask);
         }
-        for (u64 cell = 0; cell < 10; ++cell) {
+        shape.words = static_cast<u32>(in.size());
+        for (u64 cell = 0; cell < (kCells >> shape.directory_shift) + 2; ++cell) {
             u32 before = 0;
-            for (const u64 word : word_codes)
-                before += (word << 5) < cell * (kSize * kSize * kSize / 8) ? 1 : 0;
+            for (const u64 page : page_codes)
+                before += page << (shape.page_shift + 5) < cell << shape.directory_shift ? 1 : 0;
             directory.push_back(before);
         }
         in_rank = ranks(in);
@@ -184,9 +188,8 @@ struct RandomLeaves {
     }
 
     Tree tree() const {
-        return make_tree(in.data(), nio.data(), in_rank.data(), nio_rank.data(), word_codes.data(),
-                         directory.data(), marks.data(),
-                         {kLevel, graded ? 1 : 0, static_cast<u32>(in.size()), 3 * (kLevel - 1)});
+        return make_tree(in.data(), nio.data(), in_rank.data(), nio_rank.data(), page_codes.data(),
+                         directory.data(), marks.data(), shape);
     }
 
     /// The first of the finest leaves that use the vertex, or the root on the edge from it along `axis` of

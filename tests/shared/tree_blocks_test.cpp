@@ -10,38 +10,48 @@ using mortise::test::RandomSource;
 
 namespace {
 
-/// A uniform tree most of whose cells are IN.
+/// A uniform tree most of whose cells are IN, but for pages without leaves.
 struct MostlyIn {
-    std::vector<u32> in, nio, in_rank, nio_rank, used;
+    std::vector<u32> in, nio, in_rank, nio_rank, used, directory = {0};
+    std::vector<u64> page_codes;
     i32 level;
     u32 size;
 
     MostlyIn(RandomSource& random, i32 at_level) : level(at_level), size(1u << at_level) {
         const std::size_t cells = std::size_t{size} * size * size;
-        in.resize((cells + 31) / 32);
-        nio.resize(in.size());
-        u32 in_count = 0, nio_count = 0;
-        for (std::size_t word = 0; word < in.size(); ++word) {
-            in_rank.push_back(in_count);
-            nio_rank.push_back(nio_count);
+        for (std::size_t word = 0; word < (cells + 31) / 32; ++word) {  // each a page
+            directory.push_back(directory.back());
+            if (word > 0 && random.chance(0.05)) continue;
+            ++directory.back();
+            page_codes.push_back(word);
+            in_rank.push_back(count_of(in, in_rank));
+            nio_rank.push_back(count_of(nio, nio_rank));
+            in.push_back(0);
+            nio.push_back(0);
             for (std::size_t bit = 0; bit < 32 && 32 * word + bit < cells; ++bit) {
                 const int kind = random.chance(0.95) ? 0 : random.integer(0, 2);
-                if (kind == 0) ++in_count, in[word] |= 1u << bit;
+                if (kind == 0) in.back() |= 1u << bit;
                 if (kind != 1) continue;
-                ++nio_count;
-                nio[word] |= 1u << bit;
+                nio.back() |= 1u << bit;
                 used.push_back(static_cast<u32>(random.next()) & 0x1fffffu);
             }
         }
+        directory.push_back(directory.back());
+        in_rank.push_back(count_of(in, in_rank));
+        nio_rank.push_back(count_of(nio, nio_rank));
+    }
+    static u32 count_of(const std::vector<u32>& bits, const std::vector<u32>& ranks) {
+        return bits.empty() ? 0 : ranks.back() + count_bits(bits.back());
     }
     Tree tree() const {
-        return make_tree(in.data(), nio.data(), in_rank.data(), nio_rank.data(), nullptr, nullptr, nullptr,
-                         {level, 0, static_cast<u32>(in.size()), 0});
+        return make_tree(in.data(), nio.data(), in_rank.data(), nio_rank.data(), page_codes.data(),
+                         directory.data(), nullptr, {level, 0, static_cast<u32>(in.size()), 5, 0});
     }
     bool is_in(i64 x, i64 y, i64 z) const {
         if (x < 0 || y < 0 || z < 0) return false;
-        return test_bit(in.data(),
-                        morton_encode(static_cast<u32>(x), static_cast<u32>(y), static_cast<u32>(z))) != 0;
+        const Tree view = tree();
+        return holds_code(&view, in.data(),
+                          morton_encode(static_cast<u32>(x), static_cast<u32>(y), static_cast<u32>(z))) != 0;
     }
 };
 
@@ -58,7 +68,7 @@ TEST_CASE("inner cells of a block are those between IN cells, and own their last
             make_block(&tree, word, &block);
             const u32 inner = inner_cells(&block);
             for (u32 bit = 0; bit < 32; ++bit) {
-                const u64 code = u64{word} << 5 | bit;
+                const u64 code = word_code(&tree, word) | bit;
                 const u32 x = gather_bits(code), y = gather_bits(code >> 1), z = gather_bits(code >> 2);
                 if (x >= leaves.size || y >= leaves.size || z >= leaves.size) {
                     REQUIRE(((inner >> bit) & 1) == 0);
