@@ -10,6 +10,7 @@
 // All arrays over leaves but the tree's and `used` hold the piece's leaves only (PieceRange).
 #include "shared/bounds.h"
 #include "shared/face_plan.h"
+#include "shared/leaves_before.h"
 #include "shared/snap.h"
 #include "shared/snio.h"
 #include "shared/template_table.h"
@@ -29,6 +30,7 @@ MORTISE_NOINLINE uint owned_mask(const Tree* tree, __global const uint* used, ul
     const uint z = gather_bits(code >> 2);
     uint owned = mask & (1u << kInteriorNodeBit);
     uint bit;
+    if (!tree->shape.graded) return owned_of_uniform(tree, used, code, mask);
     for (uint c = 0; c < 8; ++c) {
         if (((mask >> c) & 1) && corner_owner(tree, used, code, mark, x, y, z, edge, c, &bit) == code) {
             owned |= 1u << c;
@@ -63,6 +65,14 @@ MORTISE_KERNEL void own_nodes(TREE_PARAMETERS, __global const uint* used, __glob
             make_block(&tree, word, &block);
             inner = inner_cells(&block);
         }
+        if (inner == 0xffffffffu) {
+            const uint at = rank - range.first_in - range.first_nio;
+            for (uint part = 0; part < 2; ++part) {
+                vstore16((uint16)(0x80), part, owned + at);
+                vstore16((uint16)(1), part, counts + at);
+            }
+            return;
+        }
         while (rest != 0) {
             const uint bit = mortise_lowest_bit(rest);
             const int is_in = (in >> bit) & 1;
@@ -89,6 +99,11 @@ static void store_point(__global double* points, uint id, double4 origin_side, d
     points[3 * (ulong)id + 2] = origin_side.z + origin_side.w * z;
 }
 
+// Whether a word holds 32 IN leaves that own one node each, their last corner; `base` of the first of them.
+static int is_plain(uint in, __global const uint* base) {
+    return in == 0xffffffffu && base[32] - base[0] == 32;
+}
+
 // Positions of owned grid vertices (all leaves), moved ones on their surface, and of owned roots and interior
 // nodes (SNIO leaves).
 //
@@ -111,6 +126,23 @@ MORTISE_KERNEL void place_nodes(TREE_PARAMETERS, __global const SnioLeaf* leaves
         const uint low_x = gather_bits(code);
         const uint low_y = gather_bits(code >> 1);
         const uint low_z = gather_bits(code >> 2);
+        if (is_plain(in, base + rank - range.first_in - range.first_nio)) {
+            const double cell = 1.0 / (double)(1u << shape.level);
+            const uint first_id = base[rank - range.first_in - range.first_nio];
+            double3 at[4];
+            for (uint i = 0; i < 4; ++i) {
+                at[i].x = origin_side.x + origin_side.w * ((low_x + i + 1) * cell);
+                at[i].y = origin_side.y + origin_side.w * ((low_y + i + 1) * cell);
+                at[i].z = origin_side.z + origin_side.w * ((low_z + i + 1) * cell);
+            }
+            for (uint bit = 0; bit < 32; ++bit) {
+                __global double* to = points + 3 * (ulong)(first_id + bit);
+                to[0] = at[block_x(bit)].x;
+                to[1] = at[block_y(bit)].y;
+                to[2] = at[block_z(bit)].z;
+            }
+            return;
+        }
         for (; rest != 0; rest &= rest - 1, ++rank) {
             const uint bit = mortise_lowest_bit(rest);
             const int is_in = (in >> bit) & 1;
@@ -187,13 +219,65 @@ static uint node_id(const Tree* tree, __global const uint* owned, __global const
     }
 }
 
-// Number of corner c of the leaf at (x, y, z).
-MORTISE_NOINLINE uint corner_id(const Tree* tree, __global const uint* used, __global const uint* owned,
-                                __global const uint* base, __global const ulong* foreign, PieceRange range,
-                                ulong code, uint mark, uint x, uint y, uint z, uint edge, uint c) {
-    uint bit = 0;
-    const ulong owner = corner_owner(tree, used, code, mark, x, y, z, edge, c, &bit);
-    return node_id(tree, owned, base, foreign, range, owner, bit);
+// Numbers of the nodes in `mask` that leaves of this piece own, by what each of these owns: ids[bit] of a
+// leaf of a uniform tree. Returns the other nodes.
+static uint uniform_ids(const Tree* tree, __global const uint* owned, __global const uint* base,
+                        PieceRange range, ulong code, uint rank, uint mask, uint* ids) {
+    const uint first_rank = range.first_in + range.first_nio;
+    const CornerCells cells = corner_cells(tree, code, tree->shape.level);
+    const uint own = owned[rank - first_rank];
+    for (uint hits = mask & own; hits != 0; hits &= hits - 1) {
+        const uint bit = mortise_lowest_bit(hits);
+        ids[bit] = base[rank - first_rank] + mask_rank(own, bit);
+    }
+    mask &= ~own;
+    for (uint k = 0; k < kLeavesBefore && mask != 0; ++k) {
+        const uint across = kLeafBefore[k].across;
+        ulong other;
+        Leaf leaf;
+        uint theirs;
+        uint first;
+        if ((mask & kLeafBefore[k].shared) == 0) continue;
+        other = code_before(&cells, code, k);
+        if (other == kNoOwner || other < range.begin) continue;
+        leaf = leaf_at(tree, other);
+        if (leaf.kind == kLeafNone) continue;
+        first = meshed_rank(tree, other) - first_rank;
+        theirs = owned[first];
+        first = base[first];
+        for (uint hits = mask & kLeafBefore[k].shared & nodes_across(theirs, across); hits != 0;
+             hits &= hits - 1) {
+            const uint hit = hits & -hits;
+            ids[mortise_lowest_bit(hit)] = first + popcount(theirs & (nodes_across(hit, across) - 1u));
+            mask &= ~hit;
+        }
+    }
+    return mask;
+}
+
+// Numbers of the nodes in `mask`, which the meshed leaf of this code and rank uses: ids[bit].
+MORTISE_NOINLINE void find_ids(const Tree* tree, __global const uint* used, __global const uint* owned,
+                               __global const uint* base, __global const ulong* foreign, PieceRange range,
+                               ulong code, uint rank, uint mask, uint* ids) {
+    const uint mark = leaf_mark(tree, rank);
+    const int level = (int)(mark & kMarkLevel);
+    const uint edge = leaf_edge(tree, level);
+    const uint x = gather_bits(code);
+    const uint y = gather_bits(code >> 1);
+    const uint z = gather_bits(code >> 2);
+    uint rest = mask;
+    if (!tree->shape.graded) rest = uniform_ids(tree, owned, base, range, code, rank, mask, ids);
+    for (; rest != 0; rest &= rest - 1) {
+        const uint own_bit = mortise_lowest_bit(rest);
+        uint bit = own_bit;
+        ulong owner = code;  // of the interior node
+        if (own_bit < 8) {
+            owner = corner_owner(tree, used, code, mark, x, y, z, edge, own_bit, &bit);
+        } else if (own_bit < kInteriorNodeBit) {
+            owner = own_edge_owner(tree, used, code, level, own_bit - 8, &bit);
+        }
+        ids[own_bit] = node_id(tree, owned, base, foreign, range, owner, bit);
+    }
 }
 
 typedef uint2 Pair __attribute__((aligned(4)));
@@ -203,10 +287,24 @@ typedef uint2 Pair __attribute__((aligned(4)));
 MORTISE_NOINLINE void block_ids(const Tree* tree, const TreeBlock* block, __global const uint* base,
                                 PieceRange range, uint* ids) {
     uint rank[8];
+    uint plain = 0;
     for (uint a = 0; a < 8; ++a) {
         const uint word = block->word[a];
         rank[a] = word != kNoWord ? tree->in_rank[word] + tree->nio_rank[word] : 0;
         rank[a] -= range.first_in + range.first_nio;
+        plain += word != kNoWord && is_plain(block->in[a], base + rank[a]);
+    }
+    if (plain == 8) {  // nearly all of them
+        for (uint z = 0; z < 3; ++z) {
+            for (uint y = 0; y < 5; ++y) {
+                const uint a = ((y == 0) << 1) | ((z == 0) << 2);
+                const uint place = place_in_block(0, (y + 3) & 3, (z + 1) & 1);
+                uint* row = ids + (z * 5 + y) * 5;
+                row[0] = base[rank[a | 1]] + (place | place_in_block(3, 0, 0));
+                for (uint x = 0; x < 4; ++x) row[x + 1] = base[rank[a]] + (place | place_in_block(x, 0, 0));
+            }
+        }
+        return;
     }
     for (uint z = 0; z < 3; ++z) {
         for (uint y = 0; y < 5; ++y) {
@@ -222,6 +320,17 @@ MORTISE_NOINLINE void block_ids(const Tree* tree, const TreeBlock* block, __glob
             }
         }
     }
+}
+
+// The hexahedron of an inner cell of a block.
+static uint8 block_hexahedron(const uint* ids, uint bit) {
+    // Pairs along x: from single numbers compilers make a gather instruction, which is slow.
+    const uint* low = ids + (block_z(bit) * 5 + block_y(bit)) * 5 + block_x(bit);
+    const uint2 a = PAIR_AT(low, 0);
+    const uint2 b = PAIR_AT(low, 5);
+    const uint2 c = PAIR_AT(low, 25);
+    const uint2 d = PAIR_AT(low, 30);
+    return (uint8)(a.x, a.y, b.y, b.x, c.x, c.y, d.y, d.x);
 }
 
 // Hexahedra of IN leaves, eight node numbers each, in Morton order among the hexahedra of NIO leaves.
@@ -249,32 +358,24 @@ MORTISE_KERNEL void write_hexahedra(TREE_PARAMETERS, __global const uint* used, 
             if (behind != kNoOwner && behind >= range.begin) inner = inner_cells(&block);
             if (inner != 0) block_ids(&tree, &block, base, range, ids);
         }
+        if (inner == 0xffffffffu) {
+            __global uint* out =
+                hexahedra +
+                8 * (ulong)(rank - range.first_in + hexahedron_offsets[nio_rank[word] - range.first_nio]);
+            for (uint bit = 0; bit < 32; ++bit) vstore8(block_hexahedron(ids, bit), bit, out);
+            return;
+        }
         for (; rest != 0; rest &= rest - 1, ++rank) {
             const uint bit = mortise_lowest_bit(rest);
             const uint nio = nio_rank[word] + popcount(nio_bits[word] & ((1u << bit) - 1u));
             __global uint* out =
                 hexahedra + 8 * (ulong)(rank - range.first_in + hexahedron_offsets[nio - range.first_nio]);
             if ((inner >> bit) & 1) {
-                // Pairs along x: from single numbers compilers make a gather instruction, which is slow.
-                const uint* low = ids + (block_z(bit) * 5 + block_y(bit)) * 5 + block_x(bit);
-                const uint2 a = PAIR_AT(low, 0);
-                const uint2 b = PAIR_AT(low, 5);
-                const uint2 c = PAIR_AT(low, 25);
-                const uint2 d = PAIR_AT(low, 30);
-                vstore8((uint8)(a.x, a.y, b.y, b.x, c.x, c.y, d.y, d.x), 0, out);
-                continue;
-            }
-            {
-                const uint mark = leaf_mark(&tree, nio + rank);
-                const uint edge = leaf_edge(&tree, (int)(mark & kMarkLevel));
-                const uint x = gather_bits(code) + block_x(bit);
-                const uint y = gather_bits(code >> 1) + block_y(bit);
-                const uint z = gather_bits(code >> 2) + block_z(bit);
-                for (uint i = 0; i < 8; ++i) {
-                    const uint c = kHexahedronCorner[i];
-                    out[i] = corner_id(&tree, used, owned, base, foreign, range, code | bit, mark, x, y, z,
-                                       edge, c);
-                }
+                vstore8(block_hexahedron(ids, bit), 0, out);
+            } else {
+                uint corners[8];
+                find_ids(&tree, used, owned, base, foreign, range, code | bit, nio + rank, 0xff, corners);
+                for (uint i = 0; i < 8; ++i) out[i] = corners[kHexahedronCorner[i]];
             }
         }
     }
@@ -366,36 +467,12 @@ MORTISE_KERNEL void write_templates(TREE_PARAMETERS, __global const TreeNode* ni
         const Tree tree = TREE_OF_PARAMETERS;
         const SnioLeaf leaf = leaves[item];
         const ulong morton = nio[item + range.first_nio].morton;
-        const uint x = gather_bits(morton);
-        const uint y = gather_bits(morton >> 1);
-        const uint z = gather_bits(morton >> 2);
-        const uint mask = used[item + range.first_nio];
         uint in_before;
-        uint edge;
-        uint mark;
-        int level;
         uint ids[21];
         if (leaf.pattern == kPatternCnio || leaf.method == kMethodNothing) return;
-        mark = leaf_mark(&tree, meshed_rank(&tree, morton));
-        level = (int)(mark & kMarkLevel);
-        edge = leaf_edge(&tree, level);
         in_before = count_before(&tree, in_bits, in_rank, morton);
-        for (uint c = 0; c < 8; ++c) {
-            if ((mask >> c) & 1) {
-                ids[c] = corner_id(&tree, used, owned, base, foreign, range, morton, mark, x, y, z, edge, c);
-            }
-        }
-        for (uint e = 0; e < 12; ++e) {
-            if ((mask >> (8 + e)) & 1) {
-                uint bit = 0;
-                const ulong owner = own_edge_owner(&tree, used, morton, level, e, &bit);
-                ids[8 + e] = node_id(&tree, owned, base, foreign, range, owner, bit);
-            }
-        }
-        if ((mask >> kInteriorNodeBit) & 1) {
-            const uint rank = in_before - range.first_in + item;
-            ids[kInteriorNodeBit] = base[rank] + mask_rank(owned[rank], kInteriorNodeBit);
-        }
+        find_ids(&tree, used, owned, base, foreign, range, morton, in_before + range.first_nio + item,
+                 used[item + range.first_nio], ids);
         {
             __global uint* out[4];
             __global uint* facets_out = facets + 4 * (ulong)facet_offsets[item];

@@ -279,17 +279,36 @@ MORTISE_FUNCTION u32 leaf_uses(MORTISE_GLOBAL u32* used, const Leaf leaf, u32 bi
     return leaf.kind == kLeafNio ? (used[leaf.index] >> bit) & 1u : 0;
 }
 
-// Leaf d of those around corner c of a cell of `edge` finest cells; `code` is the cell's first finest cell.
-MORTISE_FUNCTION Leaf leaf_at_corner(const Tree* tree, u64 code, u32 edge, u32 c, u32 d) {
-    if (!tree->shape.graded) {
-        const u64 other =
-            cell_beside(tree, code, (i32)((c & 1) + (d & 1)) - 1, (i32)(((c >> 1) & 1) + ((d >> 1) & 1)) - 1,
-                        (i32)((c >> 2) + (d >> 2)) - 1);
-        return other != kNoOwner ? leaf_at(tree, other) : no_leaf(tree->shape.level);
+// The finest cells at the corners of a cell: the bits along each axis of the code of those just behind it, of
+// its first and last ones, and of those just ahead; kNoOwner beyond the root box.
+typedef struct CornerCells {
+    u64 axis[3][4];
+} CornerCells;
+
+// Those of the cell of this level whose first finest cell is `code`.
+MORTISE_FUNCTION CornerCells corner_cells(const Tree* tree, u64 code, i32 level) {
+    const u64 cells = 1UL << (3 * (tree->shape.level - level));
+    CornerCells result;
+    for (u32 a = 0; a < 3; ++a) {
+        // Bits of one axis count down alone if the others' are zero, and up if they are one.
+        const u64 bits = (0x1249249249249249UL << a) & ((1UL << (3 * tree->shape.level)) - 1);
+        const u64 first = code & bits;
+        const u64 last = first | (bits & (cells - 1));
+        const u64 ahead = ((last | ~bits) + (1UL << a)) & bits;
+        result.axis[a][0] = first != 0 ? (first - (1UL << a)) & bits : kNoOwner;
+        result.axis[a][1] = first;
+        result.axis[a][2] = last;
+        result.axis[a][3] = ahead != 0 ? ahead : kNoOwner;
     }
-    return leaf_at_vertex(tree, gather_bits(code) + (c & 1) * edge,
-                          gather_bits(code >> 1) + ((c >> 1) & 1) * edge,
-                          gather_bits(code >> 2) + (c >> 2) * edge, d);
+    return result;
+}
+
+// Leaf d of those around corner c of the cell.
+MORTISE_FUNCTION Leaf leaf_at_corner(const Tree* tree, const CornerCells* cells, u32 c, u32 d) {
+    const u64 code = cells->axis[0][2 * (c & 1) + (d & 1)] |
+                     cells->axis[1][2 * ((c >> 1) & 1) + ((d >> 1) & 1)] |
+                     cells->axis[2][2 * (c >> 2) + (d >> 2)];
+    return code != kNoOwner ? leaf_at(tree, code) : no_leaf(tree->shape.level);
 }
 
 // Makes leaf d of those around a grid vertex its owner, if it uses the vertex and is finer than the owner so
@@ -331,8 +350,11 @@ MORTISE_FUNCTION u64 corner_owner(const Tree* tree, MORTISE_GLOBAL u32* used, u6
             return behind;
         }
         // As vertex_owner, by steps from the code.
-        for (u32 d = 0; d < 8 && !(d == 1 && owner != kNoOwner); ++d)
-            claim_vertex(used, leaf_at_corner(tree, code, edge, c, d), d, &owner, &level, bit);
+        {
+            const CornerCells cells = corner_cells(tree, code, tree->shape.level);
+            for (u32 d = 0; d < 8 && !(d == 1 && owner != kNoOwner); ++d)
+                claim_vertex(used, leaf_at_corner(tree, &cells, c, d), d, &owner, &level, bit);
+        }
         return owner;
     } else if ((mark & kFinerAround) == 0) {
         *bit = 7;

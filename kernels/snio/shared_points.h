@@ -21,9 +21,9 @@ static int has_point(__global const SnioCandidate* candidates, uint surface, int
 // before this one.
 static uint first_at_corner(const Tree* tree, __global const SnioCandidate* candidates, uint surface,
                             ulong code, int level, uint c, uint* first) {
-    const uint edge = leaf_edge(tree, level);
+    const CornerCells cells = corner_cells(tree, code, level);
     for (uint d = 0; d < 7 - c; ++d) {
-        const Leaf leaf = leaf_at_corner(tree, code, edge, c, d);
+        const Leaf leaf = leaf_at_corner(tree, &cells, c, d);
         if (!has_point(candidates, surface, level, leaf)) continue;
         *first = leaf.index;
         return d;

@@ -16,17 +16,19 @@ static void veto(__global uint* vetoes, uint leaf, uint corner) {
     atomic_or(vetoes + (leaf >> 2), 1u << (8 * (leaf & 3) + corner));
 }
 
-// No leaf of the leaf's own level around its corner c may move it.
-static void veto_vertex(const Tree* tree, ulong own, int level, uint c, __global uint* vetoes) {
+// No leaf of this level around corner c of one of them may move it.
+static void veto_vertex(const Tree* tree, const CornerCells* cells, int level, uint c,
+                        __global uint* vetoes) {
     for (uint d = 0; d < 8; ++d) {
-        const Leaf leaf = leaf_at_corner(tree, own, leaf_edge(tree, level), c, d);
+        const Leaf leaf = leaf_at_corner(tree, cells, c, d);
         if (leaf.kind == kLeafNio && leaf.level == level) veto(vetoes, leaf.index, 7 - d);
     }
 }
 
 static void veto_corners(const Tree* tree, ulong own, __global uint* vetoes) {
     const int level = leaf_level(tree, own);
-    for (uint c = 0; c < 8; ++c) veto_vertex(tree, own, level, c, vetoes);
+    const CornerCells cells = corner_cells(tree, own, level);
+    for (uint c = 0; c < 8; ++c) veto_vertex(tree, &cells, level, c, vetoes);
 }
 
 // Vetoes vertices that may not move for what the leaves around them are, and marks IN leaves to be promoted.
@@ -45,7 +47,7 @@ MORTISE_KERNEL void mark_vertices(TREE_PARAMETERS, __global const TreeNode* nio,
         const SnioCandidate candidate = candidates[item];
         const ulong own = nio[item].morton;
         const int level = leaf_level(&tree, own);
-        const uint edge = leaf_edge(&tree, level);
+        const CornerCells cells = corner_cells(&tree, own, level);
         const uint corners = (candidate.flags & kCandidateSimple) ? candidate.near | candidate.zero : 0;
         for (uint c = 0; c < 8; ++c) {
             Leaf in_leaves[8];
@@ -56,7 +58,7 @@ MORTISE_KERNEL void mark_vertices(TREE_PARAMETERS, __global const TreeNode* nio,
             for (uint d = 0; d < 8 && is_first; ++d) {
                 Leaf leaf;
                 if (d == 7 - c) continue;  // this one
-                leaf = leaf_at_corner(&tree, own, edge, c, d);
+                leaf = leaf_at_corner(&tree, &cells, c, d);
                 if (leaf.kind != kLeafNone && leaf.level != level) {
                     allowed = 0;
                 } else if (leaf.kind == kLeafIn) {
@@ -70,7 +72,7 @@ MORTISE_KERNEL void mark_vertices(TREE_PARAMETERS, __global const TreeNode* nio,
                 }
             }
             if (!is_first) continue;
-            if (!allowed) veto_vertex(&tree, own, level, c, vetoes);
+            if (!allowed) veto_vertex(&tree, &cells, level, c, vetoes);
             if (!allowed && ((candidate.zero >> c) & 1) == 0) continue;
             for (uint i = 0; i < in_count; ++i) {
                 atomic_or(promoted + in_leaves[i].word, 1u << (uint)(in_leaves[i].code & 31));
@@ -121,7 +123,8 @@ MORTISE_KERNEL void promote_leaves(TREE_PARAMETERS, __global const uint* new_nio
                 candidate.near &= ~(uchar)vetoes_of(vetoes, from);
                 point_of[to] = from++;
             } else {
-                const uint edge = leaf_edge(&tree, leaf_level(&tree, own));
+                const int level = leaf_level(&tree, own);
+                const CornerCells cells = corner_cells(&tree, own, level);
                 __global SnioPoints* own_points = promoted_points + (to - from);
                 point_of[to] = kPromotedPoints | (to - from);
                 node.morton = own;
@@ -146,8 +149,8 @@ MORTISE_KERNEL void promote_leaves(TREE_PARAMETERS, __global const uint* new_nio
                     uint on;
                     if (across == 0 || (high & along) != 0) continue;
                     // Corner c of this one is 7 - d of the other.
-                    leaf = leaf_at_corner(&tree, own, edge, high, along | high);
-                    if (leaf.kind != kLeafNio || leaf_edge(&tree, leaf.level) != edge) continue;
+                    leaf = leaf_at_corner(&tree, &cells, high, along | high);
+                    if (leaf.kind != kLeafNio || leaf.level != level) continue;
                     other = candidates[leaf.index];
                     if ((other.flags & kCandidateSimple) == 0) continue;
                     other.near &= ~(uchar)vetoes_of(vetoes, leaf.index);
@@ -315,11 +318,11 @@ static int has_needed(const Tree* tree, __global const TreeNode* nio,
                       __global const SnioCandidate* candidates, uint index) {
     const uint needed = candidates[index].needed;
     const ulong own = nio[index].morton;
-    const uint edge = leaf_edge(tree, leaf_level(tree, own));
+    const CornerCells cells = corner_cells(tree, own, leaf_level(tree, own));
     for (uint c = 0; c < 8; ++c) {
         if (((needed >> c) & 1) == 0) continue;
         for (uint d = 0; d < 8; ++d) {
-            const Leaf leaf = leaf_at_corner(tree, own, edge, c, d);
+            const Leaf leaf = leaf_at_corner(tree, &cells, c, d);
             SnioCandidate other;
             uint same = 0;
             if (leaf.kind != kLeafNio) continue;

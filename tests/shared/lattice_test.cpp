@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "kernels/shared/lattice.h"
+#include "kernels/shared/leaves_before.h"
 #include "kernels/shared/tree.h"
 #include "tests/mesher/random_source.hpp"
 
@@ -284,6 +285,7 @@ TEST_CASE("a vertex or edge root belongs to the first in Morton order of the fin
             const u32 x = gather_bits(entry.code), y = gather_bits(entry.code >> 1);
             const u32 z = gather_bits(entry.code >> 2), edge = leaf_edge(&tree, entry.level);
             const u32 mark = leaf_mark(&tree, meshed_rank(&tree, entry.code));
+            u32 owned = 0;
             for (u32 c = 0; c < 8; ++c) {
                 if (((entry.mask >> c) & 1) == 0) continue;
                 u32 expected_bit = 0;
@@ -294,6 +296,7 @@ TEST_CASE("a vertex or edge root belongs to the first in Morton order of the fin
                 REQUIRE(corner_owner(&tree, leaves.used.data(), entry.code, mark, x, y, z, edge, c, &bit) ==
                         expected);
                 if (expected != kNoOwner) REQUIRE(bit == expected_bit);
+                owned |= expected == entry.code ? 1u << c : 0u;
             }
             for (u32 e = 0; e < 12; ++e) {
                 if (((entry.mask >> (8 + e)) & 1) == 0) continue;
@@ -306,7 +309,10 @@ TEST_CASE("a vertex or edge root belongs to the first in Morton order of the fin
                 REQUIRE(own_edge_owner(&tree, leaves.used.data(), entry.code, entry.level, e, &bit) ==
                         expected);
                 if (expected != kNoOwner) REQUIRE(bit == expected_bit);
+                owned |= expected == entry.code ? 1u << (8 + e) : 0u;
             }
+            if (!leaves.graded)
+                REQUIRE(owned_of_uniform(&tree, leaves.used.data(), entry.code, entry.mask) == owned);
         }
     }
     CHECK(mask_rank(0b1011010, 6) == 3);
