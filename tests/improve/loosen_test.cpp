@@ -119,6 +119,7 @@ TEST_CASE("nodes of slivers leave the model by a small part of a cell") {
         // Along its planes, beyond the box, a node is off the box only.
         CHECK(after.count <= before.count + 2 * loose.report.loosened_nodes);
         CHECK(after.farthest <= before.farthest + kMostLoose * loose.report.cell_size);
+        if (seed % 3 != 0) continue;
         options.threads = 3;
         options.pieces = 3;
         CHECK(is_same_mesh(loose.mesh, generate_mesh(clump.model, options)));
@@ -129,7 +130,7 @@ TEST_CASE("nodes of slivers leave the model by a small part of a cell") {
 
 TEST_CASE("meshes of tetrahedra keep what loose nodes have mended") {
     int loose = 0;
-    for (std::uint64_t seed = 0; seed < 12; ++seed) {
+    for (std::uint64_t seed = 0; seed < 6; ++seed) {
         CAPTURE(seed);
         MeshOptions options;
         options.level = kLevel;
@@ -141,7 +142,7 @@ TEST_CASE("meshes of tetrahedra keep what loose nodes have mended") {
         loose += hybrid.report.loosened_nodes > 0 ? 1 : 0;
         CHECK(worst(split) > 0.99f * worst(hybrid));
     }
-    CHECK(loose >= 6);
+    CHECK(loose >= 3);
 }
 
 TEST_CASE("a thin wall stays as thin as it is") {

@@ -1,6 +1,6 @@
 // Random CSG trees: valid meshes that fill the model's space, with and without templates.
 //
-// MORTISE_RANDOM_MODELS=N tries N models (default 60), MORTISE_RANDOM_SEED=S starts at seed S (default 1).
+// MORTISE_RANDOM_MODELS=N tries N models (default 48), MORTISE_RANDOM_SEED=S starts at seed S (default 1).
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -80,13 +80,13 @@ std::uint64_t mesh_all(RandomModel (*make)(std::uint64_t), std::uint64_t count) 
 }  // namespace
 
 TEST_CASE("random models give valid meshes that fill them") {
-    const std::uint64_t count = environment_number("MORTISE_RANDOM_MODELS", 60);
+    const std::uint64_t count = environment_number("MORTISE_RANDOM_MODELS", 48);
     const std::uint64_t meshed_models = mesh_all(make_random_model, count);
     if (count >= 10) CHECK(meshed_models >= count / 2);
 }
 
 TEST_CASE("random models of rounded solids give valid meshes that fill them") {
-    const std::uint64_t count = environment_number("MORTISE_RANDOM_MODELS", 60) / 3;
+    const std::uint64_t count = environment_number("MORTISE_RANDOM_MODELS", 48) / 3;
     const std::uint64_t meshed_models = mesh_all(make_random_hulls, count);
     if (count >= 10) CHECK(meshed_models >= count / 2);
 }
