@@ -101,7 +101,10 @@ MORTISE_FUNCTION u32 count_bits(u32 x) {
 #if defined(__OPENCL_VERSION__) || defined(__OPENCL_C_VERSION__)
     return popcount(x);
 #else
-    return (u32)__builtin_popcount(x);
+    // Plain x86-64 has no instruction for it, and compilers call a library.
+    x -= (x >> 1) & 0x55555555u;
+    x = (x & 0x33333333u) + ((x >> 2) & 0x33333333u);
+    return (((x + (x >> 4)) & 0x0f0f0f0fu) * 0x01010101u) >> 24;
 #endif
 }
 
