@@ -117,7 +117,7 @@ void read_mesh_words(const Words& words, Arguments& arguments) {
     MeshOptions& options = arguments.options;
     read_model_words(words, arguments);
     if (!words.level.empty())
-        options.level = parse_integer("--level", words.level, 1, " to 10; the default is 6");
+        options.level = parse_integer("--level", words.level, 1, " to 11; the default is 6");
     if (!words.size.empty()) options.size = parse_length("--size", words.size);
     read_size_words(words, options);
     options.box_fit = words.box_fit;

@@ -68,7 +68,7 @@ void add_model_options(CLI::App& app, Arguments& arguments, Words& words) {
 void add_size_options(CLI::App& app, Arguments& arguments, Words& words) {
     app.option_defaults()->group("Sizes of cells");
     CLI::Option* level =
-        app.add_option("--level", words.level, "split the root cube LEVEL times: 1 to 10, default 6")
+        app.add_option("--level", words.level, "split the root cube LEVEL times: 1 to 11, default 6")
             ->option_text("LEVEL");
     app.add_option("--size", words.size, "edge length of a cell in model units, instead of --level")
         ->option_text("LENGTH")

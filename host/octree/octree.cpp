@@ -13,6 +13,17 @@ std::uint64_t make_rank(Device& device, const Buffer& bits, std::size_t words, B
     return device.exclusive_scan_u32(rank, rank, words);
 }
 
+void check_leaf_count(const std::vector<InNode>& in_nodes, std::uint64_t nio, int level) {
+    std::uint64_t leaves = nio;
+    for (const InNode& node : in_nodes)
+        leaves += std::uint64_t{1} << (3 * (static_cast<std::uint32_t>(level) - node.level));
+    if (leaves > 0xffffffffu) {
+        throw Error(ExitCode::kMeshing, "2^32 or more cells of level " + std::to_string(level) +
+                                            " in this model; use a lower --level or a larger --size, or "
+                                            "--interior-coarsening");
+    }
+}
+
 namespace {
 
 /// Makes room for the words of all leaves found, and tells which they are.
@@ -90,6 +101,8 @@ Octree build(Device& device, const tape::BoundModel& model, int level, DeviceTre
     view.tapes = descent.take_tapes();
     view.in_nodes = descent.take_in_nodes();
 
+    tree.in_nodes = device.download<InNode>(view.in_nodes, descent.in_count());
+    check_leaf_count(tree.in_nodes, descent.node_count(), level);
     make_pages(device, level, descent.in_count(), descent.node_count(), view);
     const std::size_t words = view.shape.words;
     tree.in_count =
@@ -102,7 +115,6 @@ Octree build(Device& device, const tape::BoundModel& model, int level, DeviceTre
         view.nio = device.upload(tree.nio);
         view.tapes = device.upload(tree.tapes);
     }
-    tree.in_nodes = device.download<InNode>(view.in_nodes, descent.in_count());
     tree.page_shift = view.shape.page_shift;
     tree.directory_shift = view.shape.directory_shift;
     tree.page_codes = device.download<std::uint64_t>(view.page_codes, words >> tree.page_shift);

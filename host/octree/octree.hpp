@@ -154,8 +154,9 @@ device::Event launch_on(device::Device& device, const DeviceTree& tree, const de
                          tree.page_codes, tree.directory, tree.leaf_marks, tree.shape, arguments...);
 }
 
-/// Largest level of a uniform tree: its bitmaps hold one bit per cell.
-inline constexpr int kMaxUniformLevel = 10;
+/// Largest level of a uniform tree. Its bitmaps would allow more; improvement has a bit for each cell of the
+/// box, 1.3 GiB at this level.
+inline constexpr int kMaxUniformLevel = 11;
 
 /// Leaf of the tree in a half-cell (-1 … 2 along each axis, 0 and 1 being the leaf's own) around a leaf.
 inline Leaf leaf_at_half(const Tree& tree, std::uint64_t code, int level, int x, int y, int z) {
@@ -165,6 +166,9 @@ inline Leaf leaf_at_half(const Tree& tree, std::uint64_t code, int level, int x,
                            gather_bits(code >> 2) + half * static_cast<u32>(z));
     return at != kNoOwner ? leaf_at(&tree, at) : no_leaf(level);
 }
+
+/// Throws Error(kMeshing) if these IN nodes and NIO leaves make 2^32 leaves of this level or more.
+void check_leaf_count(const std::vector<InNode>& in_nodes, std::uint64_t nio, int level);
 
 /// Builds the tree breadth-first to `level` >= 1 (kernels/octree). Guarantees: IN and OUT leaves are decided
 /// on their closed cells; NIO leaves carry the tape of what is undecided; order and content do not depend on

@@ -17,7 +17,7 @@
 namespace mortise {
 
 /// Level of the smallest cells that sizes, `refine` and curvature can ask for; MeshOptions::level, of cells
-/// of one size, ends at 10. 3 × 19 bits of coordinate, 5 of level and 2 of axis fill a 64-bit key.
+/// of one size, ends at 11. 3 × 19 bits of coordinate, 5 of level and 2 of axis fill a 64-bit key.
 inline constexpr int kMaxLevel = 18;
 
 /// Limits of MeshOptions::min_angle, smooth and merge_distance.
@@ -34,7 +34,7 @@ struct SizeSource {
 };
 
 struct MeshOptions {
-    int level = 0;    ///< root box split `level` times, 10 at most; 0: from `size`, or the default of 6
+    int level = 0;    ///< root box split `level` times, 11 at most; 0: from `size`, or the default of 6
     double size = 0;  ///< edge length of a cell in model units, instead of `level`; 0: from `level`
     // What follows makes cells of several sizes, in steps of two, and `level` or `size` those at a boundary
     // that asks for nothing else.

@@ -23,6 +23,7 @@ __constant uchar kHexahedronCorner[8] = {0, 1, 3, 2, 4, 5, 7, 6};
 // Mask of the nodes that a leaf owns among those it uses.
 MORTISE_NOINLINE uint owned_mask(const Tree* tree, __global const uint* used, ulong code, uint mark,
                                  uint mask) {
+    if (!tree->shape.graded) return owned_of_uniform(tree, used, code, mask);
     const int level = (int)(mark & kMarkLevel);
     const uint edge = leaf_edge(tree, level);
     const uint x = gather_bits(code);
@@ -30,7 +31,6 @@ MORTISE_NOINLINE uint owned_mask(const Tree* tree, __global const uint* used, ul
     const uint z = gather_bits(code >> 2);
     uint owned = mask & (1u << kInteriorNodeBit);
     uint bit;
-    if (!tree->shape.graded) return owned_of_uniform(tree, used, code, mask);
     for (uint c = 0; c < 8; ++c) {
         if (((mask >> c) & 1) && corner_owner(tree, used, code, mark, x, y, z, edge, c, &bit) == code) {
             owned |= 1u << c;

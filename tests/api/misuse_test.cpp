@@ -178,7 +178,7 @@ TEST_CASE("a model with wrong fields is refused by all that take one") {
 
 TEST_CASE("options out of range are wrong usage") {
     const std::pair<const char*, std::function<void(MeshOptions&)>> cases[] = {
-        {"level 11", [](MeshOptions& o) { o.level = 11; }},
+        {"level 12", [](MeshOptions& o) { o.level = 12; }},
         {"both given", [](MeshOptions& o) { o.size = 0.1; }},
         {"smoothing by -5", [](MeshOptions& o) { o.smooth = -5; }},
         {"smoothing by 101", [](MeshOptions& o) { o.smooth = 101; }},

@@ -92,7 +92,7 @@ TEST_CASE("numbers out of range") {
     const ScratchFolder scratch;
     const std::vector<std::vector<std::string>> cases = {
         {"--level", "0"},
-        {"--level", "11"},
+        {"--level", "12"},
         {"--level", "40"},
         {"--level", "-3"},
         {"--level", "4.5"},
@@ -169,7 +169,7 @@ TEST_CASE("a command line that is not understood") {
     expect_failure(scratch, kUsage, "'--level'", {"check", out, "--level", "3"});
     expect_failure(scratch, kUsage, "two values, NAME H", {model, "-o", out, "--size-of", "block"});
     expect_failure(scratch, kUsage, "five numbers, X Y Z H G", {model, "-o", out, "--size-at", "1", "2"});
-    expect_failure(scratch, kUsage, "from 1 to 10", {model, "-o", out, "--level", "0"});
+    expect_failure(scratch, kUsage, "from 1 to 11", {model, "-o", out, "--level", "0"});
     expect_failure(scratch, kUsage, "(--size-min) up to size_max",
                    {model, "-o", out, "--size-max", "0.1", "--size-min", "1"});
     for (const char* option : {"--quality", "--picture", "--report=r.json", "--memory", "--features"}) {

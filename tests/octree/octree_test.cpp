@@ -138,6 +138,26 @@ TEST_CASE("pages of the bitmaps without leaves are not stored") {
     CHECK(empty <= 1);  // the first one is always there
 }
 
+TEST_CASE("a rod of thousands of cells has as few pages; too many leaves are refused") {
+    const int level = octree::kMaxUniformLevel;
+    Model rod;
+    rod.add_primitive(box({-1, -0.001, -0.001}, {1, 0.001, 0.001}));
+    rod.regions.push_back({"rod", 0, 0, {}});
+    const octree::Octree tree = octree::build(device_with(8, 0), bind_model(rod, level), level, nullptr);
+    CHECK(tree.in_count + tree.nio.size() > 4000);
+    CHECK(tree.page_codes.size() <= 4 * (1u << (level - 4)) + 1);  // 16 cells long, at most four side by side
+    for (const TreeNode& leaf : tree.nio) REQUIRE(tree.is_nio(leaf.morton));
+
+    InNode node{};
+    node.level = static_cast<std::uint32_t>(level - 10);  // 2^30 cells each
+    node.region = 1;
+    std::vector<InNode> nodes(3, node);
+    CHECK_NOTHROW(octree::check_leaf_count(nodes, 1u << 20, level));
+    nodes.push_back(node);
+    CHECK_THROWS_WITH_AS(octree::check_leaf_count(nodes, 0, level),
+                         doctest::Contains("2^32 or more cells of level"), Error);
+}
+
 TEST_CASE("every level from 1 on works") {
     for (int level = 1; level <= 6; ++level) {
         const Model source = rotated_box();
