@@ -12,17 +12,27 @@ CellSet::CellSet(int level, const LeafGrid* leaves, std::int64_t reach) : leaves
         return;
     }
     size_ = (std::int64_t{1} << level) + 2;
-    bits_.resize(static_cast<std::size_t>((size_ * size_ * size_ + 63) / 64));
+    while (std::int64_t{1} << bits_of_axis_ < size_) ++bits_of_axis_;
     bricks_ = brick_at({size_ - 1, 0, 0})[0] + 1;
-    near_.resize(brick(0, 0, bricks_));
-    holds_.resize(near_.size());
+    blocks_ = (bricks_ + kBlock - 1) / kBlock;
+    directory_.resize(static_cast<std::size_t>(blocks_ * blocks_ * blocks_), 0);
+    stored_.resize(kBlockBricks);
+}
+
+CellSet::Brick& CellSet::make_brick(const std::array<std::int64_t, 3>& brick) {
+    std::uint32_t& begin = directory_[block_of(brick)];
+    if (begin == 0) {
+        begin = static_cast<std::uint32_t>(stored_.size());
+        stored_.resize(stored_.size() + kBlockBricks);
+    }
+    return stored_[begin + place_in_block(brick)];
 }
 
 void CellSet::mark_near(const std::array<std::int64_t, 3>& at) {
     const std::array<std::int64_t, 3> centre = brick_at(at);
-    std::uint8_t& held = holds_[brick(centre[0], centre[1], centre[2])];
-    if (held != 0) return;
-    held = 1;
+    bool& holds = make_brick(centre).holds;
+    if (holds) return;
+    holds = true;
     // The next brick but `bricks` begins reach_ + 1 cells away at least; the ring is one cell wide.
     const std::int64_t bricks = reach_ / kBrick;
     std::int64_t low[3], high[3];
@@ -34,10 +44,10 @@ void CellSet::mark_near(const std::array<std::int64_t, 3>& at) {
     for (std::int64_t z = low[2]; z <= high[2]; ++z) {
         for (std::int64_t y = low[1]; y <= high[1]; ++y) {
             const bool is_near_row = is_within(y, 1) && is_within(z, 2);
-            std::uint8_t* const row = near_.data() + brick(0, y, z);
             for (std::int64_t x = low[0]; x <= high[0]; ++x) {
                 const bool is_near = is_near_row && is_within(x, 0);
-                row[x] = static_cast<std::uint8_t>(row[x] | kBeside | (is_near ? kNear : 0));
+                std::uint8_t& near = make_brick({x, y, z}).near;
+                near = static_cast<std::uint8_t>(near | kBeside | (is_near ? kNear : 0));
             }
         }
     }
@@ -45,13 +55,19 @@ void CellSet::mark_near(const std::array<std::int64_t, 3>& at) {
 
 std::vector<std::uint64_t> CellSet::near_bricks() const {
     std::vector<std::uint64_t> codes;
-    for (std::int64_t z = 1; z < bricks_; ++z) {
-        for (std::int64_t y = 1; y < bricks_; ++y) {
-            for (std::int64_t x = 1; x < bricks_; ++x) {
-                if ((near_[brick(x, y, z)] & kNear) == 0) continue;
-                codes.push_back(
-                    morton_encode(static_cast<u32>(x - 1), static_cast<u32>(y - 1), static_cast<u32>(z - 1)));
-            }
+    for (std::size_t block = 0; block < directory_.size(); ++block) {
+        if (directory_[block] == 0) continue;
+        const auto number = static_cast<std::int64_t>(block);
+        const std::int64_t low[3] = {number % blocks_ * kBlock, number / blocks_ % blocks_ * kBlock,
+                                     number / blocks_ / blocks_ * kBlock};
+        for (std::size_t k = 0; k < kBlockBricks; ++k) {
+            const auto step = static_cast<std::int64_t>(k);
+            const std::int64_t x = low[0] + step % kBlock, y = low[1] + step / kBlock % kBlock,
+                               z = low[2] + step / kBlock / kBlock;
+            const bool is_in_box = x > 0 && y > 0 && z > 0;  // the ring ends in bricks with none in the box
+            if (!is_in_box || (stored_[directory_[block] + k].near & kNear) == 0) continue;
+            codes.push_back(
+                morton_encode(static_cast<u32>(x - 1), static_cast<u32>(y - 1), static_cast<u32>(z - 1)));
         }
     }
     std::sort(codes.begin(), codes.end());
@@ -113,7 +129,7 @@ void CellSet::set_two_rings(CellId i) {
         const std::array<std::int64_t, 3> beside = {at[0] + k % 3, at[1] + k / 3 % 3, at[2] + k / 9};
         if (std::any_of(beside.begin(), beside.end(), [&](std::int64_t x) { return x < 0 || x >= size_; }))
             continue;
-        set_ring(static_cast<CellId>((beside[2] * size_ + beside[1]) * size_ + beside[0]));
+        set_ring(id_of(beside));
     }
 }
 
@@ -126,8 +142,7 @@ void CellSet::set_cube(CellId i, std::int64_t reach) {
     for (std::int64_t z = low[2]; z <= high[2]; ++z) {
         for (std::int64_t y = low[1]; y <= high[1]; ++y) {
             for (std::int64_t x = low[0]; x <= high[0]; ++x) {
-                const auto n = static_cast<CellId>((z * size_ + y) * size_ + x);
-                bits_[n >> 6] |= std::uint64_t{1} << (n & 63);
+                make_brick(brick_at({x, y, z})).cells |= cell_bit({x, y, z});
             }
         }
     }

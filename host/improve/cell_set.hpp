@@ -1,8 +1,9 @@
 // A set of cells of the tree, and which cell a point belongs to.
 //
 // Uniform trees: bits over the cells of the root box, and one ring around it for elements whose nodes have
-// moved out. Graded trees: bits over the meshed leaves. Elements whose nodes have moved into space without
-// leaves get a cell there too: the cube, of the size of the smallest leaf nearby, that holds their centroid.
+// moved out; only where cells of the set are near. Graded trees: bits over the meshed leaves. Elements whose
+// nodes have moved into space without leaves get a cell there too: the cube, of the size of the smallest leaf
+// nearby, that holds their centroid.
 #pragma once
 
 #include <algorithm>
@@ -16,8 +17,8 @@
 
 namespace mortise::improve {
 
-/// A cell: of a uniform tree its place in the bits; of a graded one the number of its leaf, or with kOutside
-/// a cube without a leaf.
+/// A cell: of a uniform tree its coordinates, x lowest; of a graded one the number of its leaf, or with
+/// kOutside a cube without a leaf.
 using CellId = std::uint64_t;
 
 class CellSet {
@@ -28,8 +29,7 @@ class CellSet {
     /// The cell that a point belongs to. `hint`: an earlier result for a point that may be near.
     CellId index(const Point& p, CellId hint = 0) const {
         if (leaves_ != nullptr) return index_graded(p, hint);
-        const auto at = place(p);
-        return static_cast<CellId>((at[2] * size_ + at[1]) * size_ + at[0]);
+        return id_of(place(p));
     }
     /// Uniform trees: false only if all cells of the set are at least `reach` cells from p.
     bool is_near(const Point& p) const { return (near_at(p) & kNear) != 0; }
@@ -39,11 +39,17 @@ class CellSet {
     /// 2^kBrickLevels cells along an edge.
     std::vector<std::uint64_t> near_bricks() const;
     bool test(CellId i) const {
+        if (leaves_ == nullptr) {
+            const auto at = place_of(i);
+            return (brick_of(at).cells & cell_bit(at)) != 0;
+        }
         if (is_outside(i)) return test_outside(i);
         return ((bits_[i >> 6] >> (i & 63)) & 1) != 0;
     }
     void reset(CellId i) {
-        if (is_outside(i)) {
+        if (leaves_ == nullptr) {
+            if (test(i)) make_brick(brick_at(place_of(i))).cells &= ~cell_bit(place_of(i));
+        } else if (is_outside(i)) {
             left_out_.insert(i);
         } else {
             bits_[i >> 6] &= ~(std::uint64_t{1} << (i & 63));
@@ -59,8 +65,8 @@ class CellSet {
     void set_cube(CellId i, std::int64_t reach);
     /// Uniform trees: a cell of the root box or of the ring around it, which begins at -1.
     std::array<std::int64_t, 3> cell_of(CellId i) const {
-        const auto cell = static_cast<std::int64_t>(i);
-        return {cell % size_ - 1, cell / size_ % size_ - 1, cell / size_ / size_ - 1};
+        const auto at = place_of(i);
+        return {at[0] - 1, at[1] - 1, at[2] - 1};
     }
 
     bool is_graded() const { return leaves_ != nullptr; }
@@ -75,7 +81,17 @@ class CellSet {
     static constexpr std::int64_t kShortReach = kNearby;
 
   private:
-    static constexpr std::int64_t kBrick = std::int64_t{1} << kBrickLevels;  ///< edge of the bricks of near_
+    static constexpr std::int64_t kBrick = std::int64_t{1} << kBrickLevels;  ///< its edge, in cells
+    static constexpr int kBlockLevels = 3;
+    static constexpr std::int64_t kBlock = std::int64_t{1} << kBlockLevels;  ///< edge of a block, in bricks
+    static constexpr std::size_t kBlockBricks = kBlock * kBlock * kBlock;
+    static constexpr std::uint8_t kNear = 1, kBeside = 2;
+    struct Brick {
+        std::uint64_t cells = 0;  ///< those of the set: 4 x 4 x 4 bits
+        std::uint8_t near = 0;    ///< kNear: near cells of the set; kBeside: beside a brick that is
+        bool holds = false;       ///< what is near cells in it has been marked
+    };
+    static_assert(kBrick * kBrick * kBrick == 64);
     static constexpr CellId kOutside = CellId{1} << 63;
     static constexpr int kClassBits = 5;
 
@@ -96,15 +112,36 @@ class CellSet {
     }
     /// The brick of a place. The ring lies in bricks of its own, so that the others are octants.
     static std::array<std::int64_t, 3> brick_at(const std::array<std::int64_t, 3>& at) {
-        return {(at[0] + kBrick - 1) / kBrick, (at[1] + kBrick - 1) / kBrick, (at[2] + kBrick - 1) / kBrick};
+        return {(at[0] + kBrick - 1) >> kBrickLevels, (at[1] + kBrick - 1) >> kBrickLevels,
+                (at[2] + kBrick - 1) >> kBrickLevels};
     }
-    std::size_t brick(std::int64_t x, std::int64_t y, std::int64_t z) const {
-        return static_cast<std::size_t>((z * bricks_ + y) * bricks_ + x);
+    CellId id_of(const std::array<std::int64_t, 3>& at) const {
+        return static_cast<CellId>((((at[2] << bits_of_axis_) | at[1]) << bits_of_axis_) | at[0]);
     }
-    std::uint8_t near_at(const Point& p) const {
-        const auto at = brick_at(place(p));
-        return near_[brick(at[0], at[1], at[2])];
+    std::array<std::int64_t, 3> place_of(CellId i) const {
+        const auto cell = static_cast<std::int64_t>(i);
+        const std::int64_t mask = (std::int64_t{1} << bits_of_axis_) - 1;
+        return {cell & mask, (cell >> bits_of_axis_) & mask, cell >> (2 * bits_of_axis_)};
     }
+    static std::uint64_t cell_bit(const std::array<std::int64_t, 3>& at) {
+        const auto step = [&](std::size_t j) { return (at[j] + kBrick - 1) & (kBrick - 1); };
+        return std::uint64_t{1} << ((((step(2) << kBrickLevels) | step(1)) << kBrickLevels) | step(0));
+    }
+    std::size_t block_of(const std::array<std::int64_t, 3>& brick) const {
+        return static_cast<std::size_t>(((brick[2] >> kBlockLevels) * blocks_ + (brick[1] >> kBlockLevels)) *
+                                            blocks_ +
+                                        (brick[0] >> kBlockLevels));
+    }
+    static std::size_t place_in_block(const std::array<std::int64_t, 3>& brick) {
+        const auto step = [&](std::size_t j) { return brick[j] & (kBlock - 1); };
+        return static_cast<std::size_t>((((step(2) << kBlockLevels) | step(1)) << kBlockLevels) | step(0));
+    }
+    const Brick& brick_of(const std::array<std::int64_t, 3>& at) const {
+        const auto brick = brick_at(at);
+        return stored_[directory_[block_of(brick)] + place_in_block(brick)];
+    }
+    Brick& make_brick(const std::array<std::int64_t, 3>& brick);
+    std::uint8_t near_at(const Point& p) const { return brick_of(place(p)).near; }
     void mark_near(const std::array<std::int64_t, 3>& at);
     CellId index_graded(const Point& p, CellId hint) const;
     bool test_outside(CellId i) const;
@@ -112,14 +149,15 @@ class CellSet {
 
     const LeafGrid* leaves_;
     std::vector<std::uint64_t> bits_;
-    static constexpr std::uint8_t kNear = 1, kBeside = 2;
-    // Uniform trees: cells along an edge; bricks near cells of the set, or beside such ones; bricks that hold
-    // some.
+    // Uniform trees: cells along an edge, and bits for one; bricks along an edge; blocks of kBlock^3 bricks,
+    // of which those with anything in them are stored behind an empty one, and where in stored_ each begins.
     std::int64_t size_ = 0;
+    int bits_of_axis_ = 0;
     std::int64_t reach_ = kReach;
     std::int64_t bricks_ = 0;
-    std::vector<std::uint8_t> near_;
-    std::vector<std::uint8_t> holds_;
+    std::int64_t blocks_ = 0;
+    std::vector<std::uint32_t> directory_;
+    std::vector<Brick> stored_;
     // Graded trees: cells whose ring is in the set, as bits and as cubes; cubes taken out again.
     std::vector<std::uint64_t> rings_;
     std::set<CellId> outer_rings_;

@@ -154,8 +154,7 @@ device::Event launch_on(device::Device& device, const DeviceTree& tree, const de
                          tree.page_codes, tree.directory, tree.leaf_marks, tree.shape, arguments...);
 }
 
-/// Largest level of a uniform tree. Its bitmaps would allow more; improvement has a bit for each cell of the
-/// box, 1.3 GiB at this level.
+/// Largest level of a uniform tree.
 inline constexpr int kMaxUniformLevel = 11;
 
 /// Leaf of the tree in a half-cell (-1 … 2 along each axis, 0 and 1 being the leaf's own) around a leaf.
