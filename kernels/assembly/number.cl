@@ -224,7 +224,7 @@ static uint node_id(const Tree* tree, __global const uint* owned, __global const
 static uint uniform_ids(const Tree* tree, __global const uint* owned, __global const uint* base,
                         PieceRange range, ulong code, uint rank, uint mask, uint* ids) {
     const uint first_rank = range.first_in + range.first_nio;
-    const CornerCells cells = corner_cells(tree, code, tree->shape.level);
+    const BorderCells cells = border_cells(tree, code, tree->shape.level);
     const uint own = owned[rank - first_rank];
     for (uint hits = mask & own; hits != 0; hits &= hits - 1) {
         const uint bit = mortise_lowest_bit(hits);

@@ -6,7 +6,7 @@
 
 #include "tree.h"
 
-// A leaf around another that may be before it: `step` is its place among CornerCells along each axis,
+// A leaf around another that may be before it: `step` is its place among BorderCells along each axis,
 // `across` the axes along which it lies behind or ahead; `shared` are the other's nodes (bits as in masks)
 // that both have.
 typedef struct LeafBefore {
@@ -39,15 +39,15 @@ MORTISE_FUNCTION u32 nodes_across(u32 mask, u32 axes) {
 }
 
 // The code of leaf k of kLeafBefore from `code`; kNoOwner if that is beyond the root box or not before.
-MORTISE_FUNCTION u64 code_before(const CornerCells* cells, u64 code, u32 k) {
-    const u64 other = cells->axis[0][kLeafBefore[k].step[0]] | cells->axis[1][kLeafBefore[k].step[1]] |
-                      cells->axis[2][kLeafBefore[k].step[2]];
+MORTISE_FUNCTION u64 code_before(const BorderCells* cells, u64 code, u32 k) {
+    const u64 other =
+        border_cell(cells, kLeafBefore[k].step[0], kLeafBefore[k].step[1], kLeafBefore[k].step[2]);
     return other < code ? other : kNoOwner;
 }
 
 // Those of the nodes in `mask`, which the leaf uses, that it owns; `used` are the masks of NIO leaves.
 MORTISE_FUNCTION u32 owned_of_uniform(const Tree* tree, MORTISE_GLOBAL u32* used, u64 code, u32 mask) {
-    const CornerCells cells = corner_cells(tree, code, tree->shape.level);
+    const BorderCells cells = border_cells(tree, code, tree->shape.level);
     for (u32 k = 0; k < kLeavesBefore; ++k) {
         const u32 shared = mask & kLeafBefore[k].shared;
         u64 other;

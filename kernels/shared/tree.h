@@ -145,13 +145,6 @@ MORTISE_FUNCTION u32 find_word(const Tree* tree, u64 code, u32* is_stored) {
     return low;
 }
 
-// Whether a leaf of this bitmap has the code.
-MORTISE_FUNCTION u32 holds_code(const Tree* tree, MORTISE_GLOBAL u32* bits, u64 code) {
-    u32 is_stored;
-    const u32 word = find_word(tree, code, &is_stored);
-    return is_stored ? (bits[word] >> (code & 31)) & 1u : 0;
-}
-
 // Number of leaves of a kind with codes below `code`; bits and rank of that kind.
 MORTISE_FUNCTION u32 count_before(const Tree* tree, MORTISE_GLOBAL u32* bits, MORTISE_GLOBAL u32* rank,
                                   u64 code) {
@@ -226,46 +219,76 @@ MORTISE_FUNCTION u64 code_at(const Tree* tree, u32 x, u32 y, u32 z) {
     return x < size && y < size && z < size ? morton_encode(x, y, z) : kNoOwner;
 }
 
-// The cell of a uniform tree one step back from `code` along the axes whose bits are set; kNoOwner beyond the
-// root box. The code's bits of one axis count down alone if the others' are zero.
+// The bits of axis a in a code.
+#define MORTISE_AXIS_BITS(a) (0x1249249249249249UL << (a))
+
+// Those of the finest cell before `code` along axis a; kNoOwner beyond the root box. The bits of one axis
+// count down alone if the others' are zero.
+MORTISE_FUNCTION u64 axis_behind(u64 code, u32 a) {
+    const u64 own = code & MORTISE_AXIS_BITS(a);
+    return own != 0 ? (own - (1UL << a)) & MORTISE_AXIS_BITS(a) : kNoOwner;
+}
+
+// The same for the cell after it: they count up alone if the others' are one.
+MORTISE_FUNCTION u64 axis_ahead(const Tree* tree, u64 code, u32 a) {
+    const u64 bits = MORTISE_AXIS_BITS(a) & ((1UL << (3 * tree->shape.level)) - 1);
+    const u64 ahead = ((code | ~bits) + (1UL << a)) & bits;
+    return ahead != 0 ? ahead : kNoOwner;
+}
+
+// The finest cell one step back from `code` along the axes whose bits are set; kNoOwner beyond the root box.
 MORTISE_FUNCTION u64 cell_behind(u64 code, u32 axes) {
     for (u32 a = 0; a < 3; ++a) {
-        const u64 bits = 0x1249249249249249UL << a;
+        const u64 behind = axis_behind(code, a);
         if (((axes >> a) & 1) == 0) continue;
-        if ((code & bits) == 0) return kNoOwner;
-        code = (code & ~bits) | (((code & bits) - (1UL << a)) & bits);
+        if (behind == kNoOwner) return kNoOwner;
+        code = (code & ~MORTISE_AXIS_BITS(a)) | behind;
     }
     return code;
 }
 
-// The same a step ahead: they count up alone if the others' are one.
-MORTISE_FUNCTION u64 cell_ahead(const Tree* tree, u64 code, u32 axes) {
+// Finest cells at the border of a cell: the bits along each axis of the code of those just behind it, of its
+// first and last ones, and of those just ahead; kNoOwner beyond the root box. In a uniform tree, where first
+// and last are one, they are the codes of all leaves around.
+typedef struct BorderCells {
+    u64 axis[3][4];
+} BorderCells;
+
+// Those of the cell of this level whose first finest cell is `code`.
+MORTISE_FUNCTION BorderCells border_cells(const Tree* tree, u64 code, i32 level) {
+    const u64 cells = 1UL << (3 * (tree->shape.level - level));
+    BorderCells result;
     for (u32 a = 0; a < 3; ++a) {
-        const u64 bits = (0x1249249249249249UL << a) & ((1UL << (3 * tree->shape.level)) - 1);
-        if (((axes >> a) & 1) == 0) continue;
-        if ((code & bits) == bits) return kNoOwner;
-        code = (code & ~bits) | (((code | ~bits) + (1UL << a)) & bits);
+        const u64 last = code | (MORTISE_AXIS_BITS(a) & (cells - 1));
+        result.axis[a][0] = axis_behind(code, a);
+        result.axis[a][1] = code & MORTISE_AXIS_BITS(a);
+        result.axis[a][2] = last & MORTISE_AXIS_BITS(a);
+        result.axis[a][3] = axis_ahead(tree, last, a);
     }
-    return code;
+    return result;
 }
 
-// The cell of a uniform tree beside `code`, one step at most along each axis; kNoOwner beyond the root box.
-MORTISE_FUNCTION u64 cell_beside(const Tree* tree, u64 code, i32 x, i32 y, i32 z) {
-    const u32 back = (u32)(x < 0) | ((u32)(y < 0) << 1) | ((u32)(z < 0) << 2);
-    const u32 ahead = (u32)(x > 0) | ((u32)(y > 0) << 1) | ((u32)(z > 0) << 2);
-    code = cell_behind(code, back);
-    return code != kNoOwner ? cell_ahead(tree, code, ahead) : kNoOwner;
+// The cell that is number x, y, z of these along the axes.
+MORTISE_FUNCTION u64 border_cell(const BorderCells* cells, u32 x, u32 y, u32 z) {
+    return cells->axis[0][x] | cells->axis[1][y] | cells->axis[2][z];
 }
 
 // The leaf that holds the first cell of the place beside a leaf: the place has the leaf's own size and lies
 // one step along each axis of `direction`. In a graded tree that leaf may be larger, or one of several
 // smaller ones.
 MORTISE_FUNCTION Leaf leaf_beside(const Tree* tree, u64 code, i32 level, const i32* direction) {
-    const u32 edge = leaf_edge(tree, level);
-    const u64 other = tree->shape.graded ? code_at(tree, gather_bits(code) + edge * (u32)direction[0],
-                                                   gather_bits(code >> 1) + edge * (u32)direction[1],
-                                                   gather_bits(code >> 2) + edge * (u32)direction[2])
-                                         : cell_beside(tree, code, direction[0], direction[1], direction[2]);
+    u64 other;
+    if (tree->shape.graded) {
+        const u32 edge = leaf_edge(tree, level);
+        other = code_at(tree, gather_bits(code) + edge * (u32)direction[0],
+                        gather_bits(code >> 1) + edge * (u32)direction[1],
+                        gather_bits(code >> 2) + edge * (u32)direction[2]);
+    } else {
+        const BorderCells cells = border_cells(tree, code, level);
+        u32 step[3];
+        for (u32 a = 0; a < 3; ++a) step[a] = direction[a] < 0 ? 0 : direction[a] == 0 ? 1 : 3;
+        other = border_cell(&cells, step[0], step[1], step[2]);
+    }
     return other != kNoOwner ? leaf_at(tree, other) : no_leaf(level);
 }
 
@@ -282,35 +305,24 @@ MORTISE_FUNCTION u32 leaf_uses(MORTISE_GLOBAL u32* used, const Leaf leaf, u32 bi
     return leaf.kind == kLeafNio ? (used[leaf.index] >> bit) & 1u : 0;
 }
 
-// The finest cells at the corners of a cell: the bits along each axis of the code of those just behind it, of
-// its first and last ones, and of those just ahead; kNoOwner beyond the root box.
-typedef struct CornerCells {
-    u64 axis[3][4];
-} CornerCells;
-
-// Those of the cell of this level whose first finest cell is `code`.
-MORTISE_FUNCTION CornerCells corner_cells(const Tree* tree, u64 code, i32 level) {
-    const u64 cells = 1UL << (3 * (tree->shape.level - level));
-    CornerCells result;
-    for (u32 a = 0; a < 3; ++a) {
-        // Bits of one axis count down alone if the others' are zero, and up if they are one.
-        const u64 bits = (0x1249249249249249UL << a) & ((1UL << (3 * tree->shape.level)) - 1);
-        const u64 first = code & bits;
-        const u64 last = first | (bits & (cells - 1));
-        const u64 ahead = ((last | ~bits) + (1UL << a)) & bits;
-        result.axis[a][0] = first != 0 ? (first - (1UL << a)) & bits : kNoOwner;
-        result.axis[a][1] = first;
-        result.axis[a][2] = last;
-        result.axis[a][3] = ahead != 0 ? ahead : kNoOwner;
-    }
-    return result;
+// Leaf d of those around corner c of the cell.
+MORTISE_FUNCTION Leaf leaf_at_corner(const Tree* tree, const BorderCells* cells, u32 c, u32 d) {
+    const u64 code = border_cell(cells, 2 * (c & 1) + (d & 1), 2 * ((c >> 1) & 1) + ((d >> 1) & 1),
+                                 2 * (c >> 2) + (d >> 2));
+    return code != kNoOwner ? leaf_at(tree, code) : no_leaf(tree->shape.level);
 }
 
-// Leaf d of those around corner c of the cell.
-MORTISE_FUNCTION Leaf leaf_at_corner(const Tree* tree, const CornerCells* cells, u32 c, u32 d) {
-    const u64 code = cells->axis[0][2 * (c & 1) + (d & 1)] |
-                     cells->axis[1][2 * ((c >> 1) & 1) + ((d >> 1) & 1)] |
-                     cells->axis[2][2 * (c >> 2) + (d >> 2)];
+// Leaf d of those around edge e of the cell, at the edge's first finest cell. d counts the two other axes in
+// increasing order: the edge is number 3 - d of its axis in a leaf of the cell's size there.
+MORTISE_FUNCTION Leaf leaf_at_edge(const Tree* tree, const BorderCells* cells, u32 e, u32 d) {
+    const u32 axis = e >> 2;
+    const u32 first = 2 * (e & 1) + (d & 1);
+    const u32 second = 2 * ((e >> 1) & 1) + (d >> 1);
+    const u64 code = border_cell(cells, axis == 0 ? 1 : first,
+                                 axis == 1   ? 1
+                                 : axis == 0 ? first
+                                             : second,
+                                 axis == 2 ? 1 : second);
     return code != kNoOwner ? leaf_at(tree, code) : no_leaf(tree->shape.level);
 }
 
@@ -344,22 +356,7 @@ MORTISE_FUNCTION u64 vertex_owner(const Tree* tree, MORTISE_GLOBAL u32* used, u3
 // behind in all three directions owns it, since all leaves around are of one level, or coarser.
 MORTISE_FUNCTION u64 corner_owner(const Tree* tree, MORTISE_GLOBAL u32* used, u64 code, u32 mark, u32 x,
                                   u32 y, u32 z, u32 edge, u32 c, u32* bit) {
-    if (!tree->shape.graded) {
-        const u64 behind = cell_behind(code, 7 - c);
-        u64 owner = kNoOwner;
-        i32 level = 0;
-        if (behind != kNoOwner && holds_code(tree, tree->in_bits, behind)) {
-            *bit = 7;
-            return behind;
-        }
-        // As vertex_owner, by steps from the code.
-        {
-            const CornerCells cells = corner_cells(tree, code, tree->shape.level);
-            for (u32 d = 0; d < 8 && !(d == 1 && owner != kNoOwner); ++d)
-                claim_vertex(used, leaf_at_corner(tree, &cells, c, d), d, &owner, &level, bit);
-        }
-        return owner;
-    } else if ((mark & kFinerAround) == 0) {
+    if ((mark & kFinerAround) == 0) {
         *bit = 7;
         if (c == 7) return code;
         {
@@ -371,63 +368,32 @@ MORTISE_FUNCTION u64 corner_owner(const Tree* tree, MORTISE_GLOBAL u32* used, u6
     return vertex_owner(tree, used, x + (c & 1) * edge, y + ((c >> 1) & 1) * edge, z + (c >> 2) * edge, bit);
 }
 
-// Code of place d of those around the edge of leaves of this level along `axis` from vertex (x, y, z), in
-// finest cells; kNoOwner beyond the root box. d counts the two other axes in increasing order: the edge is
-// number 3 - d of its axis in a leaf there.
-MORTISE_FUNCTION u64 code_at_edge(const Tree* tree, i32 level, u32 axis, u32 x, u32 y, u32 z, u32 d) {
-    const u32 edge = leaf_edge(tree, level);
-    const u32 first = edge * ((d & 1) - 1);
-    const u32 second = edge * ((d >> 1) - 1);
-    return code_at(tree, axis == 0 ? x : x + first,
-                   axis == 1   ? y
-                   : axis == 0 ? y + first
-                               : y + second,
-                   axis == 2 ? z : z + second);
-}
-
-// The same around edge e of the leaf with this code, by steps from the code where the tree is uniform.
-MORTISE_FUNCTION u64 code_around_edge(const Tree* tree, u64 code, i32 level, u32 e, u32 d) {
-    const u32 axis = e >> 2;
-    if (tree->shape.graded) {
-        const u32 edge = leaf_edge(tree, level);
-        const u32 c = kEdgeCorners[e][0];
-        return code_at_edge(tree, level, axis, gather_bits(code) + (c & 1) * edge,
-                            gather_bits(code >> 1) + ((c >> 1) & 1) * edge,
-                            gather_bits(code >> 2) + (c >> 2) * edge, d);
-    }
-    {
-        const i32 first = (i32)((e & 1) + (d & 1)) - 1;
-        const i32 second = (i32)(((e >> 1) & 1) + (d >> 1)) - 1;
-        return cell_beside(tree, code, axis == 0 ? 0 : first,
-                           axis == 1   ? 0
-                           : axis == 0 ? first
-                                       : second,
-                           axis == 2 ? 0 : second);
-    }
-}
-
-// Makes the leaf at `code`, place d of those around an edge of leaves of `edge_level`, the owner of its root,
-// if it uses it and comes before the owner so far.
-MORTISE_FUNCTION void claim_edge(const Tree* tree, MORTISE_GLOBAL u32* used, i32 edge_level, u32 axis, u32 d,
-                                 u64 code, u64* owner, u32* bit) {
+// Makes a leaf, place d of those around an edge along `axis` of leaves of `edge_level`, the owner of its
+// root, if it uses it and comes before the owner so far.
+MORTISE_FUNCTION void claim_edge(MORTISE_GLOBAL u32* used, const Leaf leaf, i32 edge_level, u32 axis, u32 d,
+                                 u64* owner, u32* bit) {
     const u32 edge_bit = 8 + 4 * axis + (3 - d);
-    if (code < *owner) {
-        const Leaf leaf = leaf_at(tree, code);
-        if (leaf.level == edge_level && leaf_uses(used, leaf, edge_bit)) {
-            *owner = code;
-            *bit = edge_bit;
-        }
+    if (leaf.level == edge_level && leaf.code < *owner && leaf_uses(used, leaf, edge_bit)) {
+        *owner = leaf.code;
+        *bit = edge_bit;
     }
 }
 
 // Owner of the single root on the edge of leaves of `edge_level` along `axis` from vertex (x, y, z), in
-// finest cells.
+// finest cells. Places around it count as in leaf_at_edge.
 MORTISE_FUNCTION u64 edge_owner(const Tree* tree, MORTISE_GLOBAL u32* used, i32 edge_level, u32 axis, u32 x,
                                 u32 y, u32 z, u32* bit) {
+    const u32 edge = leaf_edge(tree, edge_level);
     u64 owner = kNoOwner;
     for (u32 d = 0; d < 4; ++d) {
-        claim_edge(tree, used, edge_level, axis, d, code_at_edge(tree, edge_level, axis, x, y, z, d), &owner,
-                   bit);
+        const u32 first = edge * ((d & 1) - 1);
+        const u32 second = edge * ((d >> 1) - 1);
+        const u64 code = code_at(tree, axis == 0 ? x : x + first,
+                                 axis == 1   ? y
+                                 : axis == 0 ? y + first
+                                             : y + second,
+                                 axis == 2 ? z : z + second);
+        if (code != kNoOwner) claim_edge(used, leaf_at(tree, code), edge_level, axis, d, &owner, bit);
     }
     return owner;
 }
@@ -435,9 +401,10 @@ MORTISE_FUNCTION u64 edge_owner(const Tree* tree, MORTISE_GLOBAL u32* used, i32 
 // The same for edge e of the leaf with this code and level.
 MORTISE_FUNCTION u64 own_edge_owner(const Tree* tree, MORTISE_GLOBAL u32* used, u64 code, i32 level, u32 e,
                                     u32* bit) {
+    const BorderCells cells = border_cells(tree, code, level);
     u64 owner = kNoOwner;
     for (u32 d = 0; d < 4; ++d)
-        claim_edge(tree, used, level, e >> 2, d, code_around_edge(tree, code, level, e, d), &owner, bit);
+        claim_edge(used, leaf_at_edge(tree, &cells, e, d), level, e >> 2, d, &owner, bit);
     return owner;
 }
 

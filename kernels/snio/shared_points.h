@@ -21,7 +21,7 @@ static int has_point(__global const SnioCandidate* candidates, uint surface, int
 // before this one.
 static uint first_at_corner(const Tree* tree, __global const SnioCandidate* candidates, uint surface,
                             ulong code, int level, uint c, uint* first) {
-    const CornerCells cells = corner_cells(tree, code, level);
+    const BorderCells cells = border_cells(tree, code, level);
     for (uint d = 0; d < 7 - c; ++d) {
         const Leaf leaf = leaf_at_corner(tree, &cells, c, d);
         if (!has_point(candidates, surface, level, leaf)) continue;
@@ -34,15 +34,12 @@ static uint first_at_corner(const Tree* tree, __global const SnioCandidate* cand
 // The same for edge e and the leaves of leaf_at_edge.
 static uint first_at_edge(const Tree* tree, __global const SnioCandidate* candidates, uint surface,
                           ulong code, int level, uint e, uint* first) {
+    const BorderCells cells = border_cells(tree, code, level);
     for (uint d = 0; d < 3 - (e & 3); ++d) {
-        const ulong there = code_around_edge(tree, code, level, e, d);
-        if (there == kNoOwner) continue;
-        {
-            const Leaf leaf = leaf_at(tree, there);
-            if (!has_point(candidates, surface, level, leaf)) continue;
-            *first = leaf.index;
-            return d;
-        }
+        const Leaf leaf = leaf_at_edge(tree, &cells, e, d);
+        if (!has_point(candidates, surface, level, leaf)) continue;
+        *first = leaf.index;
+        return d;
     }
     return 3 - (e & 3);
 }

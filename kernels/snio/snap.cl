@@ -17,7 +17,7 @@ static void veto(__global uint* vetoes, uint leaf, uint corner) {
 }
 
 // No leaf of this level around corner c of one of them may move it.
-static void veto_vertex(const Tree* tree, const CornerCells* cells, int level, uint c,
+static void veto_vertex(const Tree* tree, const BorderCells* cells, int level, uint c,
                         __global uint* vetoes) {
     for (uint d = 0; d < 8; ++d) {
         const Leaf leaf = leaf_at_corner(tree, cells, c, d);
@@ -27,7 +27,7 @@ static void veto_vertex(const Tree* tree, const CornerCells* cells, int level, u
 
 static void veto_corners(const Tree* tree, ulong own, __global uint* vetoes) {
     const int level = leaf_level(tree, own);
-    const CornerCells cells = corner_cells(tree, own, level);
+    const BorderCells cells = border_cells(tree, own, level);
     for (uint c = 0; c < 8; ++c) veto_vertex(tree, &cells, level, c, vetoes);
 }
 
@@ -47,7 +47,7 @@ MORTISE_KERNEL void mark_vertices(TREE_PARAMETERS, __global const TreeNode* nio,
         const SnioCandidate candidate = candidates[item];
         const ulong own = nio[item].morton;
         const int level = leaf_level(&tree, own);
-        const CornerCells cells = corner_cells(&tree, own, level);
+        const BorderCells cells = border_cells(&tree, own, level);
         const uint corners = (candidate.flags & kCandidateSimple) ? candidate.near | candidate.zero : 0;
         for (uint c = 0; c < 8; ++c) {
             Leaf in_leaves[8];
@@ -124,7 +124,7 @@ MORTISE_KERNEL void promote_leaves(TREE_PARAMETERS, __global const uint* new_nio
                 point_of[to] = from++;
             } else {
                 const int level = leaf_level(&tree, own);
-                const CornerCells cells = corner_cells(&tree, own, level);
+                const BorderCells cells = border_cells(&tree, own, level);
                 __global SnioPoints* own_points = promoted_points + (to - from);
                 point_of[to] = kPromotedPoints | (to - from);
                 node.morton = own;
@@ -318,7 +318,7 @@ static int has_needed(const Tree* tree, __global const TreeNode* nio,
                       __global const SnioCandidate* candidates, uint index) {
     const uint needed = candidates[index].needed;
     const ulong own = nio[index].morton;
-    const CornerCells cells = corner_cells(tree, own, leaf_level(tree, own));
+    const BorderCells cells = border_cells(tree, own, leaf_level(tree, own));
     for (uint c = 0; c < 8; ++c) {
         if (((needed >> c) & 1) == 0) continue;
         for (uint d = 0; d < 8; ++d) {

@@ -50,8 +50,8 @@ struct MostlyIn {
     bool is_in(i64 x, i64 y, i64 z) const {
         if (x < 0 || y < 0 || z < 0) return false;
         const Tree view = tree();
-        return holds_code(&view, in.data(),
-                          morton_encode(static_cast<u32>(x), static_cast<u32>(y), static_cast<u32>(z))) != 0;
+        return leaf_at(&view, morton_encode(static_cast<u32>(x), static_cast<u32>(y), static_cast<u32>(z)))
+                   .kind == kLeafIn;
     }
 };
 
