@@ -45,7 +45,7 @@ build() {
     done
     shift
     if [ ! -f "$folder/build.ninja" ]; then
-        cmake -S "$root" -B "$folder" -G Ninja -DCMAKE_BUILD_TYPE=Release "${options[@]}" >&2 || return
+        cmake -S "$root" -B "$folder" -G Ninja -DCMAKE_BUILD_TYPE=Release -DMORTISE_JOIN=ON "${options[@]}" >&2 || return
     fi
     cmake --build "$folder" --parallel "$(nproc)" ${1:+--target "$@"} >&2
 }

@@ -58,7 +58,7 @@ void move_to(std::vector<T>& to, std::vector<T>& from, int threads, const Change
 
 /// Words of a block of 4³ cells of a uniform tree.
 constexpr std::size_t kBlockWords = 2;
-constexpr std::size_t kChunk = 256;  ///< words, whole blocks
+constexpr std::size_t kWordChunk = 256;  ///< words, whole blocks
 
 constexpr std::uint64_t kBlockCells = 32 * kBlockWords;
 
@@ -103,8 +103,8 @@ std::vector<std::uint64_t> border_leaves(const octree::Octree& tree, const Morto
     const std::size_t last =
         range.end >= std::uint64_t{1} << (3 * tree.level) ? tree.words() : tree.words_below(range.end);
     const Tree view = tree.view();
-    std::vector<std::vector<std::uint64_t>> found(chunk_count(last - first, kChunk));
-    parallel_chunks(last - first, kChunk, threads, [&](std::size_t begin, std::size_t end, int) {
+    std::vector<std::vector<std::uint64_t>> found(chunk_count(last - first, kWordChunk));
+    parallel_chunks(last - first, kWordChunk, threads, [&](std::size_t begin, std::size_t end, int) {
         bool deep = false;
         for (std::size_t word = first + begin; word < first + end; ++word) {
             const std::uint64_t start = tree.code_of_word(word);
@@ -113,7 +113,7 @@ std::vector<std::uint64_t> border_leaves(const octree::Octree& tree, const Morto
             if (deep) continue;
             for (u32 bits = tree.in_bits[word] | tree.nio_bits[word]; bits != 0; bits &= bits - 1) {
                 const std::uint64_t code = start + count_bits((bits & (0u - bits)) - 1);
-                if (touches_outside(tree, range, code)) found[begin / kChunk].push_back(code);
+                if (touches_outside(tree, range, code)) found[begin / kWordChunk].push_back(code);
             }
         }
     });

@@ -11,7 +11,7 @@ namespace mortise::cnio {
 namespace {
 
 // A face that holds too many surfaces stays as it is then, from both sides.
-constexpr std::size_t kMostWork = 1u << 14;  ///< triangles times surfaces
+constexpr std::size_t kMostFaceWork = 1u << 14;  ///< triangles times surfaces
 constexpr std::size_t kFewestTriangles = 64;
 
 /// Height of a triangle over its longest side, relative to it, squared. The arithmetic is that of templates
@@ -436,7 +436,7 @@ bool Cell::split_patch(const Patch& patch, std::size_t k, int round) {
         const LocalNode na = fan_nodes_[a];
         const LocalNode nb = fan_nodes_[b];
         if (sign(na, p) * sign(nb, p) >= 0) continue;  // an end was snapped
-        if (fan_.size() >= std::max(kFewestTriangles, kMostWork / on_face)) {
+        if (fan_.size() >= std::max(kFewestTriangles, kMostFaceWork / on_face)) {
             ++counters.limited;
             return false;
         }

@@ -10,8 +10,6 @@ namespace mortise {
 #ifdef MORTISE_HAS_LANES
 namespace {
 
-using lanes::cross;
-using lanes::dot;
 using lanes::Doubles;
 using lanes::Points;
 template <std::size_t kWidth>

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/common/constants.hpp"
 #include "host/common/vec3.hpp"
 
 namespace mortise {
@@ -10,16 +11,12 @@ namespace {
 
 using Shape = RoundedSolid::Shape;
 
-constexpr double kTurn = 6.283185307179586;
 constexpr double kInside = 1e-9;  ///< of the solid's size: a ball that sticks out less from another is inside
 constexpr double kLeastArc = 1e-6;     ///< radians: what a shorter arc would add is of second order
 constexpr double kSameNormal = 1e-14;  ///< squared difference of normals of one facet
 constexpr double kNoDifference = 1e-12;
 
 double length(const Vec3& v) { return std::sqrt(dot(v, v)); }
-Vec3 difference(const Vec3& a, const Vec3& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
-Vec3 scaled(const Vec3& v, double by) { return {v[0] * by, v[1] * by, v[2] * by}; }
-Vec3 sum(const Vec3& a, const Vec3& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
 
 /// Angles of a circle that no half-plane excludes.
 class AllowedAngles {

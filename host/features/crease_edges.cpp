@@ -3,6 +3,7 @@
 #include <cmath>
 #include <tuple>
 
+#include "host/common/constants.hpp"
 #include "host/common/index_set.hpp"
 #include "host/features/features.hpp"
 #include "host/features/surfaces.hpp"
@@ -10,7 +11,6 @@
 namespace mortise::features {
 namespace {
 
-constexpr double kDegrees = 57.295779513082323;
 constexpr std::size_t kMostAround = 64;  // facets about one edge; meshes have two to six
 
 /// What a facet separates, and by which surface.

@@ -25,17 +25,6 @@ constexpr int kRelaxations = 2;
 /// Trials of several steps in a block, at most; one per 16 tetrahedra are enough for ordinary parts.
 constexpr std::uint64_t kLeastTrials = 64;
 constexpr std::uint64_t kTetrahedraPerTrial = 16;
-constexpr std::uint8_t kEdgeEnds[6][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
-
-std::array<std::uint32_t, 3> sorted_face(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
-    std::array<std::uint32_t, 3> key = {a, b, c};
-    std::sort(key.begin(), key.end());
-    return key;
-}
-
-bool has(const std::array<std::uint32_t, 4>& node, std::uint32_t n) {
-    return node[0] == n || node[1] == n || node[2] == n || node[3] == n;
-}
 
 }  // namespace
 

@@ -42,6 +42,9 @@ inline constexpr double kLoosenBelow = 0.259;
 /// Where smaller elements reach this nothing need be merged: scaled Jacobian 0.13.
 inline constexpr double kRelieved = 0.2;
 
+/// Cosine between a facet that a change makes or moves and its surface; less only if it was less before.
+inline constexpr double kLeastAlignment = 0.75;
+
 /// Nodes that a block has added are numbered from here until the zone has numbered them.
 inline constexpr ZoneNode kNewNode = 0x80000000u;
 

@@ -12,7 +12,7 @@
 namespace mortise::improve {
 namespace {
 
-constexpr std::size_t kChunk = 4096;
+constexpr std::size_t kClashChunk = 4096;
 
 /// Nodes are sorted along a direction in which no plane of usual models, nor of the grid, is level.
 constexpr Point kAcross = {0.5257, 0.7433, 0.4136};
@@ -39,8 +39,8 @@ void find_coincident(const PassResult& pass, int threads, std::vector<Pair>& cla
     }
     if (moved.empty()) return;
     parallel_sort(moved, threads);
-    std::vector<std::vector<Pair>> found(chunk_count(pass.after.size(), kChunk));
-    parallel_chunks(pass.after.size(), kChunk, threads, [&](std::size_t begin, std::size_t end, int) {
+    std::vector<std::vector<Pair>> found(chunk_count(pass.after.size(), kClashChunk));
+    parallel_chunks(pass.after.size(), kClashChunk, threads, [&](std::size_t begin, std::size_t end, int) {
         for (std::size_t n = begin; n < end; ++n) {
             if (pass.owner[n] == kNone) continue;  // no element has it any more
             const Point& at = pass.after[n];
@@ -52,7 +52,7 @@ void find_coincident(const PassResult& pass, int threads, std::vector<Pair>& cla
                                  [](const MovedNode& node, double low) { return node.along < low; });
             for (auto m = first; m != moved.end() && m->along <= along + reach; ++m) {
                 if (m->block != pass.owner[n] && squared_length(m->at - at) < same * same)
-                    found[begin / kChunk].push_back({m->block, moves ? pass.owner[n] : m->block});
+                    found[begin / kClashChunk].push_back({m->block, moves ? pass.owner[n] : m->block});
             }
         }
     });
@@ -179,8 +179,8 @@ void find_crossing(const PassResult& pass, int threads, std::vector<Pair>& clash
     grid.reset(all, facets.size());
     for (std::uint32_t f = 0; f < facets.size(); ++f) grid.add(bounds(triangle(facets[f])), f, 0);
     const double depth = kCrossingDepth * pass.unit;
-    std::vector<std::vector<Pair>> found(chunk_count(facets.size(), kChunk));
-    parallel_chunks(facets.size(), kChunk, threads, [&](std::size_t begin, std::size_t end, int) {
+    std::vector<std::vector<Pair>> found(chunk_count(facets.size(), kClashChunk));
+    parallel_chunks(facets.size(), kClashChunk, threads, [&](std::size_t begin, std::size_t end, int) {
         for (std::size_t f = begin; f < end; ++f) {
             const OuterFacet& facet = facets[f];
             if (pass.changed[facet.block] == 0) continue;
@@ -192,7 +192,7 @@ void find_crossing(const PassResult& pass, int threads, std::vector<Pair>& clash
                 if (!stabs(at, there, depth) && !stabs(there, at, depth)) return false;
                 const bool only_this = moves(facet) && !moves(other);
                 const bool only_other = !moves(facet) && moves(other);
-                found[begin / kChunk].push_back(
+                found[begin / kClashChunk].push_back(
                     {only_other ? other.block : facet.block, only_this ? facet.block : other.block});
                 return false;
             });

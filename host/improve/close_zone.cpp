@@ -8,7 +8,7 @@
 namespace mortise::improve {
 namespace {
 
-constexpr std::size_t kChunk = 65536;
+constexpr std::size_t kCloseChunk = 65536;
 
 /// Nodes of the mesh for those of the zone. New nodes take the numbers of nodes that are gone; `unused`
 /// receives the numbers that are left over, ascending.
@@ -41,7 +41,7 @@ std::vector<NodeId> remove_nodes(const std::vector<NodeId>& unused, int threads,
     const std::size_t count = mesh.node_count();
     resize_large(number, count, threads);
     std::vector<std::uint8_t> is_gone(count, 0);
-    parallel_chunks(count, kChunk, threads, [&](std::size_t begin, std::size_t end, int) {
+    parallel_chunks(count, kCloseChunk, threads, [&](std::size_t begin, std::size_t end, int) {
         auto next = std::lower_bound(unused.begin(), unused.end(), begin);
         for (std::size_t i = begin; i < end; ++i) {
             number[i] = static_cast<NodeId>(i - static_cast<std::size_t>(next - unused.begin()));

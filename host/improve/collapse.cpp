@@ -17,12 +17,7 @@ constexpr std::size_t kMostSurfaces = 8;  ///< that may have a crease in common
 /// Tetrahedra at a node; more, around a needle of the model, would take more time than they are worth.
 constexpr std::size_t kLargestStar = 512;
 constexpr double kEqual = 0.999999;
-constexpr double kLeastAlignment = 0.75;  ///< cosine between a new facet and its surface
 constexpr double kChordError = 0.1;  ///< distance of a new crease edge's middle to its surfaces, per length
-
-bool has(const std::array<std::uint32_t, 4>& node, std::uint32_t n) {
-    return node[0] == n || node[1] == n || node[2] == n || node[3] == n;
-}
 
 }  // namespace
 

@@ -17,7 +17,7 @@ namespace {
 /// The grid is made anew when it has grown by this factor.
 constexpr std::size_t kMostStale = 2;
 constexpr std::size_t kMostCrossed = 32;  ///< places that are watched apart
-constexpr double kAround = 1;             ///< cells around facets that cross
+constexpr double kAroundCrossed = 1;      ///< cells around facets that cross
 
 std::array<std::uint32_t, 3> sorted(std::array<std::uint32_t, 3> node) {
     std::sort(node.begin(), node.end());
@@ -147,7 +147,7 @@ bool Block::has_crossed() {
 void Block::note_crossing(const std::array<Local, 3>& a, const std::array<Local, 3>& b) {
     Bounds place = bounds(triangle(a));
     place.include(bounds(triangle(b)));
-    const double around = kAround * std::max(size_[a[0]], size_[b[0]]);
+    const double around = kAroundCrossed * std::max(size_[a[0]], size_[b[0]]);
     for (std::size_t j = 0; j < 3; ++j) {
         place.low[j] -= around;
         place.high[j] += around;

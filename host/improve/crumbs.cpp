@@ -8,12 +8,12 @@
 namespace mortise::improve {
 namespace {
 
-constexpr std::size_t kChunk = 8192;
+constexpr std::size_t kCrumbChunk = 8192;
 
-struct Face {
+struct CrumbFace {
     std::array<ZoneNode, 3> node;  ///< ascending
     std::uint32_t owner;
-    bool operator<(const Face& other) const { return node < other.node; }
+    bool operator<(const CrumbFace& other) const { return node < other.node; }
 };
 
 /// In smallest leaves around the tetrahedron.
@@ -28,11 +28,11 @@ double volume(const Zone& zone, const Tetrahedron& t) {
 /// Tetrahedra that are small enough, in order.
 std::vector<std::uint32_t> find_small(const Zone& zone, int threads) {
     const std::size_t count = zone.tetrahedra.size();
-    std::vector<std::vector<std::uint32_t>> found(chunk_count(count, kChunk));
-    parallel_chunks(count, kChunk, threads, [&](std::size_t begin, std::size_t end, int) {
+    std::vector<std::vector<std::uint32_t>> found(chunk_count(count, kCrumbChunk));
+    parallel_chunks(count, kCrumbChunk, threads, [&](std::size_t begin, std::size_t end, int) {
         for (std::size_t i = begin; i < end; ++i) {
             if (volume(zone, zone.tetrahedra[i]) > kCrumbVolume) continue;
-            found[begin / kChunk].push_back(static_cast<std::uint32_t>(i));
+            found[begin / kCrumbChunk].push_back(static_cast<std::uint32_t>(i));
         }
     });
     std::vector<std::uint32_t> small;
@@ -40,10 +40,10 @@ std::vector<std::uint32_t> find_small(const Zone& zone, int threads) {
     return small;
 }
 
-/// Pieces of small tetrahedra, joined by faces: each known by its first.
-class Pieces {
+/// CrumbPieces of small tetrahedra, joined by faces: each known by its first.
+class CrumbPieces {
   public:
-    Pieces(const Zone& zone, const std::vector<std::uint32_t>& small)
+    CrumbPieces(const Zone& zone, const std::vector<std::uint32_t>& small)
         : zone_(zone), small_(small), sets_(small.size()) {
         std::vector<std::uint8_t> held(small.size(), 0);
         join_by_faces(held);
@@ -64,14 +64,14 @@ class Pieces {
   private:
     /// Sets `held` where a face belongs to something that is not small, or must stay.
     void join_by_faces(std::vector<std::uint8_t>& held) {
-        std::vector<Face> faces;
+        std::vector<CrumbFace> faces;
         for (std::uint32_t i = 0; i < small_.size(); ++i) {
             const Tetrahedron& t = zone_.tetrahedra[small_[i]];
             for (std::size_t f = 0; f < 4; ++f) {
                 held[i] |= (t.tag[f] & kTagBorder) != 0 ? 1 : 0;
                 if (t.tag[f] != 0 && (t.tag[f] & kTagInterface) == 0) continue;
                 const auto& o = kOpposite[f];
-                Face face{{t.node[o[0]], t.node[o[1]], t.node[o[2]]}, i};
+                CrumbFace face{{t.node[o[0]], t.node[o[1]], t.node[o[2]]}, i};
                 sort_three(face.node);
                 faces.push_back(face);
             }
@@ -106,7 +106,7 @@ Crumbs remove_crumbs(Zone& zone, int threads) {
     Crumbs crumbs;
     const std::vector<std::uint32_t> small = find_small(zone, threads);
     if (small.empty()) return crumbs;
-    Pieces pieces(zone, small);
+    CrumbPieces pieces(zone, small);
     std::vector<std::uint32_t> gone;
     for (std::uint32_t i = 0; i < small.size(); ++i) {
         if (!pieces.is_crumb(i)) continue;

@@ -8,7 +8,7 @@
 namespace mortise::improve {
 namespace {
 
-constexpr std::size_t kChunk = 4096;
+constexpr std::size_t kQuadChunk = 4096;
 
 QuadKey quad_key(const NodeId* node) {
     QuadKey key = {node[0], node[1], node[2], node[3]};
@@ -32,13 +32,13 @@ struct QuadUse {
 std::vector<QuadKey> outer_quads(const Mesh& mesh, const CellFrame& frame, const CellSet& cells,
                                  int threads) {
     const FacetBlock& facets = mesh.facets;
-    std::vector<std::vector<QuadKey>> found(chunk_count(facets.size(), kChunk));
-    parallel_chunks(facets.size(), kChunk, threads, [&](std::size_t begin, std::size_t end, int) {
+    std::vector<std::vector<QuadKey>> found(chunk_count(facets.size(), kQuadChunk));
+    parallel_chunks(facets.size(), kQuadChunk, threads, [&](std::size_t begin, std::size_t end, int) {
         for (std::size_t i = begin; i < end; ++i) {
             const NodeId* node = facets.nodes.data() + 4 * i;
             if (node[2] == node[3] || facets.outside[i] != 0) continue;
             if (cells.is_graded() || cells.is_near(in_cells(mesh, frame, *node)))
-                found[begin / kChunk].push_back(quad_key(node));
+                found[begin / kQuadChunk].push_back(quad_key(node));
         }
     });
     std::vector<QuadKey> quads;
@@ -74,9 +74,9 @@ void mark_kept_quads(const Mesh& mesh, const std::vector<QuadKey>& outer, const 
                 {quad_key(node), static_cast<std::uint32_t>(8 * i) + static_cast<std::uint32_t>(f)});
         }
     };
-    std::vector<std::vector<QuadUse>> found(chunk_count(elements.size(), kChunk));
-    parallel_chunks(elements.size(), kChunk, threads, [&](std::size_t begin, std::size_t end, int) {
-        for (std::size_t i = begin; i < end; ++i) list_quads(i, found[begin / kChunk]);
+    std::vector<std::vector<QuadUse>> found(chunk_count(elements.size(), kQuadChunk));
+    parallel_chunks(elements.size(), kQuadChunk, threads, [&](std::size_t begin, std::size_t end, int) {
+        for (std::size_t i = begin; i < end; ++i) list_quads(i, found[begin / kQuadChunk]);
     });
     std::vector<QuadUse> uses;
     append_lists(found, threads, uses);

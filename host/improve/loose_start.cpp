@@ -21,7 +21,7 @@ constexpr double kTurningPart = 0.05;
 /// What a wall's nodes may move, in thicknesses of it.
 constexpr double kWallPart = 0.2;
 /// A node farther from a surface than this, in edges of the smallest leaf, counts as loosened.
-constexpr double kOffSurface = 1e-4;
+constexpr double kLoosened = 1e-4;
 
 /// A node's facets on one of its surfaces, as the whole zone has them.
 struct Side {
@@ -229,7 +229,7 @@ std::uint64_t count_loose(const Zone& zone, const LooseStart& start, const Surfa
         for (const ZoneNode n : t.node) {
             if (seen[n] != 0 || zone.points[n] == start.home[n]) continue;
             seen[n] = 1;
-            const double off = kOffSurface * edge_of(zone.size_class[n]);
+            const double off = kLoosened * edge_of(zone.size_class[n]);
             const std::uint32_t* on = zone.surfaces(n);
             count += std::any_of(on, on + zone.stratum_size(n), [&](std::uint32_t surface) {
                 const Surfaces::Sample s = surfaces.sample(surface, zone.points[n]);

@@ -14,10 +14,10 @@ namespace mortise::improve {
 namespace {
 
 constexpr int kMostRounds = 8;
-constexpr std::uint64_t kMostEvaluations = 50;       ///< of qualities, per tetrahedron of the block,
-constexpr std::uint64_t kLeastEvaluations = 200000;  ///< and besides
-constexpr std::uint64_t kMostTrials = 1000;          ///< changes of several steps
-constexpr double kSharp = 0.9;                       ///< cosine: edges of less than 26 degrees
+constexpr std::uint64_t kLooseEvaluations = 50;           ///< of qualities, per tetrahedron of the block,
+constexpr std::uint64_t kLeastLooseEvaluations = 200000;  ///< and besides
+constexpr std::uint64_t kMostLooseTrials = 1000;          ///< changes of several steps
+constexpr double kSharp = 0.9;                            ///< cosine: edges of less than 26 degrees
 /// Of a wall's thickness: elements that are flatter are not as flat because of the wall.
 constexpr double kFlatPart = 0.25;
 
@@ -97,8 +97,8 @@ bool Block::loosen(const BlockOptions& options, LooseStart& start) {
     if (is_hopeless()) return false;
     list_watched_facets();
     std::fill(tried_.begin(), tried_.end(), 0);
-    most_evaluated_ = evaluated_ + kLeastEvaluations + kMostEvaluations * tetrahedra_.size();
-    trials_left_ = kMostTrials;
+    most_evaluated_ = evaluated_ + kLeastLooseEvaluations + kLooseEvaluations * tetrahedra_.size();
+    trials_left_ = kMostLooseTrials;
     is_loose_ = true;
     bool any = false;
     bool changed = true;

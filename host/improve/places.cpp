@@ -9,7 +9,7 @@
 namespace mortise::improve {
 namespace {
 
-constexpr std::size_t kChunk = 4096;
+constexpr std::size_t kPlaceChunk = 4096;
 /// Hexahedra of IN cells, and of their pieces, of which first and last tell that none is near the zone.
 constexpr std::size_t kRow = 64;
 constexpr std::size_t kPieces = 6;  ///< of a cube
@@ -174,12 +174,12 @@ void find_cells(const Mesh& mesh, const CellFrame& frame, const CellSet& cells, 
         const auto type = static_cast<std::size_t>(t);
         const CellFinder finder(mesh, frame, cells, bricks, known.cube_pieces, t);
         const std::size_t count = mesh.elements[type].size();
-        std::vector<std::vector<std::uint32_t>> elements(chunk_count(count, kChunk));
+        std::vector<std::vector<std::uint32_t>> elements(chunk_count(count, kPlaceChunk));
         std::vector<std::vector<std::uint32_t>> cells_of(elements.size());
-        parallel_chunks(count, kChunk, threads, [&](std::size_t begin, std::size_t end, int) {
+        parallel_chunks(count, kPlaceChunk, threads, [&](std::size_t begin, std::size_t end, int) {
             CellFinder::Found found = finder.find(begin, end);
-            elements[begin / kChunk] = std::move(found.elements);
-            cells_of[begin / kChunk] = std::move(found.cells);
+            elements[begin / kPlaceChunk] = std::move(found.elements);
+            cells_of[begin / kPlaceChunk] = std::move(found.cells);
         });
         append_lists(elements, threads, places.element[type]);
         append_lists(cells_of, threads, places.cell_of[type]);
@@ -193,7 +193,7 @@ void find_size_classes(const Mesh& mesh, const CellFrame& frame, const CellSet& 
     std::vector<std::atomic<std::uint8_t>> least(mesh.node_count());
     for (auto& value : least) value.store(0xff, std::memory_order_relaxed);
     for (int t = 0; t < kElementTypes; ++t) {
-        parallel_chunks(mesh.elements[static_cast<std::size_t>(t)].size(), kChunk, threads,
+        parallel_chunks(mesh.elements[static_cast<std::size_t>(t)].size(), kPlaceChunk, threads,
                         [&](std::size_t begin, std::size_t end, int) {
                             for (std::size_t i = begin; i < end; ++i) {
                                 const Element e = element(mesh, t, i);

@@ -11,7 +11,7 @@
 namespace mortise::improve {
 namespace {
 
-constexpr std::size_t kChunk = 4096;
+constexpr std::size_t kPoorChunk = 4096;
 /// A hexahedron, wedge or pyramid with an edge shorter than this, in edges of the smallest leaf at its ends,
 /// counts as poor: it may have right angles and still make its neighbours flat.
 constexpr double kShortestEdge = 0.35;
@@ -87,9 +87,9 @@ std::vector<CellId> poor_cells(const Mesh& mesh, const CellFrame& frame, const C
         const ElementBlock& block = mesh.elements[static_cast<std::size_t>(t)];
         const std::size_t before = known.old[static_cast<std::size_t>(t)];
         const std::size_t count = block.size() - before;
-        std::vector<std::vector<CellId>> found(chunk_count(count, kChunk));
-        parallel_chunks(count, kChunk, threads, [&](std::size_t begin, std::size_t end, int) {
-            std::vector<CellId>& list = found[begin / kChunk];
+        std::vector<std::vector<CellId>> found(chunk_count(count, kPoorChunk));
+        parallel_chunks(count, kPoorChunk, threads, [&](std::size_t begin, std::size_t end, int) {
+            std::vector<CellId>& list = found[begin / kPoorChunk];
             const auto look = [&](std::size_t i) {
                 const Element e = element(mesh, t, i);
                 if (element_quality(mesh, frame, e, static_cast<ElementKind>(block.kind[i]), rounding) <
@@ -125,7 +125,7 @@ std::uint64_t count_below(const Mesh& mesh, const CellFrame& frame, double least
     std::atomic<std::uint64_t> count{0};
     for (int t = 0; t < kElementTypes; ++t) {
         const ElementBlock& block = mesh.elements[static_cast<std::size_t>(t)];
-        parallel_chunks(block.size(), kChunk, threads, [&](std::size_t begin, std::size_t end, int) {
+        parallel_chunks(block.size(), kPoorChunk, threads, [&](std::size_t begin, std::size_t end, int) {
             std::uint64_t below = 0;
             for (std::size_t i = begin; i < end; ++i) {
                 below += !is_cube(block, t, i) &&

@@ -20,8 +20,8 @@ constexpr double kShortestAsked = 0.07;  ///< edges of the smallest leaf: what i
 constexpr double kLongestAsked = 0.5;
 constexpr double kGrowth = 0.7;   ///< of the length, with distance from the poor element
 constexpr double kTooLong = 1.5;  ///< edges are split that are longer than this times what is asked
-constexpr std::uint64_t kMostEvaluations = 100;      ///< of qualities, per tetrahedron of the block,
-constexpr std::uint64_t kLeastEvaluations = 300000;  ///< and besides, since few may become many
+constexpr std::uint64_t kRefineEvaluations = 100;          ///< of qualities, per tetrahedron of the block,
+constexpr std::uint64_t kLeastRefineEvaluations = 300000;  ///< and besides, since few may become many
 /// Tetrahedra around a split edge, more or less, that improvement then works on.
 constexpr std::uint64_t kTetrahedraPerSplit = 24;
 constexpr std::size_t kMostPoor = 1000;    ///< and one in 16: of more, smaller elements leave too many
@@ -30,7 +30,7 @@ constexpr std::size_t kMostMembers = 256;  ///< of a cluster: where all is poor,
 constexpr std::size_t kMostSplits = 64;
 constexpr std::size_t kMostSplitsPerMember = 40;
 /// Part of what was wrong with a cluster that smaller elements must mend.
-constexpr double kLeastRelief = 0.2;
+constexpr double kLeastMended = 0.2;
 /// What single changes may leave for those of several steps to mend: so much more wrong, or a worst element
 /// so much worse. Of 847 attempts that left more, 41 became a relief.
 constexpr double kMostRegress = 0.2;
@@ -282,7 +282,7 @@ Block::Relief Block::find_relief(const Block& before, const Cluster& cluster) co
         worst = std::min(worst, now);
     }
     Relief relief;
-    relief.is_enough = sum < -kLeastRelief * cluster.burden && worst >= cluster.worst && sag <= old_sag;
+    relief.is_enough = sum < -kLeastMended * cluster.burden && worst >= cluster.worst && sag <= old_sag;
     relief.is_near = sum < kMostRegress * cluster.burden && worst >= kWorstRegress * cluster.worst;
     return relief;
 }
@@ -325,7 +325,7 @@ bool Block::may_refine() const {
 
 bool Block::refine() {
     std::vector<Cluster> clusters = find_clusters();
-    last_evaluation_ = evaluated_ + kLeastEvaluations + kMostEvaluations * count_alive();
+    last_evaluation_ = evaluated_ + kLeastRefineEvaluations + kRefineEvaluations * count_alive();
     bool any = false;
     for (const Cluster& cluster : clusters) {
         std::vector<std::uint32_t> members;

@@ -6,7 +6,7 @@
 namespace mortise::improve {
 namespace {
 
-constexpr std::size_t kChunk = 65536;
+constexpr std::size_t kScopeChunk = 65536;
 
 void make_unique(std::vector<std::uint64_t>& list) {
     std::sort(list.begin(), list.end());
@@ -46,7 +46,7 @@ void Scope::spread(int reach) {
                 }
             }
         }
-        if (bricks_.size() > kChunk && bricks_.size() == bricks_.capacity()) make_unique(bricks_);
+        if (bricks_.size() > kScopeChunk && bricks_.size() == bricks_.capacity()) make_unique(bricks_);
     }
     make_unique(bricks_);
 }
@@ -56,11 +56,11 @@ ElementNumbers Scope::select(const Mesh& part) const {
     for (int t = 0; t < kElementTypes; ++t) {
         const auto type = static_cast<std::size_t>(t);
         const std::size_t count = part.elements[type].size();
-        std::vector<std::vector<std::uint32_t>> found(chunk_count(count, kChunk));
-        parallel_chunks(count, kChunk, threads_, [&](std::size_t begin, std::size_t end, int) {
+        std::vector<std::vector<std::uint32_t>> found(chunk_count(count, kScopeChunk));
+        parallel_chunks(count, kScopeChunk, threads_, [&](std::size_t begin, std::size_t end, int) {
             for (std::size_t i = begin; i < end; ++i) {
                 if (cells_.test(cells_.index(place_of(part, frame_, t, i))))
-                    found[begin / kChunk].push_back(static_cast<std::uint32_t>(i));
+                    found[begin / kScopeChunk].push_back(static_cast<std::uint32_t>(i));
             }
         });
         for (const auto& list : found) result[type].insert(result[type].end(), list.begin(), list.end());

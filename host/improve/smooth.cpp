@@ -11,8 +11,7 @@ constexpr double kFlatAtCorner = 0.01;
 constexpr double kFirstStep = 0.25;  ///< of the mean length of the node's edges
 constexpr int kHalvings = 4;
 constexpr double kLongest = 1e9;
-constexpr double kCluster = 0.05;  ///< shortest per mean edge
-constexpr double kLeastAlignment = 0.75;
+constexpr double kCluster = 0.05;       ///< shortest per mean edge
 constexpr double kSame = 1 - 1e-12;     ///< a quality that is not lower, but for rounding
 constexpr double kLeastRelief = 0.999;  ///< what is left of a shortfall
 

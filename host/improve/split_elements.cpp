@@ -9,7 +9,7 @@
 namespace mortise::improve {
 namespace {
 
-constexpr std::size_t kChunk = 4096;
+constexpr std::size_t kSplitChunk = 4096;
 /// A split into tetrahedra that is flatter than this is replaced by a cone from the element's centre.
 constexpr double kLowestSplit = 0.02;
 /// New nodes are numbered from here on until it is known how many other chunks have.
@@ -136,9 +136,9 @@ std::vector<CellId> split_elements(const Mesh& mesh, const CellFrame& frame, con
                                    const std::vector<ElementRef>& elements,
                                    const std::vector<std::uint32_t>& place, int threads, Zone& zone) {
     const Splitter splitter(mesh, frame, cells, place, zone);
-    std::vector<Pieces> parts(chunk_count(elements.size(), kChunk));
-    parallel_chunks(elements.size(), kChunk, threads, [&](std::size_t begin, std::size_t end, int) {
-        for (std::size_t i = begin; i < end; ++i) splitter.split(elements[i], parts[begin / kChunk]);
+    std::vector<Pieces> parts(chunk_count(elements.size(), kSplitChunk));
+    parallel_chunks(elements.size(), kSplitChunk, threads, [&](std::size_t begin, std::size_t end, int) {
+        for (std::size_t i = begin; i < end; ++i) splitter.split(elements[i], parts[begin / kSplitChunk]);
     });
     struct Begin {
         std::size_t tetrahedra, pyramids;

@@ -6,13 +6,6 @@ namespace mortise::improve {
 namespace {
 
 constexpr std::size_t kLongestRing = 8;
-constexpr double kLeastAlignment = 0.75;  ///< cosine between a new facet and its surface
-
-std::array<std::uint32_t, 3> sorted_face(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
-    std::array<std::uint32_t, 3> key = {a, b, c};
-    std::sort(key.begin(), key.end());
-    return key;
-}
 
 }  // namespace
 

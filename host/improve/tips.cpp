@@ -9,11 +9,11 @@ namespace {
 
 constexpr double kReach = 1.5;  ///< cells
 constexpr int kDirections = 64;
-constexpr double kAround = 0.1;         ///< cells: radius of the circle on which branches are counted
+constexpr double kBranchCircle = 0.1;   ///< cells: radius of the circle on which branches are counted
 constexpr std::size_t kMostTried = 64;  ///< nodes for one pole
 
 /// A facet of the zone: a face of a tetrahedron with a tag.
-struct Face {
+struct TipFace {
     std::uint32_t tetrahedron;
     std::uint8_t face;
 };
@@ -93,7 +93,7 @@ class Assigner {
     }
 
     /// Ascending, so that both sides of an interface compute alike.
-    std::array<ZoneNode, 3> nodes_of(Face face) const {
+    std::array<ZoneNode, 3> nodes_of(TipFace face) const {
         const auto& node = zone_.tetrahedra[face.tetrahedron].node;
         const auto& o = kOpposite[face.face];
         std::array<ZoneNode, 3> n = {node[o[0]], node[o[1]], node[o[2]]};
@@ -132,8 +132,9 @@ class Assigner {
         std::uint32_t before = Surfaces::kNoTurn;
         for (int k = 0; k <= kDirections; ++k) {
             const double angle = 2 * 3.14159265358979323846 * (k % kDirections) / kDirections;
-            const std::uint32_t here = surfaces_.turn_at(
-                *tip.pole, tip.point + (kAround * zone_.unit) * (std::cos(angle) * u + std::sin(angle) * v));
+            const std::uint32_t here =
+                surfaces_.turn_at(*tip.pole, tip.point + (kBranchCircle * zone_.unit) *
+                                                             (std::cos(angle) * u + std::sin(angle) * v));
             if (!std::binary_search(tip.surfaces.begin(), tip.surfaces.end(), here)) return 0;
             if (k > 0 && here != before) ++branches;
             before = here;
@@ -142,13 +143,13 @@ class Assigner {
     }
 
     /// The surface that a facet has if `pole` is at the tip.
-    std::uint32_t turn(const Tip& tip, Face face, ZoneNode pole) const {
+    std::uint32_t turn(const Tip& tip, TipFace face, ZoneNode pole) const {
         Point sum = {0, 0, 0};
         for (const ZoneNode n : nodes_of(face)) sum = sum + (n == pole ? tip.point : zone_.points[n]);
         return surfaces_.turn_at(*tip.pole, (1.0 / 3) * sum);
     }
 
-    bool is_on(const Tip& tip, Face face) const {
+    bool is_on(const Tip& tip, TipFace face) const {
         const std::uint32_t surface = tag_surface(zone_.tetrahedra[face.tetrahedron].tag[face.face]);
         return std::binary_search(tip.surfaces.begin(), tip.surfaces.end(), surface);
     }
@@ -159,7 +160,7 @@ class Assigner {
         if (star == stars_.end()) return 0;
         std::map<ZoneNode, std::uint32_t> first;
         std::size_t branches = 0;
-        for (const Face face : star->second) {
+        for (const TipFace face : star->second) {
             if (!is_on(tip, face)) return 0;
             if ((zone_.tetrahedra[face.tetrahedron].tag[face.face] & kTagInside) == 0) continue;
             const std::uint32_t surface = turn(tip, face, pole);
@@ -177,7 +178,7 @@ class Assigner {
         for (const Candidate& c : near) {
             const auto star = stars_.find(c.node);
             if (star == stars_.end()) continue;
-            for (const Face face : star->second) {
+            for (const TipFace face : star->second) {
                 FaceTag& tag = zone_.tetrahedra[face.tetrahedron].tag[face.face];
                 if (!is_on(tip, face)) continue;
                 const std::uint32_t surface = turn(tip, face, pole);
@@ -193,7 +194,7 @@ class Assigner {
     double cell_ = 1;
     std::map<Place, std::vector<std::uint32_t>> grid_;  ///< tips by place
     std::vector<std::vector<Candidate>> near_;  ///< per tip: nodes on none but its surfaces, by distance
-    std::map<ZoneNode, std::vector<Face>> stars_;
+    std::map<ZoneNode, std::vector<TipFace>> stars_;
 };
 
 }  // namespace

@@ -14,7 +14,7 @@ constexpr int kNodeBits = 21;
 using FaceKey = std::uint64_t;
 constexpr FaceKey kNoFace = ~FaceKey{0};
 
-struct Face {
+struct CheckedFace {
     FaceKey node = kNoFace;
     FaceTag tag = 0;
     std::uint16_t region = 0;
@@ -43,20 +43,20 @@ class FaceTable {
         while ((std::size_t{1} << bits_) < 2 * faces) ++bits_;
         table_.resize(std::size_t{1} << bits_);
     }
-    Face& at(FaceKey node) {
+    CheckedFace& at(FaceKey node) {
         // Fibonacci hashing.
         std::size_t i = static_cast<std::size_t>((node * 0x9e3779b97f4a7c15u) >> (64 - bits_));
         while (table_[i].node != kNoFace && table_[i].node != node) i = (i + 1) & (table_.size() - 1);
         return table_[i];
     }
-    const std::vector<Face>& all() const { return table_; }
+    const std::vector<CheckedFace>& all() const { return table_; }
 
   private:
     int bits_ = 4;
-    std::vector<Face> table_;
+    std::vector<CheckedFace> table_;
 };
 
-bool is_pair(const Face& a, const Face& b) {
+bool is_pair(const CheckedFace& a, const CheckedFace& b) {
     if (a.paired || a.even == b.even || (a.tag == 0) != (b.tag == 0)) return false;
     const bool interface = a.tag != 0;
     if (interface != (a.region != b.region)) return false;
@@ -77,8 +77,8 @@ class Faces {
         for (std::size_t f = 0; f < 4; ++f) {
             std::array<std::uint64_t, 3> n = nodes_of(t, f);
             const bool even = sort_three(n);
-            const Face face{key_of(n), t.tag[f], t.region, even, false};
-            Face& known = table_.at(face.node);
+            const CheckedFace face{key_of(n), t.tag[f], t.region, even, false};
+            CheckedFace& known = table_.at(face.node);
             if (known.node == kNoFace) {
                 known = face;
             } else if (is_pair(known, face)) {
@@ -95,7 +95,7 @@ class Faces {
         for (std::size_t f = 0; f < 4; ++f) {
             std::array<std::uint64_t, 3> n = nodes_of(t, f);
             sort_three(n);
-            const Face& known = table_.at(key_of(n));
+            const CheckedFace& known = table_.at(key_of(n));
             if (known.node != kNoFace && !is_border(known)) return true;
         }
         return false;
@@ -103,7 +103,7 @@ class Faces {
 
     std::vector<Border> border() const {
         std::vector<Border> result;
-        for (const Face& face : table_.all()) {
+        for (const CheckedFace& face : table_.all()) {
             if (face.node != kNoFace && is_border(face)) result.push_back({face.node, face.tag, face.even});
         }
         std::sort(result.begin(), result.end());
@@ -116,7 +116,7 @@ class Faces {
         return {t.node[o[0]], t.node[o[1]], t.node[o[2]]};
     }
     /// Facets of the outer boundary may change; everything else is shared with others.
-    static bool is_border(const Face& face) {
+    static bool is_border(const CheckedFace& face) {
         return !face.paired && (face.tag == 0 || (face.tag & kTagInterface) != 0);
     }
 

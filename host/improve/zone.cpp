@@ -16,7 +16,7 @@
 namespace mortise::improve {
 namespace {
 
-constexpr std::size_t kChunk = 4096;
+constexpr std::size_t kZoneChunk = 4096;
 /// The last growth is not collected, the others reach two cells each, and an element that shares a node with
 /// one of the zone has its centroid within three cells of it: less than CellSet::kReach. Without
 /// quadrilaterals there are no pyramids, and nothing grows.
@@ -92,7 +92,7 @@ class Opener {
     /// Visits tetrahedra of the zone on all threads; each may be changed.
     template <class Visit>
     void for_tetrahedra(const Visit& visit) {
-        parallel_chunks(zone_.tetrahedra.size(), kChunk, threads_,
+        parallel_chunks(zone_.tetrahedra.size(), kZoneChunk, threads_,
                         [&](std::size_t begin, std::size_t end, int) {
                             for (std::size_t i = begin; i < end; ++i) visit(zone_.tetrahedra[i]);
                         });
@@ -131,15 +131,17 @@ class Opener {
             const std::vector<std::uint32_t>& listed = places_.element[type];
             std::vector<std::uint8_t>& taken = zone_.taken[type];
             taken.assign(mesh_.elements[type].size(), 0);
-            std::vector<std::vector<ElementRef>> found(chunk_count(listed.size(), kChunk));
-            parallel_chunks(listed.size(), kChunk, threads_, [&](std::size_t begin, std::size_t end, int) {
-                for (std::size_t i = begin; i < end; ++i) {
-                    const CellId cell = places_.cell(mesh_, frame_, cells_, t, i);
-                    if (!cells_.test(cell)) continue;
-                    taken[listed[i]] = 1;
-                    found[begin / kChunk].push_back({static_cast<std::uint8_t>(t), listed[i], cell, 0});
-                }
-            });
+            std::vector<std::vector<ElementRef>> found(chunk_count(listed.size(), kZoneChunk));
+            parallel_chunks(listed.size(), kZoneChunk, threads_,
+                            [&](std::size_t begin, std::size_t end, int) {
+                                for (std::size_t i = begin; i < end; ++i) {
+                                    const CellId cell = places_.cell(mesh_, frame_, cells_, t, i);
+                                    if (!cells_.test(cell)) continue;
+                                    taken[listed[i]] = 1;
+                                    found[begin / kZoneChunk].push_back(
+                                        {static_cast<std::uint8_t>(t), listed[i], cell, 0});
+                                }
+                            });
             append_lists(found, threads_, elements_);
         }
         mark_kept_quads(mesh_, outer_quads_, held_quads_, threads_, elements_);
@@ -199,16 +201,17 @@ class Opener {
         for (int t = 0; t < kElementTypes; ++t) {
             const std::vector<std::uint8_t>& taken = zone_.taken[static_cast<std::size_t>(t)];
             const std::vector<std::uint32_t>& listed = places_.element[static_cast<std::size_t>(t)];
-            parallel_chunks(listed.size(), kChunk, threads_, [&](std::size_t begin, std::size_t end, int) {
-                for (std::size_t i = begin; i < end; ++i) {
-                    if (taken[listed[i]] != 0) continue;
-                    const Element e = element(mesh_, t, listed[i]);
-                    for (std::size_t k = 0; k < e.count; ++k) {
-                        const ZoneNode node = place_[e.node[k]];
-                        if (node != kNone) frozen[node].store(1, std::memory_order_relaxed);
-                    }
-                }
-            });
+            parallel_chunks(listed.size(), kZoneChunk, threads_,
+                            [&](std::size_t begin, std::size_t end, int) {
+                                for (std::size_t i = begin; i < end; ++i) {
+                                    if (taken[listed[i]] != 0) continue;
+                                    const Element e = element(mesh_, t, listed[i]);
+                                    for (std::size_t k = 0; k < e.count; ++k) {
+                                        const ZoneNode node = place_[e.node[k]];
+                                        if (node != kNone) frozen[node].store(1, std::memory_order_relaxed);
+                                    }
+                                }
+                            });
         }
         zone_.frozen.assign(frozen.begin(), frozen.end());
         for (std::size_t i = 0; i < mesh_.facets.size() && options_.held != nullptr; ++i) {

@@ -46,6 +46,13 @@ struct Tetrahedron {
 inline constexpr std::array<std::array<std::uint8_t, 3>, 4> kOpposite = {
     {{1, 2, 3}, {2, 0, 3}, {0, 1, 3}, {0, 2, 1}}};
 
+/// The nodes of a tetrahedron's edges.
+inline constexpr std::uint8_t kEdgeEnds[6][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
+
+inline bool has(const std::array<std::uint32_t, 4>& nodes, std::uint32_t node) {
+    return nodes[0] == node || nodes[1] == node || nodes[2] == node || nodes[3] == node;
+}
+
 /// Sorts three numbers; false if that took an odd number of swaps: a face's orientation beside its nodes.
 template <class Number>
 bool sort_three(std::array<Number, 3>& n) {
@@ -54,6 +61,13 @@ bool sort_three(std::array<Number, 3>& n) {
     if (n[1] > n[2]) std::swap(n[1], n[2]), even = !even;
     if (n[0] > n[1]) std::swap(n[0], n[1]), even = !even;
     return even;
+}
+
+/// A face by its nodes, ascending.
+inline std::array<std::uint32_t, 3> sorted_face(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+    std::array<std::uint32_t, 3> key = {a, b, c};
+    sort_three(key);
+    return key;
 }
 
 struct Pyramid {

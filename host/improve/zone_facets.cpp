@@ -10,7 +10,7 @@
 namespace mortise::improve {
 namespace {
 
-constexpr std::size_t kChunk = 4096;
+constexpr std::size_t kFacetChunk = 4096;
 constexpr std::uint8_t kBothParts = 3;
 constexpr std::uint8_t kWrongPart = 4;
 
@@ -61,7 +61,7 @@ void tag_faces(const Mesh& mesh, const std::vector<std::uint32_t>& place,
         std::size_t face;      ///< 4 × tetrahedron + face
         bool even;
     };
-    std::vector<std::vector<Hit>> found(chunk_count(zone.tetrahedra.size(), kChunk));
+    std::vector<std::vector<Hit>> found(chunk_count(zone.tetrahedra.size(), kFacetChunk));
     const auto find_hits = [&](std::size_t i, std::vector<Hit>& list) {
         const Tetrahedron& t = zone.tetrahedra[i];
         for (std::size_t f = 0; f < 4; ++f) {
@@ -76,9 +76,10 @@ void tag_faces(const Mesh& mesh, const std::vector<std::uint32_t>& place,
             list.push_back({static_cast<std::size_t>(first - triangles.begin()), 4 * i + f, even});
         }
     };
-    parallel_chunks(zone.tetrahedra.size(), kChunk, threads, [&](std::size_t begin, std::size_t end, int) {
-        for (std::size_t i = begin; i < end; ++i) find_hits(i, found[begin / kChunk]);
-    });
+    parallel_chunks(zone.tetrahedra.size(), kFacetChunk, threads,
+                    [&](std::size_t begin, std::size_t end, int) {
+                        for (std::size_t i = begin; i < end; ++i) find_hits(i, found[begin / kFacetChunk]);
+                    });
     std::vector<Hit> hits;
     append_lists(found, threads, hits);
     parallel_sort(hits, threads, [](const Hit& x, const Hit& y) {

@@ -15,7 +15,7 @@
 namespace mortise::io {
 namespace {
 
-constexpr std::size_t kBufferSize = std::size_t{1} << 20;
+constexpr std::size_t kReadSize = std::size_t{1} << 20;
 constexpr std::size_t kLineLimit = std::size_t{1} << 16;
 
 [[noreturn]] void fail(const std::string& path, int error) {
@@ -63,7 +63,7 @@ void SequentialReader::read(void* data, std::size_t size) {
         if (used >= buffer_.size()) {
             if (size > remaining()) file_.damaged("it ends too early");
             buffer_start_ = position_;
-            buffer_.resize(static_cast<std::size_t>(std::min<std::uint64_t>(kBufferSize, remaining())));
+            buffer_.resize(static_cast<std::size_t>(std::min<std::uint64_t>(kReadSize, remaining())));
             file_.read_at(position_, buffer_.data(), buffer_.size());
             continue;
         }

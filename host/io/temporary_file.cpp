@@ -17,7 +17,7 @@
 namespace mortise::io {
 namespace {
 
-constexpr std::size_t kBufferSize = std::size_t{1} << 22;
+constexpr std::size_t kWriteSize = std::size_t{1} << 22;
 constexpr int kSlots = 64;
 constexpr std::size_t kNameSize = 4096;
 
@@ -103,7 +103,7 @@ TemporaryFile::TemporaryFile(const std::string& path) : path_(path) {
         throw Error(ExitCode::kFiles, "cannot write '" + path_ + "': " + why);
     temporary_ = target_ + "." + std::to_string(getpid()) + "-" + std::to_string(next_number++) + ".tmp";
     if (temporary_.size() >= kNameSize) fail("create", ENAMETOOLONG);
-    buffer_.reserve(kBufferSize);
+    buffer_.reserve(kWriteSize);
     slot_ = take_slot(temporary_, false);
     if (slot_ < 0) fail("create", EMFILE);
     // A file of that name can only be left over from a dead process with our number.
@@ -126,8 +126,8 @@ TemporaryFile::~TemporaryFile() {
 
 void TemporaryFile::write(const void* data, std::size_t size) {
     const char* bytes = static_cast<const char*>(data);
-    if (buffer_.size() + size > kBufferSize) flush();
-    if (size > kBufferSize / 16) {
+    if (buffer_.size() + size > kWriteSize) flush();
+    if (size > kWriteSize / 16) {
         flush();
         write_all(bytes, size, flushed_);
         flushed_ += size;

@@ -11,6 +11,10 @@ namespace mortise::model_reader {
 
 inline double length(const Vec3& v) { return std::hypot(v[0], v[1], v[2]); }
 
+inline double angle_between(const Vec3& a, const Vec3& b) {
+    return std::atan2(length(cross(a, b)), dot(a, b));
+}
+
 /// v divided by its length; exact for vectors along a coordinate axis. Precondition: v is finite, not zero.
 Vec3 unit(const Vec3& v);
 

@@ -7,7 +7,7 @@
 namespace mortise::octree {
 namespace {
 
-constexpr std::size_t kChunk = 8192;
+constexpr std::size_t kBalanceChunk = 8192;
 /// Children on the low and high side of each axis.
 constexpr std::uint32_t kSide[3][2] = {{0x55, 0xaa}, {0x33, 0xcc}, {0x0f, 0xf0}};
 
@@ -38,9 +38,9 @@ void add_parents(std::uint64_t parent, std::uint32_t children, int level, std::v
 /// Makes the places around these nodes, in ascending order, nodes.
 void split_around(const std::vector<std::uint64_t>& nodes, std::size_t level, int threads,
                   std::vector<std::uint64_t>& split) {
-    std::vector<std::vector<std::uint64_t>> parts(chunk_count(nodes.size(), kChunk));
-    parallel_chunks(nodes.size(), kChunk, threads, [&](std::size_t begin, std::size_t end, int) {
-        auto& part = parts[begin / kChunk];
+    std::vector<std::vector<std::uint64_t>> parts(chunk_count(nodes.size(), kBalanceChunk));
+    parallel_chunks(nodes.size(), kBalanceChunk, threads, [&](std::size_t begin, std::size_t end, int) {
+        auto& part = parts[begin / kBalanceChunk];
         for (std::size_t i = begin; i < end;) {
             const std::uint64_t parent = nodes[i] >> 3;
             std::uint32_t children = 0;

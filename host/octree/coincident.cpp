@@ -15,7 +15,7 @@
 namespace mortise::octree {
 namespace {
 
-constexpr std::size_t kChunk = 512;
+constexpr std::size_t kCoincidentChunk = 512;
 constexpr std::size_t kFewest = 3;    ///< words of a tape with two surfaces
 constexpr double kOnSurface = 1e-6;   ///< edges: closer than signs can tell (kSignTolerance)
 constexpr double kIndependent = 0.1;  ///< sine between two gradients
@@ -207,14 +207,14 @@ std::uint64_t drop_coincident(device::Device& device, const tape::BoundModel& mo
         std::vector<std::uint32_t> tape;
         LeafJoint joint;
     };
-    std::vector<std::vector<Change>> found(chunk_count(tree.nio.size(), kChunk));
-    parallel_chunks(tree.nio.size(), kChunk, threads, [&](std::size_t begin, std::size_t end, int) {
+    std::vector<std::vector<Change>> found(chunk_count(tree.nio.size(), kCoincidentChunk));
+    parallel_chunks(tree.nio.size(), kCoincidentChunk, threads, [&](std::size_t begin, std::size_t end, int) {
         LeafSimplifier simplifier(model, tree);
         for (std::size_t i = begin; i < end; ++i) {
             if (tree.nio[i].tape_length < kFewest) continue;
             keep_watch();
             if (auto tape = simplifier.run(tree.nio[i]))
-                found[begin / kChunk].push_back(
+                found[begin / kCoincidentChunk].push_back(
                     {static_cast<std::uint32_t>(i), std::move(*tape), simplifier.joint()});
         }
     });

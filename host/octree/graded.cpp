@@ -12,7 +12,7 @@
 namespace mortise::octree {
 namespace {
 
-constexpr std::size_t kChunk = 4096;
+constexpr std::size_t kLeafChunk = 4096;
 constexpr std::uint64_t kMostSplit = 1u << 25;  ///< split nodes: eight times as many leaves
 constexpr int kDirectoryLevel = 6;              ///< finest, of the cells of the directory: 1 MB
 
@@ -224,10 +224,10 @@ class Builder {
         for (std::size_t level = 1; level < split_.size(); ++level) {
             const auto& nodes = split_[level];
             std::vector<std::vector<std::pair<std::uint32_t, std::uint8_t>>> parts(
-                chunk_count(nodes.size(), kChunk));
-            parallel_chunks(nodes.size(), kChunk, threads_, [&](std::size_t begin, std::size_t end, int) {
+                chunk_count(nodes.size(), kLeafChunk));
+            parallel_chunks(nodes.size(), kLeafChunk, threads_, [&](std::size_t begin, std::size_t end, int) {
                 for (std::size_t i = begin; i < end; ++i) {
-                    mark_around(view, nodes[i], static_cast<int>(level), parts[begin / kChunk]);
+                    mark_around(view, nodes[i], static_cast<int>(level), parts[begin / kLeafChunk]);
                 }
             });
             for (const auto& part : parts) {

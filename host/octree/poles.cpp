@@ -11,11 +11,11 @@
 namespace mortise::octree {
 namespace {
 
-constexpr std::size_t kChunk = 256;
+constexpr std::size_t kPoleChunk = 256;
 constexpr std::size_t kMostSurfaces = 16;  ///< of a leaf; all pairs are looked at
 constexpr std::size_t kMostThrough = 6;    ///< of a pole
 // In edges of the leaf.
-constexpr double kReach = 1;        ///< of the search, from the leaf's centre
+constexpr double kPoleReach = 1;    ///< of the search, from the leaf's centre
 constexpr double kSame = 1e-6;      ///< closer poles are one
 constexpr double kThrough = 1e-4;   ///< so close a surface passes through a pole: models have rounded figures
 constexpr double kNearFace = 0.1;   ///< so close to a face a pole becomes the face's middle
@@ -43,7 +43,7 @@ class LeafSearch {
         for (std::size_t a = 0; a < surfaces_.size(); ++a) {
             for (std::size_t b = a + 1; b < surfaces_.size(); ++b) {
                 tape::Pole pole;
-                if (!tape::find_pole(model_, surfaces_[a], surfaces_[b], centre, kReach * edge, &pole))
+                if (!tape::find_pole(model_, surfaces_[a], surfaces_[b], centre, kPoleReach * edge, &pole))
                     continue;
                 bool near = true;
                 for (std::size_t j = 0; j < 3; ++j)
@@ -259,10 +259,10 @@ class Placing {
 }  // namespace
 
 void find_poles(const tape::BoundModel& model, Octree& tree, int threads) {
-    std::vector<std::vector<tape::Pole>> found(chunk_count(tree.nio.size(), kChunk));
-    parallel_chunks(tree.nio.size(), kChunk, threads, [&](std::size_t begin, std::size_t end, int) {
+    std::vector<std::vector<tape::Pole>> found(chunk_count(tree.nio.size(), kPoleChunk));
+    parallel_chunks(tree.nio.size(), kPoleChunk, threads, [&](std::size_t begin, std::size_t end, int) {
         LeafSearch search(model, tree);
-        for (std::size_t i = begin; i < end; ++i) search.run(tree.nio[i], found[begin / kChunk]);
+        for (std::size_t i = begin; i < end; ++i) search.run(tree.nio[i], found[begin / kPoleChunk]);
     });
     tree.poles.clear();
     tree.leaf_poles.clear();

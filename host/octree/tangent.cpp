@@ -12,7 +12,7 @@ namespace mortise::octree {
 namespace {
 
 // Lengths in edges of the leaf.
-constexpr double kReach = 16;       ///< from the leaf's centre to where two surfaces touch
+constexpr double kTouchReach = 16;  ///< from the leaf's centre to where two surfaces touch
 constexpr double kFarApart = 2;     ///< distance of one surface from the foot on the other
 constexpr double kSteep = 0.7;      ///< sine between their normals there
 constexpr double kTouch = 4e-5;     ///< distance where they touch
@@ -117,7 +117,7 @@ class TangentFinder {
         const Vec3 turn = cross(at_a.normal, at_b.normal);
         const bool negated = dot(at_a.normal, at_b.normal) < 0;
         const double apart = at_a.distance - (negated ? -at_b.distance : at_b.distance);
-        if (!(std::sqrt(dot(turn, turn)) * kReach < std::fabs(apart))) return std::nullopt;
+        if (!(std::sqrt(dot(turn, turn)) * kTouchReach < std::fabs(apart))) return std::nullopt;
         return Contact{a, b, negated, true, apart > 0};
     }
 
@@ -241,7 +241,7 @@ class TangentFinder {
             if (!gauss_step(a, b, x, now, i < kSteps ? kDamping : kLeastDamping, move)) return false;
             for (std::size_t j = 0; j < 3; ++j) {
                 x[j] += leaf_.edge * move[j];
-                if (!(std::fabs(x[j] - leaf_.centre[j]) < kReach * leaf_.edge)) return false;
+                if (!(std::fabs(x[j] - leaf_.centre[j]) < kTouchReach * leaf_.edge)) return false;
             }
             if (!residual(a, b, x, now)) return false;
         }

@@ -2,17 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <string>
 
+#include "host/common/constants.hpp"
 #include "host/sizing/hints.hpp"
 #include "host/tape/expression_parser.hpp"
 #include "mortise/error.hpp"
 
 namespace mortise::pipeline {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// Puts a size on the regions and surfaces of this name.
 void add_named_size(const std::string& name, double size, const tape::CompiledModel& compiled,

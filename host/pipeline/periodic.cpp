@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "host/pipeline/message_text.hpp"
 #include "host/tape/reference.hpp"
 
 namespace mortise::pipeline {
@@ -15,16 +16,6 @@ constexpr NodeId kNone = 0xffffffffu;
 constexpr double kSamePlace = 3.1e-8;
 constexpr double kAcross = 1e-12;
 constexpr double kInset = 1e-3;  ///< cells: how far from a plane its region is asked
-
-std::string number(double value) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%.6g", value);
-    return text;
-}
-
-std::string place(const Vec3& x) {
-    return "(" + number(x[0]) + ", " + number(x[1]) + ", " + number(x[2]) + ")";
-}
 
 std::string start_of(const Model& model, const PeriodicPair& pair) {
     return model.source + ":" + std::to_string(pair.where.line) + ":" + std::to_string(pair.where.column) +

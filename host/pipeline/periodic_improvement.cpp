@@ -10,8 +10,8 @@ namespace {
 
 /// Cells on both sides of a plane whose elements are improved, and how far around them, at first, others are
 /// at hand.
-constexpr std::int64_t kImproved = 2;
-constexpr std::int64_t kFirstReach = 8;
+constexpr std::int64_t kImprovedBeside = 2;
+constexpr std::int64_t kFirstPeriodicReach = 8;
 constexpr std::int64_t kApart = 2;  ///< cells: no element reaches from one side's to another's
 
 /// Improves what is near all these planes; the number of tetrahedra that were tried.
@@ -24,10 +24,11 @@ std::uint64_t improve_where_all_meet(const Prepared& prepared, const improve::Op
     const std::int64_t middle = std::int64_t{1} << (gluing->level - 1);
     for (const GluedPair& pair : gluing->pairs) {
         farthest = std::min(farthest, pair.cells_between() / 2 - kApart);
-        slabs.push_back({pair.axis, middle - kImproved, middle + kImproved});
+        slabs.push_back({pair.axis, middle - kImprovedBeside, middle + kImprovedBeside});
     }
-    if (farthest <= kImproved) return 0;
-    for (std::int64_t reach = std::min(kFirstReach, farthest);; reach = std::min(2 * reach, farthest)) {
+    if (farthest <= kImprovedBeside) return 0;
+    for (std::int64_t reach = std::min(kFirstPeriodicReach, farthest);;
+         reach = std::min(2 * reach, farthest)) {
         const std::optional<GluedModel> model = glue_model(*gluing, prepared, options, reach, mesh);
         if (!model) return 0;
         const GluedMesh glued = glue_mesh(*gluing, *model, reach, mesh);

@@ -10,6 +10,7 @@
 #include "host/octree/poles.hpp"
 #include "host/pipeline/grading.hpp"
 #include "host/pipeline/memory_limit.hpp"
+#include "host/pipeline/message_text.hpp"
 #include "host/pipeline/programs.hpp"
 #include "host/pipeline/snap.hpp"
 #include "host/probe/overlaps.hpp"
@@ -23,23 +24,13 @@ namespace {
 /// before it; with four rounds a few elements of a level-9 sphere were left, with eight none.
 constexpr int kRoundsOfMoves = 2;
 /// Surfaces closer than this everywhere are one: edges of the finest cells.
-constexpr double kSameSurface = 1e-4;
+constexpr double kNearSurface = 1e-4;
 /// Part of the merge distance within which surfaces that are alike are one from the start. A whole face is
 /// elsewhere then, so only by what rounding leaves.
 constexpr double kMergedAtOnce = 0.04;
 /// What classification takes for each cell at the boundary, at least: as much where two regions meet, 380
 /// bytes on a ball.
 constexpr std::uint64_t kClassifyBytes = 150;
-
-std::string number(double value) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%.6g", value);
-    return text;
-}
-
-std::string place(const Vec3& x) {
-    return "(" + number(x[0]) + ", " + number(x[1]) + ", " + number(x[2]) + ")";
-}
 
 /// Model coordinates must tell apart the lattice steps that keep simplices from being flat (cnio::kMinHeight,
 /// 6e-8 of a cell): farther from the origin, double precision would turn valid elements over.
@@ -227,7 +218,7 @@ Prepared prepare(const std::function<device::Device&()>& open_device, const Mode
         const double cell = std::ldexp(1.0, -planned->levels.finest());
         const double alike = kMergedAtOnce * options.merge_distance;
         tape::BoundModel merged =
-            tape::bind(compiled, root.origin, root.side, {kSameSurface * cell, alike * cell});
+            tape::bind(compiled, root.origin, root.side, {kNearSurface * cell, alike * cell});
         const auto told = [&out](std::uint64_t count, const std::string& what, const std::string& kept) {
             if (count == 0) return;
             out.warnings.push_back(

@@ -4,8 +4,9 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <limits>
 #include <vector>
+
+#include "host/common/constants.hpp"
 
 namespace mortise::pipeline {
 namespace {
@@ -16,9 +17,8 @@ constexpr double kFewestCells = 0.8;   ///< share of the cells across the model 
 constexpr double kWhole = 1e-9;        ///< cells
 constexpr double kSamePlane = 1e-12;   ///< of the extent
 constexpr double kFarFromGrid = 0.36;  ///< cells: vertices do not move onto a plane (snap.h), edges are long
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr int kParted = 3;                ///< a plane that parts, on the grid, counts as so many far from it
-constexpr int kPlacements = 32;           ///< of the grid within a cell, tried for an axis
+constexpr int kParted = 3;             ///< a plane that parts, on the grid, counts as so many far from it
+constexpr int kPlacements = 32;        ///< of the grid within a cell, tried for an axis
 constexpr std::size_t kMostPlanes = 512;  ///< per axis, of models with more the first
 
 /// Across an axis.
@@ -95,14 +95,14 @@ Fit fit_axis(const std::vector<Plane>& planes, double low, double high, double c
 }
 
 /// Where a plane lies in the grid, in cells.
-struct Place {
+struct PlanePlace {
     double layer = 0;    ///< of cells, the one above if it is on the grid
     double to_grid = 0;  ///< distance to the nearest plane of the grid
 
     bool is_on_grid() const { return to_grid < kOnPlane; }
 };
 
-Place place_of(const Plane& plane, double origin, double cell) {
+PlanePlace place_of(const Plane& plane, double origin, double cell) {
     const double at = (plane.place - origin) / cell;
     const double nearest = std::round(at);
     const double to_grid = std::fabs(at - nearest);
@@ -115,12 +115,12 @@ Place place_of(const Plane& plane, double origin, double cell) {
 /// cell has those of both.
 int count_well_placed(const std::vector<Plane>& planes, double origin, double cell) {
     int count = 0;
-    Place before{-kInfinity, 0};
-    Place here = planes.empty() ? before : place_of(planes[0], origin, cell);
+    PlanePlace before{-kInfinity, 0};
+    PlanePlace here = planes.empty() ? before : place_of(planes[0], origin, cell);
     for (std::size_t i = 0; i < planes.size(); ++i) {
-        const Place after =
-            i + 1 < planes.size() ? place_of(planes[i + 1], origin, cell) : Place{kInfinity, 0};
-        const auto shares_layer = [&](const Place& other) {
+        const PlanePlace after =
+            i + 1 < planes.size() ? place_of(planes[i + 1], origin, cell) : PlanePlace{kInfinity, 0};
+        const auto shares_layer = [&](const PlanePlace& other) {
             return other.layer == here.layer && !other.is_on_grid();
         };
         if (here.is_on_grid())

@@ -12,7 +12,7 @@ namespace {
 
 using octree::SnappedVertex;
 
-constexpr std::size_t kChunk = 64;
+constexpr std::size_t kSnapChunk = 64;
 
 /// Corners of a face, as a set.
 u32 corners_of_face(int f) {
@@ -119,7 +119,7 @@ void Snapping::judge_simple(const std::vector<std::uint32_t>& simple) {
     std::vector<SnappedLeaf> corners;
     for (const std::uint32_t i : simple) corners.push_back(touched_[i].corners);
     const std::vector<SnioCandidate> found = classifier_.with_corners(corners);
-    parallel_chunks(simple.size(), kChunk, threads_, [&](std::size_t begin, std::size_t end, int) {
+    parallel_chunks(simple.size(), kSnapChunk, threads_, [&](std::size_t begin, std::size_t end, int) {
         for (std::size_t k = begin; k < end; ++k) {
             Touched& touched = touched_[simple[k]];
             touched.keeps = has_face_on_other(touched)

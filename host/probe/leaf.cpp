@@ -10,8 +10,6 @@
 namespace mortise::probe {
 namespace {
 
-constexpr std::uint32_t kPieces = kSide * kSide * kSide;
-
 /// Neighbour of a piece across its face f, or kPieces beyond the leaf.
 std::uint32_t neighbour(std::uint32_t piece, int f) {
     const std::uint32_t shift = static_cast<std::uint32_t>(kDepth * (f / 2));

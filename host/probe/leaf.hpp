@@ -21,6 +21,7 @@ namespace mortise::probe {
 inline constexpr int kDepth = 4;  ///< subdivisions of a leaf
 inline constexpr int kSide =
     1 << kDepth;  ///< pieces per edge; a ball of radius √3/2 of one is found for certain
+inline constexpr std::uint32_t kPieces = kSide * kSide * kSide;  ///< in a leaf
 inline constexpr std::size_t kMostPieces =
     4096;  ///< pieces of one depth; with more, the depth before is final
 

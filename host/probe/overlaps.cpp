@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <utility>
 
+#include "host/common/constants.hpp"
 #include "host/common/parallel.hpp"
 #include "host/common/watch.hpp"
 #include "host/tape/local_tape.hpp"
@@ -18,7 +18,6 @@
 namespace mortise::probe {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// Edges of the root box; less deep overlaps are rounding.
 constexpr double kLeastDepth = 1e-6;
 /// Cells of this level are searched apart, on any thread.

@@ -8,7 +8,6 @@
 namespace mortise::probe {
 namespace {
 
-constexpr std::uint32_t kPieces = kSide * kSide * kSide;
 constexpr std::size_t kNone = ~std::size_t{0};
 /// Where gradients are bounded, once for all pieces below: bounds of whole leaves tell little, and those of
 /// the smallest pieces cost more than they save.

@@ -136,7 +136,7 @@ class Clusters {
 
     /// Whether every piece of a cluster lies near what is meshed, on ways through the cluster.
     bool is_shallow(const std::vector<std::size_t>& cluster) const {
-        struct Place {
+        struct Step {
             std::size_t component;
             std::uint16_t piece;
         };
@@ -146,7 +146,7 @@ class Clusters {
             distance[i].assign(components_[i].pieces.size(), -1);
             pieces += components_[i].pieces.size();
         }
-        std::vector<Place> queue;
+        std::vector<Step> queue;
         const auto reach = [&](std::size_t i, std::uint16_t piece, int from) {
             const std::vector<std::uint16_t>& list = components_[i].pieces;
             const auto at = std::lower_bound(list.begin(), list.end(), piece);

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/common/constants.hpp"
 #include "host/common/parallel.hpp"
 #include "host/quality/jacobian.hpp"
 #include "host/quality/passes.hpp"
@@ -10,8 +11,7 @@
 namespace mortise::quality {
 namespace {
 
-constexpr std::size_t kChunk = 16384;
-constexpr double kDegrees = 57.295779513082320877;
+constexpr std::size_t kMeasureChunk = 16384;
 
 /// Neumaier's compensated sum: millions of chunk volumes add up without losing digits.
 class Sum {
@@ -81,8 +81,8 @@ void check_elements(const Mesh& mesh, DefectLog& log, CheckReport& report) {
     for (int t = 0; t < kElementTypes; ++t) {
         const ElementType type = static_cast<ElementType>(t);
         const std::size_t count = mesh.block(type).size();
-        std::vector<ChunkFigures> chunks(chunk_count(count, kChunk));
-        parallel_chunks(count, kChunk, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+        std::vector<ChunkFigures> chunks(chunk_count(count, kMeasureChunk));
+        parallel_chunks(count, kMeasureChunk, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
             check_chunk(mesh, type, begin, end, chunks[chunk]);
         });
         double& smallest = report.min_scaled_jacobian[static_cast<std::size_t>(t)];

@@ -16,7 +16,7 @@ namespace {
 // Said of every function that returns lanes, though none is ever called.
 #pragma GCC diagnostic ignored "-Wpsabi"
 
-constexpr std::size_t kChunk = 16384;
+constexpr std::size_t kFaceChunk = 16384;
 constexpr NodeId kNoNode = 0xffffffffu;
 
 /// What a face counts, of numbers or of lanes of them.
@@ -196,9 +196,9 @@ FaceSum sum_of_elements(ElementType type, const NodeId* nodes, std::size_t count
 /// Sum of part(begin, end) over the chunks of [0, count).
 template <class Part>
 FaceSum sum_of_chunks(std::size_t count, int threads, const Part& part) {
-    std::vector<FaceSum> sums(chunk_count(count, kChunk));
-    parallel_chunks(count, kChunk, threads, [&](std::size_t begin, std::size_t end, int) {
-        sums[begin / kChunk] = part(begin, end);
+    std::vector<FaceSum> sums(chunk_count(count, kFaceChunk));
+    parallel_chunks(count, kFaceChunk, threads, [&](std::size_t begin, std::size_t end, int) {
+        sums[begin / kFaceChunk] = part(begin, end);
     });
     return std::accumulate(sums.begin(), sums.end(), FaceSum{});
 }

@@ -17,7 +17,7 @@
 namespace mortise::quality {
 namespace {
 
-constexpr std::size_t kChunk = 65536;
+constexpr std::size_t kPlaceChunk = 65536;
 constexpr double kRelativeTolerance = 1e-12;
 constexpr double kCellTolerances = 16;
 constexpr std::size_t kBuckets = 1024;
@@ -61,7 +61,7 @@ std::uint64_t mix(std::uint64_t value) {
     return value ^ (value >> 31);
 }
 
-struct Entry {
+struct NodePlace {
     std::uint64_t hash;
     NodeId node;
 };
@@ -89,10 +89,10 @@ void visit_cells(const Grid& grid, const Vector& p, const Visit& visit) {
 std::size_t bucket_of(std::uint64_t hash) { return hash % kBuckets; }
 
 /// Entries of all finite nodes, grouped by bucket; `starts` gets kBuckets + 1 offsets.
-std::vector<Entry> make_entries(const Mesh& mesh, const Grid& grid, std::vector<std::size_t>& starts) {
+std::vector<NodePlace> make_entries(const Mesh& mesh, const Grid& grid, std::vector<std::size_t>& starts) {
     std::vector<std::atomic<std::size_t>> cursors(kBuckets);
     const auto visit_all = [&](const auto& visit) {
-        parallel_chunks(mesh.node_count(), kChunk, [&](std::size_t, std::size_t begin, std::size_t end) {
+        parallel_chunks(mesh.node_count(), kPlaceChunk, [&](std::size_t, std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i) {
                 const Vector p = point_of(mesh, static_cast<NodeId>(i));
                 if (!is_finite(p)) continue;
@@ -108,7 +108,7 @@ std::vector<Entry> make_entries(const Mesh& mesh, const Grid& grid, std::vector<
         starts[b + 1] = starts[b] + cursors[b];
         cursors[b] = starts[b];
     }
-    std::vector<Entry> entries(starts[kBuckets]);
+    std::vector<NodePlace> entries(starts[kBuckets]);
     visit_all([&](std::uint64_t hash, NodeId node) {
         entries[cursors[bucket_of(hash)].fetch_add(1, std::memory_order_relaxed)] = {hash, node};
     });
@@ -121,14 +121,14 @@ struct Coincidence {
 };
 
 /// All nodes of one bucket that have an earlier node within the tolerance, each with one such node.
-void find_in_bucket(const Mesh& mesh, double tolerance, Entry* begin, Entry* end,
+void find_in_bucket(const Mesh& mesh, double tolerance, NodePlace* begin, NodePlace* end,
                     std::vector<Coincidence>& found) {
-    std::sort(begin, end, [](const Entry& a, const Entry& b) {
+    std::sort(begin, end, [](const NodePlace& a, const NodePlace& b) {
         return a.hash != b.hash ? a.hash < b.hash : a.node < b.node;
     });
-    for (Entry* entry = begin; entry != end; ++entry) {
+    for (NodePlace* entry = begin; entry != end; ++entry) {
         const Vector p = point_of(mesh, entry->node);
-        for (Entry* other = entry; other != begin && (other - 1)->hash == entry->hash;) {
+        for (NodePlace* other = entry; other != begin && (other - 1)->hash == entry->hash;) {
             --other;
             if (other->node == entry->node) continue;  // two of its own cells with one hash
             const Vector q = point_of(mesh, other->node);
@@ -142,7 +142,7 @@ void find_in_bucket(const Mesh& mesh, double tolerance, Entry* begin, Entry* end
 void check_coincident(const Mesh& mesh, DefectLog& log) {
     const Grid grid = make_grid(mesh);
     std::vector<std::size_t> starts;
-    std::vector<Entry> entries = make_entries(mesh, grid, starts);
+    std::vector<NodePlace> entries = make_entries(mesh, grid, starts);
     std::vector<std::vector<Coincidence>> found(kBuckets);
     parallel_chunks(kBuckets, 1, [&](std::size_t bucket, std::size_t, std::size_t) {
         find_in_bucket(mesh, grid.tolerance, entries.data() + starts[bucket],
@@ -167,10 +167,11 @@ void check_coincident(const Mesh& mesh, DefectLog& log) {
 void check_nodes(const Mesh& mesh, DefectLog& log) {
     std::unique_ptr<std::atomic<bool>[]> used(new std::atomic<bool>[mesh.node_count()]());
     for (const ElementBlock& block : mesh.elements) {
-        parallel_chunks(block.nodes.size(), kChunk, [&](std::size_t, std::size_t begin, std::size_t end) {
-            for (std::size_t i = begin; i < end; ++i)
-                used[block.nodes[i]].store(true, std::memory_order_relaxed);
-        });
+        parallel_chunks(block.nodes.size(), kPlaceChunk,
+                        [&](std::size_t, std::size_t begin, std::size_t end) {
+                            for (std::size_t i = begin; i < end; ++i)
+                                used[block.nodes[i]].store(true, std::memory_order_relaxed);
+                        });
     }
     for (std::size_t i = 0; i < mesh.node_count(); ++i) {
         const NodeId node = static_cast<NodeId>(i);

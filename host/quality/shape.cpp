@@ -10,17 +10,17 @@ namespace mortise::quality {
 namespace {
 
 /// A node and its three neighbours in right-handed order.
-using Corner = int[4];
+using CornerNodes = int[4];
 
-constexpr Corner kHexahedronCorners[] = {{0, 1, 3, 4}, {1, 2, 0, 5}, {2, 3, 1, 6}, {3, 0, 2, 7},
-                                         {4, 7, 5, 0}, {5, 4, 6, 1}, {6, 5, 7, 2}, {7, 6, 4, 3}};
-constexpr Corner kWedgeCorners[] = {{0, 1, 2, 3}, {1, 2, 0, 4}, {2, 0, 1, 5},
-                                    {3, 5, 4, 0}, {4, 3, 5, 1}, {5, 4, 3, 2}};
-constexpr Corner kPyramidCorners[] = {{0, 1, 3, 4}, {1, 2, 0, 4}, {2, 3, 1, 4}, {3, 0, 2, 4}};
-constexpr Corner kTetrahedronCorners[] = {{0, 1, 2, 3}, {1, 2, 0, 3}, {2, 0, 1, 3}, {3, 1, 0, 2}};
+constexpr CornerNodes kHexahedronCorners[] = {{0, 1, 3, 4}, {1, 2, 0, 5}, {2, 3, 1, 6}, {3, 0, 2, 7},
+                                              {4, 7, 5, 0}, {5, 4, 6, 1}, {6, 5, 7, 2}, {7, 6, 4, 3}};
+constexpr CornerNodes kWedgeCorners[] = {{0, 1, 2, 3}, {1, 2, 0, 4}, {2, 0, 1, 5},
+                                         {3, 5, 4, 0}, {4, 3, 5, 1}, {5, 4, 3, 2}};
+constexpr CornerNodes kPyramidCorners[] = {{0, 1, 3, 4}, {1, 2, 0, 4}, {2, 3, 1, 4}, {3, 0, 2, 4}};
+constexpr CornerNodes kTetrahedronCorners[] = {{0, 1, 2, 3}, {1, 2, 0, 3}, {2, 0, 1, 3}, {3, 1, 0, 2}};
 
 struct CornerList {
-    const Corner* corners;
+    const CornerNodes* corners;
     int count;
 };
 
@@ -54,7 +54,7 @@ ShapeFigures figures_of(ElementType type, const Vector* p) {
     double smallest = 1;
     const CornerList list = corner_list(type);
     for (int i = 0; i < list.count; ++i) {
-        const Corner& corner = list.corners[i];
+        const CornerNodes& corner = list.corners[i];
         const Vector a = p[corner[1]] - p[corner[0]];
         const Vector b = p[corner[2]] - p[corner[0]];
         const Vector c = p[corner[3]] - p[corner[0]];
@@ -101,7 +101,7 @@ int dihedral_cosines(ElementType type, const Corners& corners, double* cosines) 
     const Vector* p = corners.p;
     int count = 0;
     for (int i = 0; i < list.count; ++i) {
-        const Corner& corner = list.corners[i];
+        const CornerNodes& corner = list.corners[i];
         const Vector a = p[corner[1]] - p[corner[0]];
         const Vector b = p[corner[2]] - p[corner[0]];
         const Vector c = p[corner[3]] - p[corner[0]];

@@ -9,7 +9,7 @@
 namespace mortise::quality {
 namespace {
 
-constexpr std::size_t kChunk = 65536;
+constexpr std::size_t kStructureChunk = 65536;
 
 std::string indexed(const char* what, std::size_t index, const char* holds, std::uint64_t value,
                     std::uint64_t limit) {
@@ -52,13 +52,14 @@ void check_lengths(const Mesh& mesh, DefectLog& log) {
 template <class Value>
 void check_range(const std::vector<Value>& values, std::uint64_t limit, bool from_one, DefectKind kind,
                  const char* what, const char* holds, std::size_t per_item, DefectLog& log) {
-    std::vector<DefectLog> logs(chunk_count(values.size(), kChunk));
-    parallel_chunks(values.size(), kChunk, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) {
-            if (values[i] <= limit && !(from_one && values[i] == 0)) continue;
-            logs[chunk].add(kind, [&] { return indexed(what, i / per_item, holds, values[i], limit); });
-        }
-    });
+    std::vector<DefectLog> logs(chunk_count(values.size(), kStructureChunk));
+    parallel_chunks(
+        values.size(), kStructureChunk, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i) {
+                if (values[i] <= limit && !(from_one && values[i] == 0)) continue;
+                logs[chunk].add(kind, [&] { return indexed(what, i / per_item, holds, values[i], limit); });
+            }
+        });
     for (const DefectLog& part : logs) log.merge(part);
 }
 

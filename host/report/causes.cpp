@@ -7,6 +7,7 @@
 #include <map>
 #include <set>
 
+#include "host/common/constants.hpp"
 #include "host/features/surfaces.hpp"
 
 namespace mortise::report {
@@ -14,7 +15,6 @@ namespace {
 
 using features::Vector;
 
-constexpr double kDegrees = 57.295779513082323;
 constexpr double kStrongTurn = 15;  // degrees that a surface turns in one element
 
 std::string degrees(double angle) {

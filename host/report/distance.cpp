@@ -4,14 +4,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/common/constants.hpp"
 #include "host/common/random.hpp"
 #include "host/report/facet_tree.hpp"
 
 namespace mortise::report {
 namespace {
 
-constexpr double kDegrees = 57.295779513082323;
-constexpr std::size_t kChunk = 2048;
+constexpr std::size_t kSampleChunk = 2048;
 constexpr std::size_t kMostPoints = 300000;
 constexpr int kLineSteps = 8;    // that a line in a leaf is looked at in
 constexpr int kBisections = 40;  // of one of them: 2⁻⁴³ of a cell
@@ -173,10 +173,10 @@ std::size_t facet_samples(const Vector* p, bool is_triangle, Vector* samples) {
 void report_facets(const Mesh& mesh, const std::vector<std::uint32_t>& facet_surface,
                    const tape::BoundModel& model, int threads, QualityReport& report) {
     const std::size_t count = mesh.facets.size();
-    std::vector<Tally> distances(chunk_count(count, kChunk)), angles(distances.size());
-    parallel_chunks(count, kChunk, threads, [&](std::size_t begin, std::size_t end, int) {
-        Tally& distance = distances[begin / kChunk];
-        Tally& angle = angles[begin / kChunk];
+    std::vector<Tally> distances(chunk_count(count, kSampleChunk)), angles(distances.size());
+    parallel_chunks(count, kSampleChunk, threads, [&](std::size_t begin, std::size_t end, int) {
+        Tally& distance = distances[begin / kSampleChunk];
+        Tally& angle = angles[begin / kSampleChunk];
         for (std::size_t f = begin; f < end; ++f) {
             const NodeId* n = mesh.facets.nodes.data() + 4 * f;
             Vector p[4], samples[kMostSamples];
@@ -257,11 +257,11 @@ DistanceFigures distance_to_facets(const Mesh& mesh, const tape::BoundModel& mod
     const FacetTree tree(mesh, model);
     const std::size_t stride = points.size() / kMostPoints + 1;
     const std::size_t count = (points.size() + stride - 1) / stride;
-    std::vector<Tally> parts(chunk_count(count, kChunk));
-    parallel_chunks(count, kChunk, threads, [&](std::size_t begin, std::size_t end, int) {
+    std::vector<Tally> parts(chunk_count(count, kSampleChunk));
+    parallel_chunks(count, kSampleChunk, threads, [&](std::size_t begin, std::size_t end, int) {
         for (std::size_t i = begin; i < end; ++i) {
             const BoundaryPoint& point = points[i * stride];
-            parts[begin / kChunk].add(tree.distance(point.local), point.weight, point.local);
+            parts[begin / kSampleChunk].add(tree.distance(point.local), point.weight, point.local);
         }
     });
     Tally all;

@@ -4,13 +4,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/common/constants.hpp"
 #include "host/common/parallel.hpp"
 #include "host/quality/shape.hpp"
 
 namespace mortise::report {
 namespace {
 
-constexpr double kDegrees = 57.295779513082323;
 constexpr std::size_t kChunk = 16384;
 constexpr std::size_t kFineBins = 3600;  // of 0.05 degrees, for percentiles
 constexpr std::size_t kFinePerBin = 100;

@@ -15,7 +15,7 @@
 namespace mortise::reposition {
 namespace {
 
-constexpr std::size_t kChunk = 4096;
+constexpr std::size_t kStarChunk = 4096;
 constexpr std::uint32_t kStays = kNoSurface - 1;  ///< instead of a surface: the node may not move
 /// Quality, squared, below which an element is poor. Improvement computes it in another way: what is poor
 /// here must be so there, since a part of a mesh holds what is around the elements that are poor there.
@@ -31,9 +31,9 @@ std::vector<Item> collect_runs(const Mesh& mesh, int threads, const Look& look) 
     std::vector<Item> all;
     for (std::uint32_t t = 0; t < kElementTypes; ++t) {
         const std::size_t count = mesh.elements[t].size();
-        std::vector<std::vector<Item>> found(chunk_count(count, kChunk));
-        parallel_chunks(count, kChunk, threads, [&](std::size_t begin, std::size_t end, int) {
-            look(found[begin / kChunk], t, begin, end);
+        std::vector<std::vector<Item>> found(chunk_count(count, kStarChunk));
+        parallel_chunks(count, kStarChunk, threads, [&](std::size_t begin, std::size_t end, int) {
+            look(found[begin / kStarChunk], t, begin, end);
         });
         append_lists(found, threads, all);
     }

@@ -3,17 +3,16 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 
+#include "host/common/constants.hpp"
 #include "host/tape/projection.hpp"
 
 namespace mortise::sizing {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kBeside = 1.25;   ///< half edges: a meeting point so far from the centre counts
-constexpr double kTangent = 0.02;  ///< sine: flatter surfaces do not meet in a line that could be followed
-constexpr double kSettled = 1e-9;  ///< edges
+constexpr double kNearCentre = 1.25;  ///< half edges: a meeting point so far from the centre counts
+constexpr double kTangent = 0.02;     ///< sine: flatter surfaces do not meet in a line that could be followed
+constexpr double kSettled = 1e-9;     ///< edges
 constexpr double kDiagonal = 1.7321;
 constexpr double kParallel = 1e-9;
 /// Combinations of surfaces that are tried in a cell, at most: edges of solids with many surfaces.
@@ -60,7 +59,7 @@ bool meet_in(const tape::BoundModel& model, const SizeField::Meeting& meeting,
         if (distinct && tape::project(model, surfaces.data(), count, limits, x.data())) {
             bool inside = true;
             for (std::size_t j = 0; j < 3; ++j)
-                inside = inside && std::fabs(x[j] - cell.centre[j]) <= kBeside * cell.half;
+                inside = inside && std::fabs(x[j] - cell.centre[j]) <= kNearCentre * cell.half;
             if (inside) return true;
         }
         std::size_t g = 0;

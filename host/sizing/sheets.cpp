@@ -18,7 +18,7 @@ constexpr double kDrawnIn = 1 - 1.0 / 64;
 constexpr double kBarelyDrawnIn = 1 - 1.0 / 4096;
 /// But a wall between such a face and a sheet that passes through the node is this node's.
 constexpr double kDrawnOut = 1 + 1.0 / 64;
-constexpr double kParallel = 0.9063;  ///< cosine of 25°
+constexpr double kFacing = 0.9063;  ///< cosine of 25°
 
 tape::Cell child_of(const tape::Cell& cell, int child) {
     tape::Cell result = cell;
@@ -236,7 +236,7 @@ void SheetFinder::add_touching(const tape::Cell& cell) {
         if (signs_[i] == 0 || !make_sheet(surfaces_[i], drawn_out, sheet, at_centre)) continue;
         const bool parallel = std::any_of(
             sheets_.begin(), sheets_.begin() + static_cast<std::ptrdiff_t>(inside),
-            [&](const Sheet& other) { return std::fabs(dot(other.normal, sheet.normal)) > kParallel; });
+            [&](const Sheet& other) { return std::fabs(dot(other.normal, sheet.normal)) > kFacing; });
         if (!parallel) continue;
         signs_[i] = 0;
         sheets_.push_back(sheet);

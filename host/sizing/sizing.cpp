@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/common/constants.hpp"
 #include "host/common/parallel.hpp"
 #include "host/common/watch.hpp"
 #include "host/sizing/hints.hpp"
@@ -16,7 +17,6 @@
 namespace mortise::sizing {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kTwoPi = 6.283185307179586;
 constexpr double kRounding = 1e-9;  ///< relative: a size that is an edge of a level is met by that level
 

@@ -8,6 +8,8 @@
 
 namespace mortise::tape {
 
+inline glm::dvec3 to_vector(const Vec3& p) { return {p[0], p[1], p[2]}; }
+
 /// Affine map as 3×3 matrix and offset, in double precision.
 struct Map {
     glm::dmat3 matrix{1.0};  ///< column-major, as GLM has it

@@ -4,11 +4,11 @@
 #include <cmath>
 #include <glm/glm.hpp>
 #include <iterator>
-#include <limits>
 #include <map>
 #include <numeric>
 #include <optional>
 
+#include "host/common/constants.hpp"
 #include "host/tape/affine_map.hpp"
 #include "host/tape/expression_parser.hpp"
 #include "host/tape/hints.hpp"
@@ -19,7 +19,6 @@
 namespace mortise::tape {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kLargestNumber = 1e100;  ///< squares of such numbers are still finite
 constexpr std::size_t kMaxTerms = 1u << 24;
 constexpr std::uint32_t kNoNode = 0xffffffffu;

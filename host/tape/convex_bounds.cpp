@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "host/common/constants.hpp"
 #include "host/tape/linear_program.hpp"
 #include "host/tape/polyhedron.hpp"
 #include "host/tape/surface_bounds.hpp"
@@ -11,8 +12,7 @@
 namespace mortise::tape {
 namespace {
 
-constexpr int kAround = 8;  ///< planes around a circle
-constexpr double kPi = 3.14159265358979323846;
+constexpr int kAround = 8;      ///< planes around a circle
 constexpr double kRoom = 1e-3;  ///< of the box, for what linear programs round
 
 bool is_empty(const Box3& box) {
@@ -20,7 +20,7 @@ bool is_empty(const Box3& box) {
 }
 
 /// What a set is known to lie in. Half-spaces are in units of `scale`.
-struct Bounds {
+struct KnownBounds {
     Box3 box = kEverything;
     std::vector<HalfSpace> half_spaces;
     std::vector<const Surface*> double_cones;  ///< convex only where something else ends them
@@ -31,9 +31,9 @@ class ConvexBounds {
     explicit ConvexBounds(const CompiledModel& compiled) : compiled_(compiled), scale_(compiled.scale) {}
 
     Box3 run() {
-        std::vector<Bounds> stack;
+        std::vector<KnownBounds> stack;
         const auto pop = [&stack] {
-            Bounds top = std::move(stack.back());
+            KnownBounds top = std::move(stack.back());
             stack.pop_back();
             return top;
         };
@@ -43,12 +43,12 @@ class ConvexBounds {
                 case kTapeSpatial: stack.push_back(polyhedron(word)); break;
                 case kTapeSelectConst: break;  // outside of it all is empty
                 case kTapeAnd: {
-                    Bounds b = pop();
+                    KnownBounds b = pop();
                     stack.back() = both(std::move(stack.back()), std::move(b));
                     break;
                 }
                 default: {  // or, select
-                    const Bounds b = pop();
+                    const KnownBounds b = pop();
                     stack.back() = either(stack.back(), b);
                     break;
                 }
@@ -59,7 +59,7 @@ class ConvexBounds {
 
   private:
     /// direction · u <= offset in the surface's own frame.
-    void add(Bounds& bounds, const Surface& surface, const Vec3& direction, double offset) const {
+    void add(KnownBounds& bounds, const Surface& surface, const Vec3& direction, double offset) const {
         HalfSpace plane;
         double shift = 0;
         for (std::size_t i = 0; i < 3; ++i) {
@@ -74,7 +74,7 @@ class ConvexBounds {
     }
 
     /// |(u0, u1)| + slope · u2 <= radius
-    void add_around(Bounds& bounds, const Surface& surface, double slope, double radius) const {
+    void add_around(KnownBounds& bounds, const Surface& surface, double slope, double radius) const {
         for (int i = 0; i < kAround; ++i) {
             const double angle = 2 * kPi * i / kAround;
             add(bounds, surface, {std::cos(angle), std::sin(angle), slope}, radius);
@@ -82,7 +82,7 @@ class ConvexBounds {
     }
 
     /// |u_axis| <= extent
-    void add_slab(Bounds& bounds, const Surface& surface, std::size_t axis, double extent) const {
+    void add_slab(KnownBounds& bounds, const Surface& surface, std::size_t axis, double extent) const {
         for (const double sign : {-1.0, 1.0}) {
             Vec3 direction{};
             direction[axis] = sign;
@@ -90,10 +90,10 @@ class ConvexBounds {
         }
     }
 
-    Bounds literal(std::uint32_t word) const {
+    KnownBounds literal(std::uint32_t word) const {
         const Surface& s = compiled_.surfaces[tape_surface(word)].surface;
         const bool negated = tape_negated(word) != 0;
-        Bounds bounds;
+        KnownBounds bounds;
         bounds.box = half_bounds(s, negated);
         if (s.kind == kSurfacePlane) {
             // Row 0 alone is the plane's.
@@ -122,13 +122,13 @@ class ConvexBounds {
         return bounds;
     }
 
-    Bounds polyhedron(std::uint32_t word) const {
-        Bounds bounds;
+    KnownBounds polyhedron(std::uint32_t word) const {
+        KnownBounds bounds;
         if (tape_negated(word) == 0) bounds.box = bounds_of(compiled_.polyhedra[tape_surface(word)].shape);
         return bounds;
     }
 
-    static Bounds both(Bounds a, Bounds b) {
+    static KnownBounds both(KnownBounds a, KnownBounds b) {
         if (a.half_spaces.size() < b.half_spaces.size()) std::swap(a, b);
         shrink(a.box, b.box);
         a.half_spaces.insert(a.half_spaces.end(), b.half_spaces.begin(), b.half_spaces.end());
@@ -136,17 +136,17 @@ class ConvexBounds {
         return a;
     }
 
-    Bounds either(const Bounds& a, const Bounds& b) const {
-        Bounds bounds;
+    KnownBounds either(const KnownBounds& a, const KnownBounds& b) const {
+        KnownBounds bounds;
         bounds.box = box_of(a);
         grow(bounds.box, box_of(b));
         return bounds;
     }
 
-    Box3 box_of(const Bounds& bounds) const {
+    Box3 box_of(const KnownBounds& bounds) const {
         if (is_empty(bounds.box)) return kNothing;
         if (bounds.half_spaces.empty()) return bounds.box;
-        Bounds all = bounds;
+        KnownBounds all = bounds;
         for (std::size_t j = 0; j < 3; ++j) {
             Vec3 axis{};
             axis[j] = 1;
@@ -173,7 +173,7 @@ class ConvexBounds {
     }
 
     /// |(u0, u1)| <= |u2|: a cylinder, where |u2| is known to end.
-    void end_cone(Bounds& bounds, const Surface& cone) const {
+    void end_cone(KnownBounds& bounds, const Surface& cone) const {
         const Vec3 row = {cone.map[8], cone.map[9], cone.map[10]};
         const double length = std::hypot(row[0], row[1], row[2]);
         if (!(length > 0)) return;

@@ -13,7 +13,7 @@ namespace mortise::tape {
 namespace {
 
 constexpr int kMaxDepth = 1000;
-constexpr std::uint32_t kNoNode = 0xffffffffu;
+constexpr std::uint32_t kNoOperand = 0xffffffffu;
 
 struct Function {
     std::int32_t operation;
@@ -229,8 +229,8 @@ class Parser {
             fail("',' and " + std::to_string(function.least) + " arguments of " + name);
         if (!accept(')')) fail("')'");
         const std::uint32_t a = arguments[0];
-        const std::uint32_t b = arguments.size() > 1 ? arguments[1] : kNoNode;
-        const std::uint32_t c = arguments.size() > 2 ? arguments[2] : kNoNode;
+        const std::uint32_t b = arguments.size() > 1 ? arguments[1] : kNoOperand;
+        const std::uint32_t c = arguments.size() > 2 ? arguments[2] : kNoOperand;
         switch (function.operation) {
             case kMix:
                 return formula_.add(kExprAdd, a,

@@ -5,6 +5,7 @@
 #include <glm/glm.hpp>
 #include <numeric>
 
+#include "host/tape/affine_map.hpp"
 #include "host/tape/smooth_faces.hpp"
 
 namespace mortise::tape {
@@ -13,8 +14,6 @@ namespace {
 constexpr double kFlat = 1e-6;     ///< of the surface's size: written coordinates have 6 or 7 digits
 constexpr double kSameWay = 0.9;   ///< least cosine between normals of a group; slivers tell nothing
 constexpr double kNoArea = 1e-14;  ///< of the size squared
-
-glm::dvec3 to_vector(const Vec3& p) { return {p[0], p[1], p[2]}; }
 
 /// Numbers points so that equal places have equal numbers.
 std::vector<std::uint32_t> weld(const std::vector<Vec3>& points) {

@@ -14,7 +14,7 @@ constexpr double kParallel = 1e-12;  ///< normals that are shorter have no direc
 
 /// In the first N coordinates only.
 template <std::size_t N>
-double dot(const Vec3& a, const Vec3& b) {
+double dot_in(const Vec3& a, const Vec3& b) {
     double sum = 0;
     for (std::size_t j = 0; j < N; ++j) sum += a[j] * b[j];
     return sum;
@@ -36,7 +36,7 @@ bool restrict_to(const HalfSpace& plane, std::size_t dropped, const Vec3& normal
                  std::vector<HalfSpace>& on_plane) {
     const double factor = -normal[dropped] / plane.normal[dropped];
     HalfSpace cut{drop<N>(normal, factor, plane.normal, dropped), offset + factor * plane.offset};
-    const double length = std::sqrt(dot<N - 1>(cut.normal, cut.normal));
+    const double length = std::sqrt(dot_in<N - 1>(cut.normal, cut.normal));
     if (length < kParallel) return cut.offset >= -kSlack;
     for (std::size_t j = 0; j + 1 < N; ++j) cut.normal[j] /= length;
     cut.offset /= length;
@@ -53,7 +53,7 @@ std::optional<Vec3> solve(const std::vector<HalfSpace>& half_spaces, const Vec3&
         for (std::size_t j = 0; j < N; ++j) x[j] = std::copysign(kFarthest, direction[j]);
         for (std::size_t i = 0; i < half_spaces.size(); ++i) {
             const HalfSpace& bound = half_spaces[i];
-            if (dot<N>(bound.normal, x) <= bound.offset + kSlack) continue;
+            if (dot_in<N>(bound.normal, x) <= bound.offset + kSlack) continue;
             // The best point is on its plane: one variable less.
             std::size_t dropped = 0;
             for (std::size_t j = 1; j < N; ++j) {

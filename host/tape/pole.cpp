@@ -7,8 +7,8 @@
 namespace mortise::tape {
 namespace {
 
-constexpr int kSteps = 20;
-constexpr double kParallel = 0.5;     ///< sine between the normals where the search begins
+constexpr int kPoleSteps = 20;
+constexpr double kStartSine = 0.5;    ///< sine between the normals where the search begins
 constexpr double kSettled = 1e-13;    ///< length of the last step
 constexpr double kTouching = 1e-10;   ///< difference of the heights
 constexpr double kDifference = 1e-4;  ///< step of differences, in reaches
@@ -33,7 +33,7 @@ class PoleSearch {
     bool run(Pole* pole) {
         if (!take_frame()) return false;
         double u = 0, v = 0;
-        for (int step = 0; step < kSteps; ++step) {
+        for (int step = 0; step < kPoleSteps; ++step) {
             Slope slope{}, more{}, less{};
             const double h = kDifference * reach_;
             if (!difference(u, v, &slope)) return false;
@@ -70,7 +70,7 @@ class PoleSearch {
             for (double& x : normal[i]) x /= length;
         }
         const Vec3 turn = cross(normal[0], normal[1]);
-        if (!(dot(turn, turn) < kParallel * kParallel)) return false;
+        if (!(dot(turn, turn) < kStartSine * kStartSine)) return false;
         const double side = dot(normal[0], normal[1]) < 0 ? -1 : 1;
         normal_ = along(normal[0], side, normal[1]);
         const double length = std::sqrt(dot(normal_, normal_));
@@ -90,7 +90,7 @@ class PoleSearch {
     bool height(int i, double u, double v, double* t, Slope* slope) const {
         const Vec3 foot = along(along(near_, u, u_axis_), v, v_axis_);
         *t = 0;
-        for (int step = 0; step < kSteps; ++step) {
+        for (int step = 0; step < kPoleSteps; ++step) {
             const SurfaceSample s = sample(i, along(foot, *t, normal_));
             const Vec3 gradient = {s.gradient[0], s.gradient[1], s.gradient[2]};
             const double rise = dot(gradient, normal_);

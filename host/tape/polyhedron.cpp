@@ -2,9 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 
+#include "host/common/constants.hpp"
+#include "host/common/vec3.hpp"
 #include "host/tape/arena.hpp"
 #include "host/tape/facets.hpp"
 
@@ -16,8 +17,6 @@ constexpr double kNoLength =
     1e-10;  ///< of a patch's size: above the rounding of distances, below all features
 
 double norm(const Vec3& v) { return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
-
-Vec3 difference(const Vec3& a, const Vec3& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
 
 Vec3 unit_normal(const TriangleSurface& shape, std::uint32_t triangle) {
     const auto& corner = shape.triangles[triangle];
@@ -97,7 +96,6 @@ class PatchWriter {
             if (range.parent != kNone) nodes_[kPatchNode * range.parent + 6] = static_cast<double>(index);
             const auto begin = order_.begin() + range.first;
             const auto end = begin + range.count;
-            constexpr double kInfinity = std::numeric_limits<double>::infinity();
             Vec3 low = {kInfinity, kInfinity, kInfinity};
             Vec3 high = {-kInfinity, -kInfinity, -kInfinity};
             for (auto t = begin; t != end; ++t) {
@@ -244,7 +242,6 @@ TriangleSurface transformed(const TriangleSurface& shape, const Affine& map) {
 }
 
 Box3 bounds_of(const TriangleSurface& shape) {
-    constexpr double kInfinity = std::numeric_limits<double>::infinity();
     Box3 box{{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
     for (const auto& triangle : shape.triangles) {
         for (const std::uint32_t corner : triangle) {

@@ -10,14 +10,14 @@
 namespace mortise::tape {
 namespace {
 
-constexpr double kSlack = 1e-12;  ///< far above the rounding of the sums below, far below a cell
+constexpr double kSumSlack = 1e-12;  ///< far above the rounding of the sums below, far below a cell
 
-struct Range {
+struct SumRange {
     double low;
     double high;
 };
 
-Range square(Range a) {
+SumRange square_of(SumRange a) {
     const double p = a.low * a.low;
     const double q = a.high * a.high;
     if (a.low <= 0 && a.high >= 0) return {0, std::max(p, q)};
@@ -25,7 +25,7 @@ Range square(Range a) {
 }
 
 int decide(double low, double high) {
-    const double slack = kSlack * (1 + std::fabs(low) + std::fabs(high));
+    const double slack = kSumSlack * (1 + std::fabs(low) + std::fabs(high));
     if (low - slack > 0) return 1;
     if (high + slack < 0) return -1;
     return 0;
@@ -44,7 +44,7 @@ std::uint32_t child_slot(const Cell& cell) {
 bool is_apart(const Box3& box, const Cell& cell) {
     bool apart = false;
     for (std::size_t j = 0; j < 3; ++j) {
-        const double reach = cell.half + kSlack;
+        const double reach = cell.half + kSumSlack;
         apart = apart || box.min[j] > cell.centre[j] + reach || box.max[j] < cell.centre[j] - reach;
     }
     return apart;
@@ -80,8 +80,8 @@ int classify_rounded(const Surface& s, const ExpressionOp* ops, const Cell& cell
     double reach = 0;
     double round = 0;
     if (s.form[2] >= kRoundedRevolution) {
-        const Range x = square({u[0] - w[0], u[0] + w[0]});
-        const Range y = square({u[1] - w[1], u[1] + w[1]});
+        const SumRange x = square_of({u[0] - w[0], u[0] + w[0]});
+        const SumRange y = square_of({u[1] - w[1], u[1] + w[1]});
         const double low = std::sqrt(x.low + y.low);
         const double high = std::sqrt(x.high + y.high);
         const double middle[3] = {(low + high) / 2, 0, u[2]};
@@ -95,7 +95,7 @@ int classify_rounded(const Surface& s, const ExpressionOp* ops, const Cell& cell
         }
         round = std::sqrt(w[0] * w[0] + w[1] * w[1] + w[2] * w[2]);
     }
-    const double slack = kSlack * (s.form[3] + std::fabs(u[0]) + std::fabs(u[1]) + std::fabs(u[2]));
+    const double slack = kSumSlack * (s.form[3] + std::fabs(u[0]) + std::fabs(u[1]) + std::fabs(u[2]));
     const double room = s.form[0] + value - round;
     const double above = room > 0 ? std::min(round, reach + round * round / room / 2) : round;
     return decide(value - reach - slack, value + above + slack);
@@ -136,7 +136,8 @@ int classify_surface(const BoundModel& model, std::uint32_t index, const Cell& c
             cell.half * (std::fabs(linear[0]) + std::fabs(linear[1]) + std::fabs(linear[2]));
         return decide(value - spread + below, value + spread + above);
     }
-    const Range r[3] = {{u[0] - w[0], u[0] + w[0]}, {u[1] - w[1], u[1] + w[1]}, {u[2] - w[2], u[2] + w[2]}};
+    const SumRange r[3] = {
+        {u[0] - w[0], u[0] + w[0]}, {u[1] - w[1], u[1] + w[1]}, {u[2] - w[2], u[2] + w[2]}};
     if (s.kind == kSurfaceExpression) {
         Interval x[3];
         for (int i = 0; i < 3; ++i) {
@@ -146,12 +147,12 @@ int classify_surface(const BoundModel& model, std::uint32_t index, const Cell& c
             expression_bounds(model.expression_ops.data() + s.first_op, s.op_count, x[0], x[1], x[2]);
         return interval_sign(f);
     }
-    const Range a = square(r[0]);
-    const Range b = square(r[1]);
-    const Range radial{std::sqrt(a.low + b.low), std::sqrt(a.high + b.high)};
+    const SumRange a = square_of(r[0]);
+    const SumRange b = square_of(r[1]);
+    const SumRange radial{std::sqrt(a.low + b.low), std::sqrt(a.high + b.high)};
     if (s.kind == kSurfaceCone) return decide(radial.low + r[2].low, radial.high + r[2].high);
-    const Range ring = square({radial.low - s.form[0], radial.high - s.form[0]});
-    const Range height = square(r[2]);
+    const SumRange ring = square_of({radial.low - s.form[0], radial.high - s.form[0]});
+    const SumRange height = square_of(r[2]);
     return decide(ring.low + height.low + s.form[3], ring.high + height.high + s.form[3]);
 }
 

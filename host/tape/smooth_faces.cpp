@@ -10,6 +10,7 @@
 
 #include "host/common/disjoint_sets.hpp"
 #include "host/common/parting.hpp"
+#include "host/tape/affine_map.hpp"
 
 namespace mortise::tape {
 namespace {
@@ -28,8 +29,6 @@ struct Turn {
     glm::dvec3 middle{};
     glm::dvec3 onward{};  ///< in `to`, across the edge, unit length
 };
-
-glm::dvec3 to_vector(const Vec3& p) { return {p[0], p[1], p[2]}; }
 
 glm::dvec3 normal_of(const Facets& facets, std::uint32_t plane) {
     const auto& p = facets.planes[plane];

@@ -3,15 +3,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 
+#include "host/common/constants.hpp"
 #include "host/tape/interval_slopes.hpp"
 
 namespace mortise::tape {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kSlack = 1e-9;  ///< relative: far above the rounding of the sums below
+constexpr double kVariationSlack = 1e-9;  ///< relative: far above the rounding of the sums below
 
 struct Range {
     double low;
@@ -111,7 +110,7 @@ Gradient rounded_gradient(const Surface& s, const ExpressionOp* ops, const doubl
     const double reach = std::sqrt(half[0] * half[0] + half[1] * half[1] + half[2] * half[2]);
     const double room = s.form[0] + value - reach;
     if (!(room > 0)) return {anything, anything, anything};
-    const double turn = reach / room + kSlack;
+    const double turn = reach / room + kVariationSlack;
     Gradient d{};
     for (std::size_t i = 0; i < 3; ++i) d[i] = {std::max(g[i] - turn, -1.0), std::min(g[i] + turn, 1.0)};
     if (s.form[2] == kRoundedColumn) d[2] = {0, 0};
@@ -138,7 +137,7 @@ bool keeps_direction(const GradientBox& box) {
         low += (c * c).low;
         size += std::max(c.low * c.low, c.high * c.high);
     }
-    return low > kSlack * size;
+    return low > kVariationSlack * size;
 }
 
 bool gradient_box(const BoundModel& model, std::uint32_t surface, const Cell& cell, GradientBox& box) {

@@ -4,16 +4,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/common/vec3.hpp"
 #include "kernels/shared/corners.h"
 
 namespace mortise::templates {
 namespace {
 
 Point operator-(const Point& a, const Point& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
-double dot(const Point& a, const Point& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-Point cross(const Point& a, const Point& b) {
-    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
 double det(const Point& a, const Point& b, const Point& c) { return dot(cross(a, b), c); }
 Point blend(const Point& a, const Point& b, double t) {
     return {a[0] + (b[0] - a[0]) * t, a[1] + (b[1] - a[1]) * t, a[2] + (b[2] - a[2]) * t};

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "host/common/vec3.hpp"
 #include "kernels/shared/corners.h"
 #include "mortise/mesh.hpp"
 
@@ -18,17 +19,13 @@ Vector between(std::uint8_t from, std::uint8_t to) {
     const GridPoint b = grid_point(to);
     return {double(b[0] - a[0]), double(b[1] - a[1]), double(b[2] - a[2])};
 }
-double dot(const Vector& a, const Vector& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-Vector cross(const Vector& a, const Vector& b) {
-    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
 
 /// A corner and the ends of its three edges, right-handed; by type.
 #define MORTISE_CORNER(node, first, second, third) {node, first, second, third},
-constexpr int kCorners[4][8][4] = {{MORTISE_HEXAHEDRON_CORNERS(MORTISE_CORNER)},
-                                   {MORTISE_WEDGE_CORNERS(MORTISE_CORNER)},
-                                   {MORTISE_PYRAMID_CORNERS(MORTISE_CORNER)},
-                                   {MORTISE_TETRAHEDRON_CORNERS(MORTISE_CORNER)}};
+constexpr int kCornersOf[4][8][4] = {{MORTISE_HEXAHEDRON_CORNERS(MORTISE_CORNER)},
+                                     {MORTISE_WEDGE_CORNERS(MORTISE_CORNER)},
+                                     {MORTISE_PYRAMID_CORNERS(MORTISE_CORNER)},
+                                     {MORTISE_TETRAHEDRON_CORNERS(MORTISE_CORNER)}};
 #undef MORTISE_CORNER
 constexpr int kCornerCount[4] = {8, 6, 4, 4};
 
@@ -113,7 +110,7 @@ TransitionFigures transition_figures(const TransitionElement& element) {
     TransitionFigures figures;
     const std::size_t type = type_of(element.count);
     for (int i = 0; i < kCornerCount[type]; ++i) {
-        const int* corner = kCorners[type][i];
+        const int* corner = kCornersOf[type][i];
         const auto edge = [&](int k) {
             return between(element.node[static_cast<std::size_t>(corner[0])],
                            element.node[static_cast<std::size_t>(corner[k])]);

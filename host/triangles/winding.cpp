@@ -3,12 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/common/constants.hpp"
+
 namespace mortise::triangles {
 namespace {
 
 constexpr std::uint32_t kLeafSize = 4;
 constexpr double kFar = 2.5;  ///< radii from which a group counts as a dipole
-constexpr double kPi = 3.14159265358979323846;
 
 /// Solid angle of a triangle (Van Oosterom & Strackee 1983), positive from behind.
 double solid_angle(const std::array<glm::dvec3, 3>& triangle, const glm::dvec3& point) {

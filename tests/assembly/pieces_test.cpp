@@ -7,6 +7,7 @@
 #include "host/pipeline/piece.hpp"
 #include "mortise/mesher.hpp"
 #include "tests/assembly/regions_on_grid.hpp"
+#include "tests/mesher/meshed.hpp"
 
 using namespace mortise;
 
@@ -31,11 +32,11 @@ void check_pieces(const Model& model, bool templates) {
     MeshOptions options;
     options.level = 5;
     options.templates = templates;
-    const Mesh whole = generate_mesh(model, options);
+    const Mesh whole = test::generate(model, options);
     for (const int pieces : {2, 3, 61}) {
         CAPTURE(pieces);
         options.pieces = pieces;
-        check_same(whole, generate_mesh(model, options));
+        check_same(whole, test::generate(model, options));
     }
 }
 
@@ -106,6 +107,6 @@ TEST_CASE("a number of pieces out of range is refused") {
     options.level = 3;
     for (const int pieces : {0, -1, 5000}) {
         options.pieces = pieces;
-        CHECK_THROWS_AS(generate_mesh(model, options), Error);
+        CHECK_THROWS_AS(test::generate(model, options), Error);
     }
 }

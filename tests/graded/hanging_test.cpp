@@ -190,9 +190,9 @@ TEST_CASE("random graded models with hanging nodes are valid, and all that hang 
         }
         if (seed > first + 5) continue;
         options.threads = 1;
-        CHECK(is_same_mesh(generate_mesh(model, options), meshed->mesh));
+        CHECK(is_same_mesh(generate(model, options), meshed->mesh));
         options.pieces = 7;
-        CHECK(is_same_mesh(generate_mesh(model, options), meshed->mesh));
+        CHECK(is_same_mesh(generate(model, options), meshed->mesh));
     }
     if (count >= 10) CHECK(cells > 100);
 }
@@ -220,11 +220,11 @@ TEST_CASE("trees of one size have no hanging nodes, and tetrahedra none") {
     const Model model = parse("sphere(r = 10);", "csg");
     MeshOptions options;
     options.level = 4;
-    const Mesh plain = generate_mesh(model, options);
+    const Mesh plain = generate(model, options);
     options.hanging = true;
-    CHECK(is_same_mesh(generate_mesh(model, options), plain));
+    CHECK(is_same_mesh(generate(model, options), plain));
     options.tetrahedra = true;
-    CHECK_THROWS_AS(generate_mesh(model, options), Error);
+    CHECK_THROWS_AS(generate(model, options), Error);
 }
 
 }  // namespace mortise::test

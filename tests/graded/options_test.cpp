@@ -7,6 +7,7 @@
 #include <numeric>
 #include <vector>
 
+#include "host/common/constants.hpp"
 #include "tests/mesher/meshed.hpp"
 #include "tests/mesher/random_source.hpp"
 #include "tests/mesher/solids.hpp"
@@ -14,9 +15,7 @@
 namespace mortise::test {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
-
-Model parse(const std::string& text, const std::string& format) {
+Model parse_text(const std::string& text, const std::string& format) {
     return parse_model(text, format, "test." + format);
 }
 
@@ -63,7 +62,7 @@ double longest_edge_near(const Mesh& mesh, const Vec3& at, double reach) {
 }  // namespace
 
 TEST_CASE("a coarse interior leaves the boundary of the uniform mesh as it is") {
-    const Model model = parse("sphere(r = 10);", "csg");
+    const Model model = parse_text("sphere(r = 10);", "csg");
     MeshOptions options;
     options.level = 6;
     options.improve = false;
@@ -85,13 +84,13 @@ TEST_CASE("a coarse interior leaves the boundary of the uniform mesh as it is") 
 }
 
 TEST_CASE("a coin in an air box a thousand times larger") {
-    const Model model = parse(R"(algebraic3d
+    const Model model = parse_text(R"(algebraic3d
 solid coin = cylinder(0,0,-1;0,0,1;10) and plane(0,0,-0.5;0,0,-1) and plane(0,0,0.5;0,0,1) -maxh=2;
 solid air = orthobrick(-10000,-10000,-10000;10000,10000,10000) and not coin;
 tlo coin;
 tlo air;
 )",
-                              "geo");
+                                   "geo");
     MeshOptions options;
     options.level = 4;
     const Meshed meshed = mesh_and_check(model, options);
@@ -109,13 +108,13 @@ tlo air;
 }
 
 TEST_CASE("refinement finds a coin in a box a thousand times larger by itself") {
-    const Model model = parse(R"(algebraic3d
+    const Model model = parse_text(R"(algebraic3d
 solid coin = cylinder(0,0,-1;0,0,1;10) and plane(0,0,-0.5;0,0,-1) and plane(0,0,0.5;0,0,1);
 solid air = orthobrick(-10000,-10000,-10000;10000,10000,10000) and not coin;
 tlo coin;
 tlo air;
 )",
-                              "geo");
+                                   "geo");
     MeshOptions options;
     options.level = 3;
     options.refine = 13;
@@ -129,7 +128,7 @@ tlo air;
 }
 
 TEST_CASE("sizes around a point, at least and at most") {
-    const Model model = parse("cube([10, 10, 10]);", "csg");
+    const Model model = parse_text("cube([10, 10, 10]);", "csg");
     MeshOptions options;
     options.level = 4;
     options.sizes.push_back({{0, 0, 0}, 0.1, 0.5});
@@ -161,7 +160,7 @@ TEST_CASE("sizes of surfaces and regions by name, and by a formula") {
         "solid ball = sphere(0,0,0;1);\n"
         "solid box = orthobrick(-3,-3,-3;3,3,3) and not ball;\n"
         "tlo ball;\ntlo box;\n";
-    const Model model = parse(text, "geo");
+    const Model model = parse_text(text, "geo");
     MeshOptions options;
     options.level = 4;
     const Meshed plain = mesh_and_check(model, options);
@@ -173,7 +172,7 @@ TEST_CASE("sizes of surfaces and regions by name, and by a formula") {
     const double error = std::fabs(named.check.region_volume[0] - 4 * kPi / 3);
     CHECK(error < std::fabs(plain.check.region_volume[0] - 4 * kPi / 3) / 4);
     options.named_sizes = {{"bal", 0.1}};
-    CHECK_THROWS_WITH_AS(generate_mesh(model, options), doctest::Contains("'bal'"), Error);
+    CHECK_THROWS_WITH_AS(generate(model, options), doctest::Contains("'bal'"), Error);
 
     MeshOptions formula;
     formula.level = 4;
@@ -183,13 +182,13 @@ TEST_CASE("sizes of surfaces and regions by name, and by a formula") {
     CHECK(longest_edge_near(graded.mesh, {-3, -3, -3}, 0.05) <= 0.15 * 1.8);
     CHECK(longest_edge_near(graded.mesh, {3, 3, 3}, 0.05) > 0.3);
     formula.size_formula = "x";
-    CHECK_THROWS_WITH_AS(generate_mesh(model, formula), doctest::Contains("size-min"), Error);
+    CHECK_THROWS_WITH_AS(generate(model, formula), doctest::Contains("size-min"), Error);
     formula.size_formula = "x +";
-    CHECK_THROWS_AS(generate_mesh(model, formula), Error);
+    CHECK_THROWS_AS(generate(model, formula), Error);
 }
 
 TEST_CASE("features: thin walls get small cells, plain creases and corners do not") {
-    const Model thin = parse("union() { cube([10, 10, 0.2]); cube([10, 2, 10]); }", "csg");
+    const Model thin = parse_text("union() { cube([10, 10, 0.2]); cube([10, 2, 10]); }", "csg");
     MeshOptions options;
     options.level = 4;
     options.refine = 3;
@@ -199,18 +198,18 @@ TEST_CASE("features: thin walls get small cells, plain creases and corners do no
     CHECK(refined.report.finest_level >= 6);
     CHECK(leaves_at(refined.report, 4) > 0);
 
-    const Meshed cube = mesh_and_check(parse("cube([10, 10, 10]);", "csg"), options);
+    const Meshed cube = mesh_and_check(parse_text("cube([10, 10, 10]);", "csg"), options);
     CHECK(cube.report.finest_level == 4);
 }
 
 TEST_CASE("features: walls and gaps that a grid plane cuts are seen") {
     // A thin web in the middle of two end plates: the grid's middle plane runs through it.
-    const Model web = parse(R"(union() {
+    const Model web = parse_text(R"(union() {
         cube([40, 0.4, 40], center = true);
         multmatrix([[1,0,0,-20],[0,1,0,0],[0,0,1,0],[0,0,0,1]]) { cube([4, 40, 40], center = true); }
         multmatrix([[1,0,0,20],[0,1,0,0],[0,0,1,0],[0,0,0,1]]) { cube([4, 40, 40], center = true); }
     })",
-                            "csg");
+                                 "csg");
     MeshOptions options;
     options.level = 4;
     options.refine = 4;
@@ -220,11 +219,11 @@ TEST_CASE("features: walls and gaps that a grid plane cuts are seen") {
     CHECK(*std::min_element(meshed.check.min_scaled_jacobian.begin(),
                             meshed.check.min_scaled_jacobian.end()) > 0.15);
     // Two balls with a gap of a tenth of a cell between them.
-    const Model balls = parse(R"(union() {
+    const Model balls = parse_text(R"(union() {
         sphere(r = 10);
         multmatrix([[1,0,0,20.3],[0,1,0,0],[0,0,1,0],[0,0,0,1]]) { sphere(r = 10); }
     })",
-                              "csg");
+                                   "csg");
     options.refine = 5;
     const Meshed gap = mesh_and_check(balls, options);
     CHECK(gap.defects == "");
@@ -234,7 +233,7 @@ TEST_CASE("features: walls and gaps that a grid plane cuts are seen") {
 }
 
 TEST_CASE("curvature: as many cells to a full turn as asked") {
-    const Model model = parse("cylinder(r = 1, h = 10, $fn = 0);", "csg");
+    const Model model = parse_text("cylinder(r = 1, h = 10, $fn = 0);", "csg");
     MeshOptions options;
     options.level = 4;
     options.refine = 3;
@@ -245,11 +244,11 @@ TEST_CASE("curvature: as many cells to a full turn as asked") {
 }
 
 TEST_CASE("a fitted box puts the faces of a model on grid planes") {
-    const Model model = parse(R"(difference() {
+    const Model model = parse_text(R"(difference() {
         cube([12, 8, 5]);
         multmatrix([[1, 0, 0, 2], [0, 1, 0, 3], [0, 0, 1, -1], [0, 0, 0, 1]]) { cube([4, 3, 7]); }
     })",
-                              "csg");
+                                   "csg");
     MeshOptions options;
     options.level = 5;
     const Meshed plain = mesh_and_check(model, options);
@@ -342,7 +341,7 @@ TEST_CASE("a plate thinner than a cell has one face on a grid plane") {
 }
 
 TEST_CASE("a graded tetrahedral mesh and one with a report are valid, too") {
-    const Model model = parse("difference() { cube([4, 4, 4]); sphere(r = 1.5); }", "csg");
+    const Model model = parse_text("difference() { cube([4, 4, 4]); sphere(r = 1.5); }", "csg");
     MeshOptions options;
     options.level = 4;
     options.sizes.push_back({{1.5, 0, 0}, 0.05, 0.4});

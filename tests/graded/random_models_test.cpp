@@ -82,7 +82,7 @@ TEST_CASE("a graded mesh does not depend on threads, work-group size or pieces")
         const std::optional<MeshReport> plain = plain_run(model);
         if (!plain) continue;
         MeshOptions options = random_sizes(seed, plain->root, plain->cell_size);
-        const Mesh reference = generate_mesh(model, options);
+        const Mesh reference = generate(model, options);
         struct Way {
             int threads, work_group_size, pieces;
         };
@@ -90,7 +90,7 @@ TEST_CASE("a graded mesh does not depend on threads, work-group size or pieces")
             options.threads = way.threads;
             options.work_group_size = way.work_group_size;
             options.pieces = way.pieces;
-            CHECK(is_same_mesh(generate_mesh(model, options), reference));
+            CHECK(is_same_mesh(generate(model, options), reference));
         }
     }
 }

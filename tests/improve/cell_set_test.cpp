@@ -52,7 +52,7 @@ TEST_CASE("bricks near a set of cells hold all points within reach of it") {
 
 namespace {
 
-constexpr int kLevel = 5;  ///< of the next two cases
+constexpr int kSetLevel = 5;  ///< of the next two cases
 
 improve::Point corner_of(std::uint64_t code) {
     return {static_cast<double>(gather_bits(code)), static_cast<double>(gather_bits(code >> 1)),
@@ -63,9 +63,9 @@ improve::Point corner_of(std::uint64_t code) {
 void check_places(const Mesh& mesh, int type, std::int64_t reach, const improve::Known& known) {
     improve::CellFrame frame{};
     frame.cell = frame.per_cell = 1;
-    frame.level = kLevel;
+    frame.level = kSetLevel;
     frame.on_lattice = false;
-    improve::CellSet cells(kLevel, nullptr, reach);
+    improve::CellSet cells(kSetLevel, nullptr, reach);
     cells.set_ring(cells.index({3.5, 4.5, 30.5}));
     cells.set_ring(cells.index({20.5, 31.9, 7.5}));
     improve::Places places;
@@ -92,7 +92,7 @@ TEST_CASE("elements near the zone are found whether rows of cubes are skipped or
     // Cubes in Morton order, with gaps, and displaced hexahedra among them.
     Mesh mesh;
     ElementBlock& block = mesh.block(ElementType::kHexahedron);
-    for (std::uint64_t code = 0; code < std::uint64_t{1} << (3 * kLevel); ++code) {
+    for (std::uint64_t code = 0; code < std::uint64_t{1} << (3 * kSetLevel); ++code) {
         if (random.chance(0.2)) continue;
         const bool is_cube = random.chance(0.9);
         const improve::Point low = corner_of(code);
@@ -115,7 +115,7 @@ TEST_CASE("pieces of cubes near the zone are found whether rows of them are skip
     Mesh mesh;
     improve::Known known;
     ElementBlock& block = mesh.block(ElementType::kTetrahedron);
-    for (std::uint64_t code = 0; code < std::uint64_t{1} << (3 * kLevel); ++code) {
+    for (std::uint64_t code = 0; code < std::uint64_t{1} << (3 * kSetLevel); ++code) {
         if (random.chance(0.2)) continue;
         const bool is_cube = random.chance(0.9);
         const improve::Point low = corner_of(code);

@@ -35,7 +35,7 @@ improve::Counters improved(const Model& model, int level, double merge_distance,
     MeshOptions options;
     options.level = level;
     options.improve = false;
-    mesh = generate_mesh(model, options);
+    mesh = generate(model, options);
     improve::Options improving;
     improving.level = level;
     improving.merge_distance = merge_distance;

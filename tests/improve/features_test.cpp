@@ -4,13 +4,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/common/constants.hpp"
 #include "tests/mesher/meshed.hpp"
 #include "tests/mesher/random_models.hpp"
 
 namespace mortise::test {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 double worst_jacobian(const CheckReport& check) {
     return *std::min_element(check.min_scaled_jacobian.begin(), check.min_scaled_jacobian.end());

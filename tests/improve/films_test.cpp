@@ -4,13 +4,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/common/constants.hpp"
 #include "tests/mesher/meshed.hpp"
 
 namespace mortise::test {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
-constexpr int kLevel = 4;
+constexpr int kFilmLevel = 4;
 constexpr double kRadius = 10;
 constexpr double kCell = 2 * kRadius / 15;  ///< about: the root cube has half a cell around the solid
 
@@ -18,7 +18,7 @@ double ball_volume(double radius) { return 4 * kPi / 3 * radius * radius * radiu
 
 MeshOptions options() {
     MeshOptions result;
-    result.level = kLevel;
+    result.level = kFilmLevel;
     return result;
 }
 

@@ -11,7 +11,7 @@
 namespace mortise::test {
 namespace {
 
-constexpr int kLevel = 5;
+constexpr int kLooseLevel = 5;
 constexpr double kMerge = 0.05;
 constexpr double kMostLoose = 3 * kMerge;  ///< cells
 
@@ -100,7 +100,7 @@ TEST_CASE("nodes of slivers leave the model by a small part of a cell") {
         CAPTURE(seed);
         const Clump clump = make_clump(seed);
         MeshOptions options;
-        options.level = kLevel;
+        options.level = kLooseLevel;
         options.threads = 1;
         options.merge_distance = 0;
         const Meshed kept = mesh_and_check(clump.model, options);
@@ -122,7 +122,7 @@ TEST_CASE("nodes of slivers leave the model by a small part of a cell") {
         if (seed % 3 != 0) continue;
         options.threads = 3;
         options.pieces = 3;
-        CHECK(is_same_mesh(loose.mesh, generate_mesh(clump.model, options)));
+        CHECK(is_same_mesh(loose.mesh, generate(clump.model, options)));
     }
     CHECK(poor >= 6);
     CHECK(3 * better >= poor);  // the others are as poor as the model is sharp
@@ -133,7 +133,7 @@ TEST_CASE("meshes of tetrahedra keep what loose nodes have mended") {
     for (std::uint64_t seed = 0; seed < 6; ++seed) {
         CAPTURE(seed);
         MeshOptions options;
-        options.level = kLevel;
+        options.level = kLooseLevel;
         const Clump clump = make_clump(seed);
         const Meshed hybrid = mesh_and_check(clump.model, options);
         options.tetrahedra = true;
@@ -151,7 +151,7 @@ TEST_CASE("a thin wall stays as thin as it is") {
         return m.add_transform(
             turn, unite(m, {add_box(m, {0, 0, 0}, {20, 20, 6}), add_box(m, {4, 5, 3}, {17, 5.02, 12})}));
     });
-    const Meshed m = mesh_and_check(model, kLevel);
+    const Meshed m = mesh_and_check(model, kLooseLevel);
     CHECK(m.defects == "");
     CHECK(worst(m) < 0.1f);
     CHECK(m.report.loosened_nodes == 0);
@@ -166,7 +166,7 @@ TEST_CASE("a sharp edge stays sharp") {
             m.add_transform(rotation({0, 1, 0}, -0.1396), add_box(m, {-30, -30, 0}, {30, 30, 30}));
         return m.add_transform(turn, subtract(m, {add_box(m, {0, 0, 0}, {20, 15, 9}), cut}));
     });
-    const Meshed m = mesh_and_check(model, kLevel);
+    const Meshed m = mesh_and_check(model, kLooseLevel);
     CHECK(m.defects == "");
     CHECK(m.report.loosened_nodes == 0);
     for (const double y : {0.0, 15.0}) CHECK(nearest_node(m.mesh, apply(turn, {0, y, 0})) < 1e-9);

@@ -1,5 +1,6 @@
 // The quality number against angles and products worked out another way.
 #include "host/improve/quality.hpp"
+#include "host/common/constants.hpp"
 
 #include <doctest/doctest.h>
 
@@ -10,8 +11,6 @@
 
 namespace mortise::improve {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 double degrees(double radians) { return radians * 180 / kPi; }
 

@@ -5,13 +5,12 @@
 #include <cmath>
 #include <cstddef>
 
+#include "host/common/constants.hpp"
 #include "host/improve/improve.hpp"
 #include "tests/mesher/meshed.hpp"
 
 namespace mortise::test {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 Model asset(const std::string& name) {
     return read_model(std::string(MORTISE_SOURCE_DIR) + "/assets/models/" + name + ".csg");

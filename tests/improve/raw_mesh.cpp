@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "mortise/mesher.hpp"
+#include "tests/mesher/meshed.hpp"
 #include "tests/tape/bound_models.hpp"
 
 namespace mortise::test {
@@ -11,7 +12,7 @@ RawMesh raw_mesh(const Model& model, int level) {
     MeshOptions options;
     options.level = level;
     options.improve = false;
-    RawMesh raw{generate_mesh(model, options), bind_model(model, level), level};
+    RawMesh raw{generate(model, options), bind_model(model, level), level};
     const std::vector<std::string> names = tape::compile(model).surface_names;
     for (std::size_t f = 0; f < raw.mesh.facets.size(); ++f) {
         const std::string& name = raw.mesh.surface_names[raw.mesh.facets.surface[f]];

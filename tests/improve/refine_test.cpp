@@ -9,7 +9,7 @@
 namespace mortise::test {
 namespace {
 
-constexpr int kLevel = 5;
+constexpr int kRefineLevel = 5;
 
 float worst(const Meshed& m) {
     const std::vector<float>& all = m.report.scaled_jacobians;
@@ -32,7 +32,7 @@ Model stepped(double step) {
 // Scaled Jacobians were 0.058 and 0.1.
 TEST_CASE("a step of a tenth of a cell has good elements and keeps its height") {
     MeshOptions options;
-    options.level = kLevel;
+    options.level = kRefineLevel;
     for (const double step : {0.06, 0.1}) {
         CAPTURE(step);
         const Model model = stepped(step);
@@ -59,7 +59,7 @@ TEST_CASE("a shallow groove around a cylinder") {
         " { cylinder(h = 4.1, r1 = 9, r2 = 9); }"
         " cylinder(h = 20, r1 = 7.93, r2 = 7.93); } }");
     MeshOptions options;
-    options.level = kLevel;
+    options.level = kRefineLevel;
     const Meshed m = mesh_and_check(model, options);
     CHECK(m.defects == "");
     CHECK(m.report.merged_nodes == 0);

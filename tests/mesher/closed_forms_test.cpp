@@ -4,12 +4,12 @@
 #include <cmath>
 #include <functional>
 
+#include "host/common/constants.hpp"
 #include "tests/mesher/meshed.hpp"
 
 namespace mortise::test {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 const Affine kTurn = rotation({1, 2, 3}, 0.7);
 
 struct Polyhedron {

@@ -9,12 +9,11 @@
 #include <cmath>
 #include <functional>
 
+#include "host/common/constants.hpp"
 #include "tests/mesher/meshed.hpp"
 
 namespace mortise::test {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 struct Solid {
     const char* name;

@@ -5,13 +5,12 @@
 #include <cmath>
 #include <string>
 
+#include "host/common/constants.hpp"
 #include "tests/mesher/meshed.hpp"
 #include "tests/mesher/random_source.hpp"
 
 namespace mortise::test {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 /// The union of boxes through one point, each turned otherwise: nearly a ball, whose surface is made of some
 /// dozen small faces to a cell.
@@ -59,7 +58,7 @@ TEST_CASE("unions of many boxes through one point are coarse, but valid") {
         MeshOptions strict;
         strict.level = 3;
         strict.strict = true;
-        CHECK_THROWS_AS(generate_mesh(model, strict), Error);
+        CHECK_THROWS_AS(generate(model, strict), Error);
     }
 }
 
@@ -69,10 +68,10 @@ TEST_CASE("crowded cells are meshed alike in pieces, on threads, and in graded t
     MeshOptions options;
     options.level = 4;
     options.threads = 1;
-    const Mesh whole = generate_mesh(model, options);
+    const Mesh whole = generate(model, options);
     options.threads = 3;
     options.pieces = 7;
-    CHECK(is_same_mesh(whole, generate_mesh(model, options)));
+    CHECK(is_same_mesh(whole, generate(model, options)));
     MeshOptions graded;
     graded.level = 3;
     graded.refine = 1;

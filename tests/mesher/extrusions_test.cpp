@@ -6,14 +6,13 @@
 #include <cmath>
 #include <string>
 
+#include "host/common/constants.hpp"
 #include "tests/mesher/meshed.hpp"
 
 namespace mortise::test {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
-
-struct Solid {
+struct Extruded {
     const char* name;
     const char* text;
     double volume;
@@ -21,7 +20,7 @@ struct Solid {
     int euler;
 };
 
-void check(const Solid& solid) {
+void check(const Extruded& solid) {
     CAPTURE(std::string(solid.name));
     const Meshed result = mesh_and_check(parse_model(solid.text, "csg", "part.csg"), 5);
     CHECK(result.defects == "");
@@ -34,7 +33,7 @@ void check(const Solid& solid) {
 }  // namespace
 
 TEST_CASE("extruded polygons have exact volume") {
-    const Solid solids[] = {
+    const Extruded solids[] = {
         {"L", "linear_extrude(height = 2) { polygon(points = [[0,0],[4,0],[4,1],[1,1],[1,3],[0,3]]); }", 12,
          1e-6, 2},
         {"star",
@@ -57,11 +56,11 @@ TEST_CASE("extruded polygons have exact volume") {
          "[1, 1]); } }",
          (9 - 4) * 1.5 * std::sqrt(3.0), 1e-6, 0},
     };
-    for (const Solid& solid : solids) check(solid);
+    for (const Extruded& solid : solids) check(solid);
 }
 
 TEST_CASE("curved extrusions have their volume within the mesh's accuracy") {
-    const Solid solids[] = {
+    const Extruded solids[] = {
         {"torus",
          "rotate_extrude() { multmatrix([[1,0,0,3],[0,1,0,0],[0,0,1,0],[0,0,0,1]]) { circle(r = 1); } }",
          2 * kPi * kPi * 3, 0.02, 0},
@@ -90,7 +89,7 @@ TEST_CASE("curved extrusions have their volume within the mesh's accuracy") {
          // The mean of (1 - t/2)(1 + t) over t, times area and height.
          8 * 2 * (1 + 0.25 - 1 / 6.0), 0.01, 2},
     };
-    for (const Solid& solid : solids) check(solid);
+    for (const Extruded& solid : solids) check(solid);
 }
 
 namespace {

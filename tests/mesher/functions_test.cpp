@@ -6,13 +6,12 @@
 #include <filesystem>
 #include <iostream>
 
+#include "host/common/constants.hpp"
 #include "tests/corpora.hpp"
 #include "tests/mesher/meshed.hpp"
 
 namespace mortise::test {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 double asset_volume(const char* name, int level, int euler_characteristic) {
     const Model model = read_model(std::string(MORTISE_SOURCE_DIR "/assets/models/") + name);

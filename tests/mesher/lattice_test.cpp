@@ -3,12 +3,11 @@
 
 #include <cmath>
 
+#include "host/common/constants.hpp"
 #include "tests/mesher/meshed.hpp"
 
 namespace mortise::test {
-
 TEST_CASE("a lattice of 3,000 flush pieces of struts is valid and has every opening") {
-    constexpr double kPi = 3.14159265358979323846;
     constexpr double kRadius = 0.3;
     constexpr int kNodes = 10;  // along each axis
     const Affine turns[3] = {kIdentity, rotation({0, 1, 0}, kPi / 2), rotation({1, 0, 0}, kPi / 2)};
@@ -55,7 +54,7 @@ TEST_CASE("complex cells at creases have few elements before improvement") {
         }
         return static_cast<double>(count) / static_cast<double>(result.report.cnio_cells);
     };
-    constexpr double kPi = 3.14159265358979323846;
+
     CHECK(per_cell(one_solid([&](Model& m) {
               const NodeIndex strut = add_cylinder(m, 0.3, -1, 1);
               return unite(m, {strut, m.add_transform(rotation({0, 1, 0}, kPi / 2), strut),

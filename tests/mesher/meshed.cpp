@@ -38,9 +38,15 @@ bool is_same(const std::vector<T>& a, const std::vector<T>& b) {
 
 }  // namespace
 
+Mesh generate(const Model& model, const MeshOptions& options, MeshReport* report) {
+    if (!options.device.empty() || options.work_group_size != 0) return generate_mesh(model, options, report);
+    static Mesher& mesher = *new Mesher;  // left to the system: OpenCL may be gone when statics are destroyed
+    return mesher.generate(model, options, report);
+}
+
 Meshed mesh_and_check(const Model& model, const MeshOptions& options) {
     Meshed result;
-    result.mesh = generate_mesh(model, options, &result.report);
+    result.mesh = generate(model, options, &result.report);
     result.check = check_mesh(result.mesh);
     for (const Defect& defect : result.check.defects) {
         result.defects += defect.what + " x" + std::to_string(defect.count) + " (" + defect.first + "); ";

@@ -17,6 +17,9 @@ struct Meshed {
     std::string defects;  ///< all in one line; empty: valid
 };
 
+/// As generate_mesh; on the default device by one mesher for the whole process, which loads its kernels once.
+Mesh generate(const Model& model, const MeshOptions& options = {}, MeshReport* report = nullptr);
+
 Meshed mesh_and_check(const Model& model, const MeshOptions& options);
 Meshed mesh_and_check(const Model& model, int level, bool templates = true);
 

@@ -7,6 +7,7 @@
 
 #include "mortise/mesher.hpp"
 #include "mortise/model.hpp"
+#include "tests/mesher/meshed.hpp"
 
 namespace {
 
@@ -41,7 +42,7 @@ const char* const kTwoBoxes =
 
 TEST_CASE("facets are named after the solid of their own region") {
     const Model model = parse_model(kTwoBoxes, "geo", "boxes.geo");
-    const auto names = names_of(generate_mesh(model, at_level(3)));
+    const auto names = names_of(test::generate(model, at_level(3)));
     CHECK(names.at({"left", ""}) == Names{"bc_7"});
     CHECK(names.at({"left", "right"}) == Names{"bc_7"});
     CHECK(names.at({"right", ""}) ==
@@ -53,14 +54,14 @@ TEST_CASE("a size on a surface that is one with another region's is found by eit
     MeshOptions options = at_level(3);
     options.named_sizes = {{"right_ymin", 0.1}};
     MeshReport report;
-    generate_mesh(model, options, &report);
+    test::generate(model, options, &report);
     CHECK(report.finest_level > report.level);
 }
 
 TEST_CASE("equal surfaces of one region have the name of the first") {
     const Model model =
         parse_model("union() { cube([1, 1, 1]); translate([1, 0, 0]) cube([1, 1, 1]); }", "csg", "boxes.csg");
-    const auto names = names_of(generate_mesh(model, at_level(3)));
+    const auto names = names_of(test::generate(model, at_level(3)));
     REQUIRE(names.size() == 1);
     CHECK(names.begin()->second ==
           Names{"cube1_xmin", "cube2_xmax", "cube1_ymin", "cube1_ymax", "cube1_zmin", "cube1_zmax"});

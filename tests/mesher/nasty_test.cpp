@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/common/constants.hpp"
 #include "tests/mesher/membership_scan.hpp"
 #include "tests/mesher/meshed.hpp"
 #include "tests/mesher/random_source.hpp"
@@ -14,14 +15,13 @@
 namespace mortise::test {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
-constexpr int kLevel = 5;
+constexpr int kNastyLevel = 5;
 
 NodeIndex grid_block(Model& m) { return add_box(m, {0, 0, 0}, {30, 30, 30}); }
 
 /// Valid, and no sample further than half a cell from the model's boundary is wrong.
 Meshed mesh_soundly(const Model& model) {
-    const Meshed result = mesh_and_check(model, kLevel);
+    const Meshed result = mesh_and_check(model, kNastyLevel);
     CHECK(result.defects == "");
     const ScanResult scan =
         scan_membership(model, result.mesh, result.report.root, result.report.cell_size, 32);
@@ -40,7 +40,7 @@ std::string refusal_of(const Model& model) {
 }
 
 /// The part of the box [-1, 1]³ where a formula is not positive.
-Meshed mesh_formula(const std::string& formula, int level = kLevel) {
+Meshed mesh_formula(const std::string& formula, int level = kNastyLevel) {
     Primitive primitive;
     primitive.kind = Primitive::Kind::kExpression;
     primitive.expression = formula;

@@ -4,13 +4,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/common/constants.hpp"
 #include "tests/mesher/meshed.hpp"
 #include "tests/mesher/random_source.hpp"
 
 namespace mortise::test {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kRadius = 10;
 
 Affine random_pose(RandomSource& random) {
@@ -136,11 +136,11 @@ TEST_CASE("the same mesh at poles for any threads, work-group size and pieces") 
     });
     MeshOptions options;
     options.level = 5;
-    const Mesh whole = generate_mesh(model, options);
+    const Mesh whole = generate(model, options);
     options.pieces = 7;
     options.threads = 1;
     options.work_group_size = 8;
-    CHECK(is_same_mesh(whole, generate_mesh(model, options)));
+    CHECK(is_same_mesh(whole, generate(model, options)));
 }
 
 TEST_CASE("contacts that are no poles: one inside the other, along a line, pipes of two radii") {

@@ -1,5 +1,6 @@
 // Recipes of random models: see random_models.hpp. A recipe makes parts; assemble() joins them to a tree.
 #include "tests/mesher/random_models.hpp"
+#include "host/common/constants.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -12,7 +13,6 @@
 namespace mortise::test {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kExtent = 30;  ///< cells of a level-5 mesh inside its margin
 
 class Recipe {

@@ -15,7 +15,7 @@
 namespace mortise::test {
 namespace {
 
-constexpr int kLevel = 5;
+constexpr int kRandomLevel = 5;
 
 constexpr double kNextToVertex = 2.5e-4;  ///< cells
 
@@ -48,7 +48,7 @@ std::uint64_t mesh_all(RandomModel (*make)(std::uint64_t), std::uint64_t count) 
         CAPTURE(seed);
         CAPTURE(random.style);
         MeshOptions options;
-        options.level = kLevel;
+        options.level = kRandomLevel;
         const std::optional<Meshed> with = mesh_unless_empty(random.model, options);
         if (!with) continue;
         ++meshed_models;
@@ -97,7 +97,7 @@ TEST_CASE("random models that were not filled stay mended") {
         const RandomModel random = make_random_model(seed);
         CAPTURE(seed);
         MeshOptions options;
-        options.level = kLevel;
+        options.level = kRandomLevel;
         const std::optional<Meshed> meshed = mesh_unless_empty(random.model, options);
         REQUIRE(meshed);
         CHECK(meshed->defects == "");
@@ -111,7 +111,7 @@ TEST_CASE("the mesh does not depend on threads or work-group size") {
         CAPTURE(seed);
         const Model model = make_random_model(seed).model;
         MeshOptions options;
-        options.level = kLevel;
+        options.level = kRandomLevel;
         const std::optional<Meshed> reference = mesh_unless_empty(model, options);
         if (!reference) continue;
         struct Way {
@@ -120,7 +120,7 @@ TEST_CASE("the mesh does not depend on threads or work-group size") {
         for (const Way& way : {Way{1, 16}, Way{2, 64}, Way{4, 0}}) {
             options.threads = way.threads;
             options.work_group_size = way.work_group_size;
-            CHECK(is_same_mesh(generate_mesh(model, options), reference->mesh));
+            CHECK(is_same_mesh(generate(model, options), reference->mesh));
         }
     }
 }

@@ -6,13 +6,13 @@
 #include <cmath>
 #include <sstream>
 
+#include "host/common/constants.hpp"
 #include "tests/mesher/meshed.hpp"
 #include "tests/mesher/random_source.hpp"
 
 namespace mortise::test {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kLength = 10;
 
 /// To six significant figures, which is what OpenSCAD writes.

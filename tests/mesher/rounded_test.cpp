@@ -6,13 +6,12 @@
 #include <string>
 #include <utility>
 
+#include "host/common/constants.hpp"
 #include "tests/mesher/meshed.hpp"
 #include "tests/mesher/rounded_solids.hpp"
 
 namespace mortise::test {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 struct Shape {
     const char* name;

@@ -5,13 +5,13 @@
 #include <cmath>
 #include <sstream>
 
+#include "host/common/constants.hpp"
 #include "tests/mesher/meshed.hpp"
 #include "tests/mesher/random_source.hpp"
 
 namespace mortise::test {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kRadius = 3;
 constexpr double kHeight = 3;
 

@@ -6,8 +6,10 @@
 #include "host/common/random.hpp"
 #include "host/model/solids/box_unions.hpp"
 #include "tests/model/membership.hpp"
+#include "tests/model/read_csg.hpp"
 
 using namespace mortise;
+using mortise::test::read_csg;
 
 namespace {
 
@@ -16,8 +18,6 @@ std::string moved(double x, double y, double z, const std::string& child) {
     return "multmatrix([[1, 0, 0, " + text(x) + "], [0, 1, 0, " + text(y) + "], [0, 0, 1, " + text(z) +
            "], [0, 0, 0, 1]]) { group() { " + child + " } }";
 }
-
-Model read(const std::string& text) { return parse_model(text, "csg", "part.csg"); }
 
 std::size_t boxes(const Model& model) {
     std::size_t count = 0;
@@ -59,7 +59,7 @@ TEST_CASE("boxes that make a larger one become that box") {
             for (int z = 0; z < 3; ++z) block.insert({x, y, z});
         }
     }
-    const Model whole = read(text_of(block));
+    const Model whole = read_csg(text_of(block));
     CHECK(boxes(whole) == 1);
     check(block, whole);
     const CsgNode& node = whole.nodes[0];
@@ -67,7 +67,7 @@ TEST_CASE("boxes that make a larger one become that box") {
     CHECK(node.where.line == 1);
     // A hole through it: four beams.
     for (int z = 0; z < 3; ++z) block.erase({2, 2, z});
-    const Model pierced = read(text_of(block));
+    const Model pierced = read_csg(text_of(block));
     CHECK(boxes(pierced) == 4);
     check(block, pierced);
 }
@@ -80,7 +80,7 @@ TEST_CASE("random pixels: the same solid, of fewer boxes") {
             cells.insert({static_cast<int>(6 * random.uniform()), static_cast<int>(6 * random.uniform()),
                           static_cast<int>(6 * random.uniform())});
         }
-        const Model model = read(text_of(cells));
+        const Model model = read_csg(text_of(cells));
         CAPTURE(seed);
         CHECK(boxes(model) < cells.size() * 3 / 4 + 1);
         check(cells, model);
@@ -92,7 +92,7 @@ TEST_CASE("boxes are merged below scales and in operands, with what is no box be
     for (int i = 0; i < 20; ++i) row += moved(0.1 * i, 0, 0, "cube(size = [0.1, 1, 1]);");
     const std::string scaled =
         "multmatrix([[2, 0, 0, 1], [0, 3, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]) { " + row + " }";
-    const Model model = read("difference() { union() { " + scaled + " sphere(r = 0.5); } cube(0.2); }");
+    const Model model = read_csg("difference() { union() { " + scaled + " sphere(r = 0.5); } cube(0.2); }");
     CHECK(boxes(model) == 3);
     CHECK(test::region_at(model, {4.99, 2.99, 0.5}) == 1);
     CHECK(test::region_at(model, {5.01, 2.99, 0.5}) == 0);
@@ -104,14 +104,14 @@ TEST_CASE("boxes are merged below scales and in operands, with what is no box be
         turned += "multmatrix([[0, -1, 0, " + std::to_string(i) +
                   "], [1, 0, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]) { cube(1); }";
     }
-    CHECK(boxes(read(turned)) == 20);
-    CHECK(boxes(read("intersection() { " + row + " }")) == 20);
+    CHECK(boxes(read_csg(turned)) == 20);
+    CHECK(boxes(read_csg("intersection() { " + row + " }")) == 20);
     // Few boxes keep their names, apart ones have nothing to join.
-    CHECK(boxes(read("cube(1);" + moved(1, 0, 0, "cube(1);"))) == 2);
+    CHECK(boxes(read_csg("cube(1);" + moved(1, 0, 0, "cube(1);"))) == 2);
     std::string apart;
     for (int i = 0; i < 20; ++i) apart += moved(2 * i, 0, 0, "cube(1);");
-    CHECK(boxes(read(apart)) == 20);
-    CHECK(boxes(read(apart + moved(-9, 0, 0, "cube([99, 9, 9]);"))) == 1);
+    CHECK(boxes(read_csg(apart)) == 20);
+    CHECK(boxes(read_csg(apart + moved(-9, 0, 0, "cube([99, 9, 9]);"))) == 1);
 }
 
 TEST_CASE("shared nodes and sizes keep their boxes") {

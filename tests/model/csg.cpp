@@ -4,14 +4,15 @@
 #include <cmath>
 
 #include "tests/model/membership.hpp"
+#include "tests/model/read_csg.hpp"
 
 using namespace mortise;
+using mortise::test::read_csg;
 using test::region_at;
 
 namespace {
 
-Model read(const std::string& text) { return parse_model(text, "csg", "part.csg"); }
-bool inside(const std::string& text, const Vec3& point) { return region_at(read(text), point) == 1; }
+bool inside(const std::string& text, const Vec3& point) { return region_at(read_csg(text), point) == 1; }
 
 /// Volume by counting the centers of an n³ grid over [-h, h]³.
 double sampled_volume(const Model& model, double h, int n) {
@@ -38,7 +39,7 @@ TEST_CASE("cubes, centered or not, in both writer styles") {
     CHECK(inside("cube();", {0.9, 0.9, 0.9}));
     CHECK(inside("cube(size = 2);", {1.9, 1.9, 1.9}));
     CHECK(inside("cube([1, 1, 4], true);", {0.4, 0.4, -1.9}));
-    const Model model = read("\n cube(size = [1, 1, 1]);");
+    const Model model = read_csg("\n cube(size = [1, 1, 1]);");
     CHECK(model.regions.size() == 1);
     CHECK(model.regions[0].name == "part");
     CHECK(model.source == "part.csg");
@@ -65,7 +66,7 @@ TEST_CASE("spheres and cylinders are curved unless $fn asks for a prism") {
         CHECK(inside(text, {0.999, 0, 0.999}));
         CHECK_FALSE(inside(text, {1.001, 0, 0}));
         CHECK_FALSE(inside(text, {0, 0, 1.001}));
-        CHECK(read(text).nodes[0].primitive.planes.size() == static_cast<std::size_t>(n) + 2);
+        CHECK(read_csg(text).nodes[0].primitive.planes.size() == static_cast<std::size_t>(n) + 2);
     }
     for (const char* n : {"0", "12.5", "13", "100"}) {
         CAPTURE(n);
@@ -73,8 +74,8 @@ TEST_CASE("spheres and cylinders are curved unless $fn asks for a prism") {
                      {0.999 * std::cos(0.26), 0.999 * std::sin(0.26), 0}));
     }
     // Fewer than three fragments make three; a fraction is rounded up.
-    CHECK(read("cylinder($fn = 1);").nodes[0].primitive.planes.size() == 5);
-    CHECK(read("cylinder($fn = 5.5);").nodes[0].primitive.planes.size() == 8);
+    CHECK(read_csg("cylinder($fn = 1);").nodes[0].primitive.planes.size() == 5);
+    CHECK(read_csg("cylinder($fn = 5.5);").nodes[0].primitive.planes.size() == 8);
 }
 
 TEST_CASE("cylinders: cones, frustums, pyramids and their caps") {
@@ -98,7 +99,7 @@ TEST_CASE("cylinders: cones, frustums, pyramids and their caps") {
     CHECK(inside("cylinder(2, 1, 3, true);", {1.9, 0, 0}));
     // A square pyramid and frustum; vertex 0 on +x.
     const std::string pyramid = "cylinder($fn = 4, h = 2, r1 = 1, r2 = 0);";
-    CHECK(read(pyramid).nodes[0].primitive.planes.size() == 5);
+    CHECK(read_csg(pyramid).nodes[0].primitive.planes.size() == 5);
     CHECK(inside(pyramid, {0.49, 0, 1}));
     CHECK(inside(pyramid, {0.24, 0.24, 1}));
     CHECK_FALSE(inside(pyramid, {0.26, 0.26, 1}));
@@ -109,7 +110,7 @@ TEST_CASE("cylinders: cones, frustums, pyramids and their caps") {
     CHECK(inside(frustum, {2.9, 0, 0.99}));
     CHECK_FALSE(inside(frustum, {0, 0, 1.01}));
 
-    const Model model = read("cylinder(h = 1, r1 = 1, r2 = 1);");
+    const Model model = read_csg("cylinder(h = 1, r1 = 1, r2 = 1);");
     const CsgNode& top = model.nodes[model.regions[0].root];
     CHECK(top.name == "cylinder1");
     CHECK(top.op == CsgNode::Op::kIntersection);
@@ -137,7 +138,7 @@ TEST_CASE("a sphere with few fragments is OpenSCAD's polyhedron") {
             volume += (std::cos(a) - std::cos(b)) * (ra * ra + ra * rb + rb * rb) / 3;
         }
         volume *= n * std::sin(2 * pi / n) / 2;
-        const Model model = read("sphere($fn = " + std::to_string(n) + ", r = 1);");
+        const Model model = read_csg("sphere($fn = " + std::to_string(n) + ", r = 1);");
         CHECK(sampled_volume(model, 1, 40) == doctest::Approx(volume).epsilon(0.02));
     }
 }
@@ -193,7 +194,7 @@ TEST_CASE("modifiers: % and * remove, # keeps, ! makes the root") {
     CHECK(inside(root, {0, 0, 0.9}));
     CHECK_FALSE(inside(root, {2, 2, 2}));
     CHECK_FALSE(inside(root, {9, 0, 0}));
-    const Model two = read("!sphere(); !cube(size = 9); %!cube(size = 20);");
+    const Model two = read_csg("!sphere(); !cube(size = 9); %!cube(size = 20);");
     CHECK(region_at(two, {2, 2, 2}) == 0);
     CHECK(two.warnings.size() == 1);
     // A '!' inside a string is no modifier.
@@ -218,7 +219,7 @@ TEST_CASE("nesting is limited by memory only") {
     for (int k = 0; k < kDepth; ++k)
         shifts += "multmatrix([[1,0,0,1],[0,1,0,0],[0,0,1,0],[0,0,0,1]]){sphere();";
     shifts += std::string(kDepth, '}');
-    CHECK(read(shifts).nodes.size() > 2 * kDepth);
+    CHECK(read_csg(shifts).nodes.size() > 2 * kDepth);
 
     // Boxes in a row are merged.
     std::string boxes;

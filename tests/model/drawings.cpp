@@ -1,5 +1,6 @@
 // DXF, SVG and surface(): areas and places against closed forms; errors.
 #include "host/model/outlines/drawings.hpp"
+#include "host/common/constants.hpp"
 
 #include <doctest/doctest.h>
 #include <png.h>
@@ -16,8 +17,6 @@ using model_reader::DrawingOptions;
 using model_reader::Vec2;
 
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 /// A DXF file of entities, given as "code value code value ...".
 std::string dxf(const std::string& entities) {

@@ -4,19 +4,19 @@
 
 #include "host/common/random.hpp"
 #include "tests/model/membership.hpp"
+#include "tests/model/read_csg.hpp"
 
 using namespace mortise;
+using mortise::test::read_csg;
 using test::refusal;
 using test::region_at;
 
 namespace {
 
-Model read(const std::string& text) { return parse_model(text, "csg", "part.csg"); }
-
 /// Whether both texts give the same solid, in points of a cube from -1 to 10.
 bool same(const std::string& text, const std::string& expected) {
-    const Model a = read(text);
-    const Model b = read(expected);
+    const Model a = read_csg(text);
+    const Model b = read_csg(expected);
     Random random(5);
     int inside = 0;
     for (int i = 0; i < 2000; ++i) {
@@ -76,11 +76,11 @@ TEST_CASE("solids without size count as empty") {
         CHECK(same(cube + "intersection() { cube(size = 9);" + empty + "}", cube));
         CHECK(same(cube + "intersection() {" + empty + "cube(size = 9); }", cube));
         CHECK(same(cube + "%" + empty, cube));
-        const Model model = read(cube + empty);
+        const Model model = read_csg(cube + empty);
         REQUIRE(model.warnings.size() == 1);
         CHECK(model.warnings[0].find("part.csg:1:") == 0);
         CHECK(model.warnings[0].find("an object of size 0, negative, infinite") != std::string::npos);
-        CHECK(read(cube + "*" + empty).warnings.empty());
+        CHECK(read_csg(cube + "*" + empty).warnings.empty());
         CHECK(refusal(empty, "csg").find("the file holds no solid: an object of size 0") !=
               std::string::npos);
     }
@@ -120,17 +120,17 @@ TEST_CASE("hulls, sums and resizing without an empty child") {
 }
 
 TEST_CASE("one warning a file counts what is left out and names the first") {
-    const Model model = read("cube();\n sphere(r = 0);\ncube(size = [1, 0, 1]);\nsphere(r = -1);");
+    const Model model = read_csg("cube();\n sphere(r = 0);\ncube(size = [1, 0, 1]);\nsphere(r = -1);");
     REQUIRE(model.warnings.size() == 1);
     CHECK(model.warnings[0] ==
           "part.csg:2:13: 3 objects of size 0, negative, infinite or flattened by a matrix are left out, the "
           "first: 'sphere' with radius 0");
-    CHECK(read("cube();").warnings.empty());
+    CHECK(read_csg("cube();").warnings.empty());
     CHECK(refusal("\ncube(0);\n cube(-1);", "csg") ==
           "2 m.csg:2:6: the file holds no solid: 2 objects of size 0, negative, infinite or flattened by a "
           "matrix are left out, the first: 'cube' with size 0");
     // The root modifier makes all else no part of the model.
-    CHECK(read("cube(0); !cube();").warnings.empty());
+    CHECK(read_csg("cube(0); !cube();").warnings.empty());
 }
 
 TEST_CASE("a number of fragments that is not finite is 3, as in OpenSCAD") {
@@ -139,7 +139,7 @@ TEST_CASE("a number of fragments that is not finite is 3, as in OpenSCAD") {
 }
 
 TEST_CASE("text in a font whose name cannot be read is left out") {
-    const Model model = read(
+    const Model model = read_csg(
         "cube();\nlinear_extrude(height = 1) { text(text = \"a\", font = \":charset=xxx\");\n"
         "text(text = \"b\", font = \":charset=xxx\"); }");
     REQUIRE(model.warnings.size() == 1);

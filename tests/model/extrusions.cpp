@@ -6,8 +6,10 @@
 
 #include "host/common/random.hpp"
 #include "tests/model/membership.hpp"
+#include "tests/model/read_csg.hpp"
 
 using namespace mortise;
+using mortise::test::read_csg;
 using test::refusal;
 using test::region_at;
 
@@ -15,17 +17,11 @@ namespace {
 
 using Oracle = std::function<bool(double, double, double)>;
 
-Model read(const std::string& text, Facets facets = Facets::kSmooth) {
-    ReadOptions options;
-    options.facets = facets;
-    return parse_model(text, "csg", "part.csg", options);
-}
-
 /// The model and the oracle agree at random points of the box, and the model's bounds hold all points.
 void compare(const std::string& text, const Vec3& min, const Vec3& max, const Oracle& oracle,
              Facets facets = Facets::kSmooth) {
     CAPTURE(text);
-    const Model model = read(text, facets);
+    const Model model = read_csg(text, facets);
     Random random(7);
     int inside = 0;
     int wrong = 0;
@@ -123,9 +119,9 @@ TEST_CASE("circles are curved unless $fn asks for a prism, or facets are wanted"
     // 2 π r / $fs = 6.3, rounded up; then at least five.
     compare(text("$fn = 0, $fa = 12, $fs = 2, "), min, max, polygon(7), Facets::kExact);
     compare(text("$fn = 0, $fa = 12, $fs = 9, "), min, max, polygon(5), Facets::kExact);
-    CHECK(read("sphere($fn = 20);", Facets::kExact).nodes[0].primitive.kind == Primitive::Kind::kConvex);
-    CHECK(read("cylinder($fn = 20);", Facets::kExact).nodes[0].primitive.planes.size() == 22);
-    CHECK(read("cylinder($fn = 20);").nodes[0].primitive.kind == Primitive::Kind::kCylinder);
+    CHECK(read_csg("sphere($fn = 20);", Facets::kExact).nodes[0].primitive.kind == Primitive::Kind::kConvex);
+    CHECK(read_csg("cylinder($fn = 20);", Facets::kExact).nodes[0].primitive.planes.size() == 22);
+    CHECK(read_csg("cylinder($fn = 20);").nodes[0].primitive.kind == Primitive::Kind::kCylinder);
 }
 
 TEST_CASE("tapered extrusions") {
@@ -147,7 +143,8 @@ TEST_CASE("tapered extrusions") {
                 return between(-1, z, 1) && between(0, x, 2 * (1 - 0.5 * t)) && between(0, y, 1 + 2 * t);
             });
     // A pyramid has no top; a ridge has one.
-    const Model pyramid = read("linear_extrude(height = 1, scale = 0) { square(size = 2, center = true); }");
+    const Model pyramid =
+        read_csg("linear_extrude(height = 1, scale = 0) { square(size = 2, center = true); }");
     CHECK(pyramid.nodes[pyramid.regions[0].root].primitive.planes.size() == 5);
 }
 
@@ -186,7 +183,7 @@ TEST_CASE("full revolutions: tori, spheres, lathe work") {
     // The other side of the axis serves as well.
     compare(head + moved(-3, 0, "circle(r = 1);") + "}", min, max,
             [](double x, double y, double z) { return std::hypot(std::hypot(x, y) - 3, z) <= 1; });
-    const Model ring = read(head + moved(3, 0, "circle(r = 1);") + "}");
+    const Model ring = read_csg(head + moved(3, 0, "circle(r = 1);") + "}");
     CHECK(ring.nodes[0].primitive.kind == Primitive::Kind::kTorus);
 }
 
@@ -269,24 +266,24 @@ TEST_CASE("outlines: offset, hull, minkowski, fill, resize") {
 }
 
 TEST_CASE("plane shapes among solids are left out, solids among plane shapes too") {
-    const Model model = read("cube(); square(); circle();");
+    const Model model = read_csg("cube(); square(); circle();");
     CHECK(model.warnings.size() == 1);
     CHECK(model.warnings[0].find("part.csg:1:9: a 2D shape among solids") == 0);
     CHECK(region_at(model, {0.5, 0.5, 0.5}) == 1);
-    CHECK(region_at(read("difference() { square(); cube(); }"), {0.5, 0.5, 0.5}) == 0);
-    const Model mixed = read("linear_extrude(height = 1) { square(size = 2); cube(size = 5); }");
+    CHECK(region_at(read_csg("difference() { square(); cube(); }"), {0.5, 0.5, 0.5}) == 0);
+    const Model mixed = read_csg("linear_extrude(height = 1) { square(size = 2); cube(size = 5); }");
     CHECK(mixed.warnings.size() == 1);
     CHECK(region_at(mixed, {1.5, 1.5, 0.5}) == 1);
     CHECK(region_at(mixed, {3, 3, 0.5}) == 0);
     // Nothing is neither plane nor solid.
-    CHECK(region_at(read("cube(); linear_extrude(height = 1) { group(); }"), {0.5, 0.5, 0.5}) == 1);
-    CHECK(region_at(read("cube(); linear_extrude(height = 1);"), {0.5, 0.5, 0.5}) == 1);
+    CHECK(region_at(read_csg("cube(); linear_extrude(height = 1) { group(); }"), {0.5, 0.5, 0.5}) == 1);
+    CHECK(region_at(read_csg("cube(); linear_extrude(height = 1);"), {0.5, 0.5, 0.5}) == 1);
 }
 
 TEST_CASE("names of extruded surfaces") {
-    const Model model = read("cube(); linear_extrude(height = 1) { " + kL +
-                             "} linear_extrude(height = 2) { "
-                             "square(); circle(r = 3); }");
+    const Model model = read_csg("cube(); linear_extrude(height = 1) { " + kL +
+                                 "} linear_extrude(height = 2) { "
+                                 "square(); circle(r = 3); }");
     std::vector<std::string> names;
     for (const CsgNode& node : model.nodes) {
         names.push_back(node.name);
@@ -380,8 +377,8 @@ TEST_CASE("the tree of extruded shapes is the extrusion of their outline") {
     for (int round = 0; round < 200; ++round) {
         const std::string shape = random_shape(random, 3);
         CAPTURE(shape);
-        const Model tree = read("linear_extrude(height = 1) { " + shape + " }");
-        const Model outline = read("linear_extrude(height = 1) { offset(delta = 0) { " + shape + " } }");
+        const Model tree = read_csg("linear_extrude(height = 1) { " + shape + " }");
+        const Model outline = read_csg("linear_extrude(height = 1) { offset(delta = 0) { " + shape + " } }");
         int wrong = 0;
         for (int i = 0; i < 300; ++i) {
             const Vec3 p = {-3 + 6 * random.uniform(), -3 + 6 * random.uniform(), 0.5};
@@ -402,12 +399,13 @@ TEST_CASE("extreme sizes neither crash nor hang") {
               "0],[0,0,0,1]]) { square(size = 100); } } }",
               "csg")
               .find("larger than 1e100") != std::string::npos);
-    CHECK(region_at(read("linear_extrude(height = 1) { polygon(points = [[0,0],[1e-200,0],[0,1e-200]]); }"),
-                    {0, 0, 0.5}) == 0);
+    CHECK(
+        region_at(read_csg("linear_extrude(height = 1) { polygon(points = [[0,0],[1e-200,0],[0,1e-200]]); }"),
+                  {0, 0, 0.5}) == 0);
     CHECK(refusal("linear_extrude(height = 1) { minkowski() { circle($fn = 5000); circle($fn = 5000); } }",
                   "csg")
               .find("too fine") != std::string::npos);
-    CHECK(region_at(read("cube(); multmatrix([[0,0,0,0],[0,0,0,0],[0,0,0,0],[0,0,0,1]]) { group(); }"),
+    CHECK(region_at(read_csg("cube(); multmatrix([[0,0,0,0],[0,0,0,0],[0,0,0,0],[0,0,0,1]]) { group(); }"),
                     {0.5, 0.5, 0.5}) == 1);
 }
 
@@ -418,9 +416,9 @@ TEST_CASE("plane trees nest to any depth") {
         text += "multmatrix([[1,0,0,0.001],[0,1,0,0],[0,0,1,0],[0,0,0,1]]) { ";
     }
     text += "square();" + std::string(kDepth, '}') + "}";
-    CHECK(region_at(read(text), {10.5, 0.5, 0.5}) == 1);
+    CHECK(region_at(read_csg(text), {10.5, 0.5, 0.5}) == 1);
     std::string unions = "linear_extrude(height = 1) { offset(delta = 1) { ";
     for (int k = 0; k < kDepth; ++k) unions += "union() { square(size = 2); group() { ";
     unions += std::string(2 * kDepth, '}') + "} }";
-    CHECK(region_at(read(unions), {2.5, 2.5, 0.5}) == 1);
+    CHECK(region_at(read_csg(unions), {2.5, 2.5, 0.5}) == 1);
 }

@@ -9,6 +9,7 @@
 #include <iostream>
 #include <sstream>
 
+#include "host/common/constants.hpp"
 #include "tests/corpora.hpp"
 #include "tests/model/membership.hpp"
 
@@ -16,7 +17,6 @@ namespace fs = std::filesystem;
 using namespace mortise;
 
 namespace {
-
 /// A model sampled at the centers of an n³ grid over a cube.
 struct Samples {
     int n;
@@ -98,7 +98,6 @@ double sampled_volume(const Model& model, const Vec3& center, double half) {
 }  // namespace
 
 TEST_CASE("the objects in assets/models are single, bounded solids of the expected volume") {
-    constexpr double kPi = 3.14159265358979323846;
     struct Asset {
         const char* name;
         Vec3 center;
@@ -134,7 +133,6 @@ TEST_CASE("the objects in assets/models are single, bounded solids of the expect
 }
 
 namespace {
-
 /// The words whose refusal is known and allowed.
 constexpr std::array<const char*, 6> kNotYet = {"polyhedron",   "resize", "roof",
                                                 "path_extrude", "tube",   "gencyl"};

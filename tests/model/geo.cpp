@@ -10,10 +10,10 @@ using test::region_at;
 
 namespace {
 
-Model read(const std::string& statements) {
+Model read_geo(const std::string& statements) {
     return parse_model("algebraic3d\n" + statements, "geo", "m.geo");
 }
-Model read_solid(const std::string& expression) { return read("solid s = " + expression + "; tlo s;"); }
+Model read_solid(const std::string& expression) { return read_geo("solid s = " + expression + "; tlo s;"); }
 bool inside(const std::string& expression, const Vec3& point) {
     return region_at(read_solid(expression), point) == 1;
 }
@@ -151,7 +151,7 @@ TEST_CASE("chains of copies of copies grow by a few nodes with each link") {
                 ") -bc=" + std::to_string(k) + ";\n";
     }
     const std::string last = std::to_string(kLinks - 1);
-    const Model model = read(text + "tlo s" + last + "; tlo t" + last + ";\n");
+    const Model model = read_geo(text + "tlo s" + last + "; tlo t" + last + ";\n");
     CHECK(model.nodes.size() < 6 * kLinks);
     const double x = 0.5 * (kLinks - 1);
     CHECK(region_at(model, {x, 0, 0}) == 1);
@@ -192,7 +192,7 @@ TEST_CASE("translate, rotate and their repetitions") {
 }
 
 TEST_CASE("regions in order, with names, sizes and metadata") {
-    const Model model = read(
+    const Model model = read_geo(
         "solid a = sphere(0,0,0;1) -maxh=0.5; solid b = sphere(0,0,0;2); solid c = a -maxh = 0.25;\n"
         "tlo a -col=[1,0,0] -material=iron;# coil -mur=1  -sig=5.96E7 \r\n"
         "tlo b -transparent -maxh=0.75; #air\n"
@@ -216,7 +216,7 @@ TEST_CASE("regions in order, with names, sizes and metadata") {
 }
 
 TEST_CASE("tlo with a surface: sizes on the faces of a region, no region of its own") {
-    const Model model = read(
+    const Model model = read_geo(
         "solid top = plane(0,0,1;0,0,1); solid ball = sphere(0,0,0;2); solid a = ball and top;\n"
         "solid b = ball and not top; solid far = plane(0,0,9;0,0,1);\n"
         "tlo a; tlo b; tlo a top -maxh=0.25; tlo a top -maxh=0.5; tlo b ball -maxh=0.75 -col=[1,0,0];\n"
@@ -240,31 +240,35 @@ TEST_CASE("tlo with a surface: sizes on the faces of a region, no region of its 
 }
 
 TEST_CASE("boundingbox clips only if the file has one") {
-    const Model model = read("solid a = plane(0,0,0;0,0,1); tlo a; boundingbox (-1, -2, -3; 4, 5, 6);");
+    const Model model = read_geo("solid a = plane(0,0,0;0,0,1); tlo a; boundingbox (-1, -2, -3; 4, 5, 6);");
     REQUIRE(model.clip);
     CHECK(model.clip->min == Vec3{-1, -2, -3});
     CHECK(model.clip->max == Vec3{4, 5, 6});
 }
 
 TEST_CASE("surfaces take the first boundary condition, else the name of their solid") {
-    CHECK(surface_names(read("solid a = sphere(0,0,0;1) and plane(0,0,0;0,0,1); tlo a;")) == Names{"a", "a"});
-    CHECK(surface_names(read("solid a = sphere(0,0,0;1) -bc=3; tlo a;")) == Names{"bc_3"});
-    CHECK(surface_names(read("solid a = sphere(0,0,0;1) -bc=3 -bcname=wall; tlo a;")) == Names{"wall"});
+    CHECK(surface_names(read_geo("solid a = sphere(0,0,0;1) and plane(0,0,0;0,0,1); tlo a;")) ==
+          Names{"a", "a"});
+    CHECK(surface_names(read_geo("solid a = sphere(0,0,0;1) -bc=3; tlo a;")) == Names{"bc_3"});
+    CHECK(surface_names(read_geo("solid a = sphere(0,0,0;1) -bc=3 -bcname=wall; tlo a;")) == Names{"wall"});
     const char* used_twice =
         "solid p = plane(0,0,0;0,0,1); solid q = plane(0,0,-1;0,0,-1) -bc=1;"
         "solid a = p and q and sphere(0,0,0;5) -bc=2; solid b = p and q and sphere(9,0,0;5) -bc=3; tlo a; "
         "tlo b;";
-    CHECK(surface_names(read(used_twice), 0) == Names{"bc_2", "bc_1", "bc_2"});
-    CHECK(surface_names(read(used_twice), 1) == Names{"bc_2", "bc_1", "bc_3"});
+    CHECK(surface_names(read_geo(used_twice), 0) == Names{"bc_2", "bc_1", "bc_2"});
+    CHECK(surface_names(read_geo(used_twice), 1) == Names{"bc_2", "bc_1", "bc_3"});
     // A brick keeps its six faces apart unless a condition joins them.
-    const Model plain = read("solid a = orthobrick(0,0,0;1,1,1); tlo a;");
+    const Model plain = read_geo("solid a = orthobrick(0,0,0;1,1,1); tlo a;");
     CHECK(plain.nodes[0].primitive.planes[1].name == "xmax");
-    CHECK(read("solid a = orthobrick(0,0,0;1,1,1) -bc=1; tlo a;").nodes[0].primitive.planes[1].name.empty());
+    CHECK(read_geo("solid a = orthobrick(0,0,0;1,1,1) -bc=1; tlo a;")
+              .nodes[0]
+              .primitive.planes[1]
+              .name.empty());
     // A copy has surfaces of its own.
     const char* copied = "solid a = sphere(0,0,0;1); solid b = translate(5,0,0; a) -bc=7; tlo a; tlo b;";
-    CHECK(surface_names(read(copied), 0) == Names{"a"});
-    CHECK(surface_names(read(copied), 1) == Names{"bc_7"});
-    CHECK(surface_names(read("solid a = sphere(0,0,0;1); solid b = translate(5,0,0; a); tlo b;")) ==
+    CHECK(surface_names(read_geo(copied), 0) == Names{"a"});
+    CHECK(surface_names(read_geo(copied), 1) == Names{"bc_7"});
+    CHECK(surface_names(read_geo("solid a = sphere(0,0,0;1); solid b = translate(5,0,0; a); tlo b;")) ==
           Names{"a"});
 }
 
@@ -296,19 +300,19 @@ TEST_CASE("a polyhedron is what its faces enclose, whichever way they are turned
 TEST_CASE("a polyhedron takes conditions face by face") {
     const std::string solid =
         "solid s = polyhedron(0,0,0; 2,0,0; 2,2,0; 0,2,0; 0,0,1;; 4,3,2,1; 1,2,5; 2,3,5; 3,4,5; 4,1,5)";
-    const Model numbered = read(solid + " -bc=[3,1,2,1,-1]; tlo s;");
+    const Model numbered = read_geo(solid + " -bc=[3,1,2,1,-1]; tlo s;");
     const auto surface_of = [](const Model& model) { return *model.nodes.at(0).primitive.triangles; };
     CHECK(numbered.nodes[0].name == "bc");
     CHECK(surface_of(numbered).group_names == Names{"3", "1", "2", "-1"});
     CHECK(surface_of(numbered).group == std::vector<std::uint32_t>{0, 0, 1, 2, 1, 3});
-    const Model named = read(solid + " -bcname=[floor,roof,roof,roof,roof]; tlo s;");
+    const Model named = read_geo(solid + " -bcname=[floor,roof,roof,roof,roof]; tlo s;");
     CHECK(named.nodes[0].name == "s");
     CHECK(surface_of(named).group_names == Names{"floor", "roof"});
     // One condition for all faces, and the first one wins.
-    const Model joined = read(solid + " -bc=7; solid t = s and plane(0,0,0.5;0,0,1) -bc=8; tlo t;");
+    const Model joined = read_geo(solid + " -bc=7; solid t = s and plane(0,0,0.5;0,0,1) -bc=8; tlo t;");
     CHECK(joined.nodes[0].name == "bc_7");
     CHECK(surface_of(joined).group_names == Names{""});
-    CHECK(surface_of(read(solid + " -bc=[3,1,2,1,1]; solid t = s and plane(0,0,0.5;0,0,1) -bc=8; tlo t;"))
+    CHECK(surface_of(read_geo(solid + " -bc=[3,1,2,1,1]; solid t = s and plane(0,0,0.5;0,0,1) -bc=8; tlo t;"))
               .group_names == Names{"3", "1", "2"});
     const std::string few = test::refusal("algebraic3d " + solid + " -bc=[1,2]; tlo s;", "geo");
     CHECK(few.find("-bc=[...] has 2 names; expected one for each of the 5 faces") != std::string::npos);
@@ -318,18 +322,18 @@ TEST_CASE("a polyhedron takes conditions face by face") {
 
 TEST_CASE("boundarycondition and boundaryconditionname override where a surface bounds one region only") {
     const std::string start = "solid p = plane(0,0,0;0,0,1) -bc=1; solid a = p and sphere(0,0,0;1) -bc=2;";
-    const Model named = read(start + "tlo a; boundaryconditionname p a inlet;");
+    const Model named = read_geo(start + "tlo a; boundaryconditionname p a inlet;");
     CHECK(surface_names(named) == Names{"inlet", "bc_2"});
     CHECK(named.warnings.empty());
-    CHECK(surface_names(read(start + "tlo a; boundarycondition p a 9;")) == Names{"bc_9", "bc_2"});
+    CHECK(surface_names(read_geo(start + "tlo a; boundarycondition p a 9;")) == Names{"bc_9", "bc_2"});
     const Model shared =
-        read(start + "solid b = not p and sphere(0,0,0;1); tlo a; tlo b; boundarycondition p a 9;");
+        read_geo(start + "solid b = not p and sphere(0,0,0;1); tlo a; tlo b; boundarycondition p a 9;");
     CHECK(surface_names(shared) == Names{"bc_1", "bc_2"});
     CHECK(shared.warnings.size() == 1);
 }
 
 TEST_CASE("statements that change nothing yet warn once per kind") {
-    const Model model = read(
+    const Model model = read_geo(
         "solid a = sphere(0,0,0;1) -bco=1; solid p = plane(0,0,0;0,0,1); solid q = plane(0,0,0;0,1,0) "
         "-bco=2; tlo a;"
         "tlo a p -col=[1,0,0] -bc=2;"
@@ -355,7 +359,7 @@ TEST_CASE("statements that change nothing yet warn once per kind") {
 }
 
 TEST_CASE("hints name the primitives that bound regions; sizes are optional") {
-    const Model model = read(
+    const Model model = read_geo(
         "solid p = plane(0,0,0;0,0,-1); solid q = plane(0,0,1;0,0,1); solid s = sphere(0,0,0;2);"
         "solid unused = sphere(9,0,0;1); solid a = p and q and s;"
         "identify closesurfaces p q; singular edge p s -maxh=0.25; singular face a s;"

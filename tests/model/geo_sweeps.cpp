@@ -6,6 +6,7 @@
 #include <map>
 #include <tuple>
 
+#include "host/common/constants.hpp"
 #include "tests/model/membership.hpp"
 
 using namespace mortise;
@@ -14,9 +15,7 @@ using test::region_at;
 
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
-
-Model read(const std::string& statements) {
+Model read_sweep(const std::string& statements) {
     return parse_model("algebraic3d\n" + statements + "\ntlo s;", "geo", "m.geo");
 }
 
@@ -52,7 +51,7 @@ bool is_closed(const TriangleSurface& surface) {
 }
 
 double read_volume(const std::string& statements) {
-    const Model model = read(statements);
+    const Model model = read_sweep(statements);
     CHECK(is_closed(shell(model)));
     return volume(shell(model));
 }
@@ -73,7 +72,7 @@ TEST_CASE("revolution of a circle is a torus") {
         const std::string torus = circle + "solid s = revolution(1,2,3; 1,2,7; c);";
         // Chords lose 1/1100 of the area at most.
         CHECK(read_volume(torus) == Approx(2 * kPi * 2 * kPi).epsilon(1e-3));
-        const Model model = read(torus);
+        const Model model = read_sweep(torus);
         CHECK(shell(model).group.empty());
         CHECK(region_at(model, {3.9 - 1, 2, 3 + 3}) == 1);
         CHECK(region_at(model, {1, 2, 6}) == 0);
@@ -86,7 +85,7 @@ TEST_CASE("revolution of a circle is a torus") {
 TEST_CASE("revolution of lines is made of cones and planes") {
     // A cone of radius 2 and height 3 along +x, its axis closed by itself.
     const Model cone =
-        read("curve2d c = (3; 0,0; 0,2; 3,0; 2; 2,1,2; 2,2,3); solid s = revolution(1,0,0; 5,0,0; c);");
+        read_sweep("curve2d c = (3; 0,0; 0,2; 3,0; 2; 2,1,2; 2,2,3); solid s = revolution(1,0,0; 5,0,0; c);");
     for (const CsgNode& node : cone.nodes) CHECK(!node.primitive.triangles);
     int wrong = 0;
     for (int i = 0; i < 20; ++i) {
@@ -102,7 +101,7 @@ TEST_CASE("revolution of lines is made of cones and planes") {
         if (node.op == CsgNode::Op::kPrimitive) CHECK(node.name == "s");
     }
     // Closed, off the axis: a tube.
-    const Model tube = read(
+    const Model tube = read_sweep(
         "curve2d c = (4; 0,1; 2,1; 2,3; 0,3; 4; 2,1,2; 2,2,3; 2,3,4; 2,4,1);"
         "solid s = revolution(0,0,0; 0,0,1; c) -bc=4;");
     CHECK(region_at(tube, {0.9, 0, 1}) == 0);
@@ -121,7 +120,7 @@ TEST_CASE("revolution of an open spline is a ball, of lines and splines a capsul
         "solid s = revolution(0,0,0;0,0,9;c);";
     CHECK(read_volume(capsule) == Approx(4 * kPi * 8 / 3 + 4 * kPi * 3).epsilon(1e-3));
     // Pieces that meet at an angle are faces of their own.
-    const Model bullet = read(
+    const Model bullet = read_sweep(
         "curve2d c = (5; 0,0; 0,2; 3,2; 5,2; 5,0; 3; 2,1,2; 2,2,3; 3,3,4,5);"
         "solid s = revolution(0,0,0;0,0,9;c);");
     CHECK(shell(bullet).group_names == std::vector<std::string>{"side1", "side2"});
@@ -130,7 +129,7 @@ TEST_CASE("revolution of an open spline is a ball, of lines and splines a capsul
 TEST_CASE("extrusion of lines along lines is exact") {
     const std::string prism = kRectangle + kSegment + "solid s = extrusion(p; c; 0,0,1);";
     CHECK(read_volume(prism) == Approx(20).epsilon(1e-12));
-    const Model model = read(prism);
+    const Model model = read_sweep(prism);
     // Coordinates count along tangent x z = +x, and z.
     CHECK(region_at(model, {1.9, 9.9, 0.9}) == 1);
     CHECK(region_at(model, {-0.1, 5, 0.5}) == 0);
@@ -141,7 +140,7 @@ TEST_CASE("extrusion of lines along lines is exact") {
         if (node.primitive.triangles != nullptr) CHECK(node.primitive.sharp_angle == 0);
     }
     // A condition joins the faces.
-    CHECK(shell(read(kRectangle + kSegment + "solid s = extrusion(p; c; 0,0,1) -bc=1;")).group_names ==
+    CHECK(shell(read_sweep(kRectangle + kSegment + "solid s = extrusion(p; c; 0,0,1) -bc=1;")).group_names ==
           std::vector<std::string>{""});
 
     // Mitre: volume is area times length through the centroid; the square is centred on the path.
@@ -169,7 +168,7 @@ TEST_CASE("extrusion along curves") {
         kCircleBySplines +
         "curve3d p = (8; 5,0,0; 5,5,0; 0,5,0; -5,5,0; -5,0,0; -5,-5,0; 0,-5,0; 5,-5,0; 4; 3,1,2,3; 3,3,4,5; "
         "3,5,6,7; 3,7,8,1);";
-    const Model torus = read(ring + "solid s = extrusion(p; c; 0,0,2);");
+    const Model torus = read_sweep(ring + "solid s = extrusion(p; c; 0,0,2);");
     CHECK(is_closed(shell(torus)));
     CHECK(volume(shell(torus)) == Approx(kPi * 2 * kPi * 8).epsilon(2e-3));
     CHECK(shell(torus).group.empty());
@@ -178,8 +177,8 @@ TEST_CASE("extrusion along curves") {
 }
 
 TEST_CASE("a spline whose tangent turns mostly at one end still gets short chords") {
-    const Model model = read("curve2d c = (4; 0,0; 10,0; 10,0.1; 0,0.1; 3; 3,1,2,3; 2,3,4; 2,4,1);" +
-                             kSegment + "solid s = extrusion(p; c; 0,0,1);");
+    const Model model = read_sweep("curve2d c = (4; 0,0; 10,0; 10,0.1; 0,0.1; 3; 3,1,2,3; 2,3,4; 2,4,1);" +
+                                   kSegment + "solid s = extrusion(p; c; 0,0,1);");
     CHECK(is_closed(shell(model)));
     CHECK(shell(model).triangles.size() < 2000);
 }

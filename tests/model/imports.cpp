@@ -41,7 +41,7 @@ class Folder {
     fs::path path_;
 };
 
-Model read(const std::string& csg) { return parse_model(csg, "csg", "m.csg"); }
+Model read_import(const std::string& csg) { return parse_model(csg, "csg", "m.csg"); }
 
 const char* const kTetrahedron = "v 0 0 0\nv 4 0 0\nv 0 4 0\nv 0 0 4\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
 
@@ -57,7 +57,7 @@ const CsgNode& only_primitive(const Model& model) {
 TEST_CASE(".csg polyhedron") {
     const std::string points = "points = [[0,0,0],[1,0,0],[1,1,0],[0,1,0],[0,0,1],[1,0,1],[1,1,1],[0,1,1]]";
     const std::string faces = "faces = [[0,1,2,3],[7,6,5,4],[4,5,1,0],[5,6,2,1],[6,7,3,2],[7,4,0,3]]";
-    const Model cube = read("polyhedron(" + points + ", " + faces + ", convexity = 1);");
+    const Model cube = read_import("polyhedron(" + points + ", " + faces + ", convexity = 1);");
     // Convex: given by its planes.
     CHECK(only_primitive(cube).primitive.kind == Primitive::Kind::kConvex);
     CHECK(only_primitive(cube).primitive.planes.size() == 6);
@@ -65,17 +65,17 @@ TEST_CASE(".csg polyhedron") {
     CHECK(region_at(cube, {0.9, 0.1, 0.5}) == 1);
     CHECK(region_at(cube, {1.1, 0.1, 0.5}) == 0);
     // With a dent.
-    const Model dent = read(
+    const Model dent = read_import(
         "polyhedron(points = [[0,0,0],[2,0,0],[0,2,0],[0,0,2],[0.3,0.3,0.3]], "
         "faces = [[0,1,2],[0,3,1],[0,2,3],[1,4,2],[2,4,3],[3,4,1]]);");
     CHECK(only_primitive(dent).primitive.kind == Primitive::Kind::kPolyhedron);
     CHECK(region_at(dent, {0.5, 0.5, 0.5}) == 0);
     CHECK(region_at(dent, {0.2, 0.2, 0.2}) == 1);
 
-    const Model nothing = read("polyhedron(points = [], faces = [], convexity = 1); cube();");
+    const Model nothing = read_import("polyhedron(points = [], faces = [], convexity = 1); cube();");
     REQUIRE(nothing.warnings.size() == 1);
     CHECK(nothing.warnings[0] == "m.csg:1:1: a polyhedron without faces is left out");
-    CHECK(read("polyhedron(points = undef, faces = undef); cube();").warnings.size() == 1);
+    CHECK(read_import("polyhedron(points = undef, faces = undef); cube();").warnings.size() == 1);
     using test::refusal;
     CHECK(refusal("polyhedron(points = 3, faces = []);", "csg") ==
           "2 m.csg:1:21: 'polyhedron': points is not a list of triples of numbers");
@@ -87,7 +87,7 @@ TEST_CASE(".csg polyhedron") {
 }
 
 TEST_CASE(".csg text") {
-    const Model sign = read(
+    const Model sign = read_import(
         "linear_extrude(height = 2) { text(text = \"H\\\"H\", size = 10, halign = \"default\", $fn = 0); }");
     CHECK(sign.warnings.empty());
     // Left upright of the H: from 0.09 to 0.19 of its width of 10.
@@ -101,8 +101,8 @@ TEST_CASE(".csg text") {
           "2 m.csg:1:21: 'text': halign is 'up'; expected left, center or right");
     CHECK(refusal("linear_extrude(1) { text(3); }", "csg") ==
           "2 m.csg:1:26: 'text': text is not a string; expected one in quotes");
-    const Model missing =
-        read("linear_extrude(1) { text(\"H\", font = \"Nonesuch\"); text(\"I\", font = \"Nonesuch\"); }");
+    const Model missing = read_import(
+        "linear_extrude(1) { text(\"H\", font = \"Nonesuch\"); text(\"I\", font = \"Nonesuch\"); }");
     CHECK(missing.warnings.size() == 1);
 }
 
@@ -162,13 +162,13 @@ TEST_CASE(".csg import and surface: files beside the model") {
 }
 
 TEST_CASE(".csg hull and minkowski of solids") {
-    const Model capsule = read(
+    const Model capsule = read_import(
         "hull() { sphere(r = 1); multmatrix([[1,0,0,4],[0,1,0,0],[0,0,1,0],[0,0,0,1]]) { sphere(r = 1); } }");
     CHECK(capsule.warnings.empty());
     CHECK(region_at(capsule, {2, 0, 0.95}) == 1);
     CHECK(region_at(capsule, {4.8, 0, 0.7}) == 0);
     // Of extrusions, whose points are known: a plate of a square and a circle.
-    const Model plate = read(
+    const Model plate = read_import(
         "hull() { linear_extrude(height = 2) { square([2, 2], center = true); } "
         "multmatrix([[1,0,0,5],[0,1,0,0],[0,0,1,0],[0,0,0,1]]) { linear_extrude(height = 2) { circle(r = 1); "
         "} } }");
@@ -179,15 +179,15 @@ TEST_CASE(".csg hull and minkowski of solids") {
     CHECK(region_at(plate, {3, 0, 2.05}) == 0);
     // An extruded dent is filled.
     const Model filled =
-        read("hull() { linear_extrude(height = 1) { polygon(points = [[0,0],[4,0],[1,1],[0,4]]); } }");
+        read_import("hull() { linear_extrude(height = 1) { polygon(points = [[0,0],[4,0],[1,1],[0,4]]); } }");
     CHECK(region_at(filled, {1.9, 1.9, 0.5}) == 1);
-    const Model rounded = read("minkowski(convexity = 0) { cube([2, 2, 2]); sphere(r = 1); }");
+    const Model rounded = read_import("minkowski(convexity = 0) { cube([2, 2, 2]); sphere(r = 1); }");
     CHECK(rounded.warnings.empty());
     CHECK(region_at(rounded, {-0.5, -0.5, -0.5}) == 1);
     CHECK(region_at(rounded, {-0.6, -0.6, -0.6}) == 0);
-    const Model mixed = read("hull() { square(1); cube(); }");
+    const Model mixed = read_import("hull() { square(1); cube(); }");
     CHECK(mixed.warnings.size() == 1);
-    CHECK(region_at(read("hull() { } cube();"), {0.5, 0.5, 0.5}) == 1);
+    CHECK(region_at(read_import("hull() { } cube();"), {0.5, 0.5, 0.5}) == 1);
     CHECK(test::refusal("hull() { difference() { cube(2); sphere(1); } }", "csg")
               .find("2 m.csg:1:1: 'hull': a difference") == 0);
     CHECK(test::refusal("minkowski() { difference() { cube(2); sphere(1); } cube(); }", "csg")

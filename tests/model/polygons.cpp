@@ -1,5 +1,6 @@
 // Polygons: formulas, normal form and the operations on outlines.
 #include "host/model/outlines/polygons.hpp"
+#include "host/common/constants.hpp"
 
 #include <doctest/doctest.h>
 
@@ -17,7 +18,6 @@ using test::even_odd;
 
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 using Loop = std::vector<Vec2>;
 
 bool formula_holds(const PolygonFormula& formula, const Loop& loop, const Vec2& p) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "host/common/constants.hpp"
 #include "tests/model/membership.hpp"
 
 using namespace mortise;
@@ -15,7 +16,6 @@ bool inside(const Primitive& primitive, const Vec3& point) {
     return test::holds(model, model.add_primitive(primitive), point);
 }
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 const double kNan = std::numeric_limits<double>::quiet_NaN();
 
 }  // namespace

@@ -1,4 +1,5 @@
 // Extrusions of outlines with many edges: one surface of triangles, watertight, with the outline's volume.
+#include "host/common/constants.hpp"
 #include "host/model/solids/swept_outline.hpp"
 
 #include <doctest/doctest.h>
@@ -11,15 +12,15 @@
 #include "host/common/random.hpp"
 #include "host/model/outlines/polygons.hpp"
 #include "tests/model/membership.hpp"
+#include "tests/model/read_csg.hpp"
 
 using namespace mortise;
 using model_reader::Contours;
 using model_reader::Vec2;
+using mortise::test::read_csg;
 using test::region_at;
 
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 double volume(const TriangleSurface& surface) {
     double six = 0;
@@ -76,12 +77,6 @@ std::vector<Vec2> blob(Random& random, const Vec2& centre, double radius, int po
         loop.push_back({centre[0] + r * std::cos(turn), centre[1] + r * std::sin(turn)});
     }
     return loop;
-}
-
-Model read(const std::string& text, Facets facets = Facets::kSmooth) {
-    ReadOptions options;
-    options.facets = facets;
-    return parse_model(text, "csg", "part.csg", options);
 }
 
 const Primitive* polyhedron_of(const Model& model) {
@@ -174,7 +169,7 @@ TEST_CASE("many holes in rows, and holes that share corners with the outline") {
 TEST_CASE("which outlines become prisms") {
     const auto kind = [](const std::string& shape, Facets facets = Facets::kSmooth,
                          const std::string& how = "height = 2") {
-        const Model model = read("linear_extrude(" + how + ") { " + shape + " }", facets);
+        const Model model = read_csg("linear_extrude(" + how + ") { " + shape + " }", facets);
         const Primitive* solid = polyhedron_of(model);
         return solid == nullptr ? -1 : solid->sharp_angle;
     };
@@ -312,12 +307,12 @@ TEST_CASE("polyhedra of many faces are smooth where these turn by little") {
         for (int j = 0; j < 7; ++j) face({a + j, a + j + 1, b + j + 1, b + j});
     }
     const std::string ball = "polyhedron(points = [" + points + "], faces = [" + faces + "]);";
-    const Model smooth = read(ball);
+    const Model smooth = read_csg(ball);
     REQUIRE(polyhedron_of(smooth) != nullptr);
     CHECK(polyhedron_of(smooth)->sharp_angle == model_reader::kSmoothTurn);
-    const Model exact = read(ball, Facets::kExact);
+    const Model exact = read_csg(ball, Facets::kExact);
     CHECK((polyhedron_of(exact) == nullptr || polyhedron_of(exact)->sharp_angle <= 1));
-    const Model few = read(
+    const Model few = read_csg(
         "polyhedron(points = [[0,0,0],[9,0,0],[0,9,0],[3,3,0.3]], faces = "
         "[[0,1,2],[0,3,1],[1,3,2],[2,3,0]]);");
     CHECK((polyhedron_of(few) == nullptr || polyhedron_of(few)->sharp_angle <= 1));
@@ -330,7 +325,7 @@ TEST_CASE("sides: one name for each curve") {
     for (std::size_t turned = 0; turned < half.size(); turned += 7) {
         std::vector<Vec2> loop = half;
         std::rotate(loop.begin(), loop.begin() + static_cast<std::ptrdiff_t>(turned), loop.end());
-        const Model model = read("linear_extrude(height = 1) { " + polygon(loop) + " }");
+        const Model model = read_csg("linear_extrude(height = 1) { " + polygon(loop) + " }");
         const Primitive* solid = polyhedron_of(model);
         REQUIRE(solid != nullptr);
         const auto& names = solid->triangles->group_names;
@@ -341,7 +336,7 @@ TEST_CASE("sides: one name for each curve") {
         CHECK(std::max(count["side1"], count["side2"]) == 60);
     }
     const auto sides = [](const std::string& shape) {
-        const Model model = read("linear_extrude(height = 1) { " + shape + " }");
+        const Model model = read_csg("linear_extrude(height = 1) { " + shape + " }");
         const auto& names = polyhedron_of(model)->triangles->group_names;
         return std::set<std::string>(names.begin(), names.end()).size() - 2;
     };
@@ -361,7 +356,7 @@ TEST_CASE("prisms hold what the outline holds, at every height") {
                 ") { difference() { " + polygon(comb(4)) +
                 "multmatrix([[1,0,0,1.7],[0,1,0,0],[0,0,1,0],[0,0,0,1]]) { " + hole +
                 " square(size = 0.1); } } }";
-            const Model model = read(text);
+            const Model model = read_csg(text);
             REQUIRE(polyhedron_of(model) != nullptr);
             CAPTURE(text);
             int wrong = 0;

@@ -5,26 +5,21 @@
 #include <cmath>
 #include <functional>
 
+#include "host/common/constants.hpp"
 #include "host/common/random.hpp"
 #include "host/model/outlines/polygons.hpp"
 #include "host/model/solids/section.hpp"
 #include "tests/model/membership.hpp"
+#include "tests/model/read_csg.hpp"
 
 using namespace mortise;
+using mortise::test::read_csg;
 using test::refusal;
 using test::region_at;
 
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
-
 using Flat = std::function<bool(double, double)>;
-
-Model read(const std::string& text, Facets facets = Facets::kSmooth) {
-    ReadOptions options;
-    options.facets = facets;
-    return parse_model(text, "csg", "part.csg", options);
-}
 
 std::string projected(const std::string& child, bool cut) {
     return "linear_extrude(height = 2, center = true) { projection(cut = " +
@@ -54,8 +49,8 @@ Difference compare(const Model& shape, double reach, const Flat& oracle) {
 /// The section is the solid at z = 0. `most`: points in 4000 that may differ, where curves are facetted.
 void check_section(const std::string& child, double reach, int most = 0, Facets facets = Facets::kSmooth) {
     CAPTURE(child);
-    const Model solid = read(child, facets);
-    const Model shape = read(projected(child, true), facets);
+    const Model solid = read_csg(child, facets);
+    const Model shape = read_csg(projected(child, true), facets);
     const Difference result = compare(shape, reach, [&](double x, double y) {
         return region_at(solid, {x, y, 0}) == 1;
     });
@@ -67,8 +62,8 @@ void check_section(const std::string& child, double reach, int most = 0, Facets 
 /// The shadow is where rays along z meet the solid. Rays of 400 points may miss what is thinner.
 void check_shadow(const std::string& child, double reach, int most = 0, Facets facets = Facets::kSmooth) {
     CAPTURE(child);
-    const Model solid = read(child, facets);
-    const Model shape = read(projected(child, false), facets);
+    const Model solid = read_csg(child, facets);
+    const Model shape = read_csg(projected(child, false), facets);
     const Difference result = compare(shape, reach, [&](double x, double y) {
         for (int i = 0; i < 400; ++i) {
             if (region_at(solid, {x, y, reach * (i + 0.37 - 200) / 200}) == 1) return true;
@@ -82,7 +77,7 @@ void check_shadow(const std::string& child, double reach, int most = 0, Facets f
 
 void check_shape(const std::string& child, bool cut, double reach, const Flat& oracle) {
     CAPTURE(child);
-    const Difference result = compare(read(projected(child, cut)), reach, oracle);
+    const Difference result = compare(read_csg(projected(child, cut)), reach, oracle);
     CHECK(result.wrong == 0);
 }
 
@@ -191,23 +186,23 @@ TEST_CASE("projection: a face in the plane belongs to the section") {
     check_shape(moved(1, 1, 1, kTetrahedron), true, 5,
                 [](double x, double y) { return x > 0 && y > 0 && x + y < 4; });
     // What only touches has no section.
-    const Model touching = read(projected(moved(0, 0, 2, "sphere(r = 2);"), true));
+    const Model touching = read_csg(projected(moved(0, 0, 2, "sphere(r = 2);"), true));
     CHECK(compare(touching, 3, [](double, double) { return false; }).wrong == 0);
 }
 
 TEST_CASE("projection: a section takes part in everything that shapes do") {
     const std::string disc = "projection(cut = true) { " + moved(0, 0, 1, "sphere(r = 2);") + " }";
     const double radius = std::sqrt(3.0);
-    const Model ring = read(
+    const Model ring = read_csg(
         "rotate_extrude() { multmatrix([[1, 0, 0, 4], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, "
         "0, 1]]) { " +
         disc + " } }");
     CHECK(region_at(ring, {4 + 0.99 * radius, 0, 0}) == 1);
     CHECK(region_at(ring, {4 + 1.01 * radius, 0, 0}) == 0);
-    const Model grown = read("linear_extrude(height = 1) { offset(r = 1) { " + disc + " } }");
+    const Model grown = read_csg("linear_extrude(height = 1) { offset(r = 1) { " + disc + " } }");
     CHECK(region_at(grown, {radius + 0.98, 0, 0.5}) == 1);
     CHECK(region_at(grown, {radius + 1.01, 0, 0.5}) == 0);
-    const Model scaled = read(
+    const Model scaled = read_csg(
         "linear_extrude(height = 1, scale = 2) { projection(cut = true) { cube([4, 2, "
         "2], center = true); } }");
     CHECK(region_at(scaled, {3.9, 1.9, 0.999}) == 1);
@@ -230,7 +225,7 @@ TEST_CASE("projection: shadows") {
     check_shadow("union() { sphere(r = 1); " + moved(1.5, 1, 3, "cube(1);") + " }", 4);
     check_shadow("hull() { cube(1); " + moved(1.5, 1, 2, "cube(1.5);") + " }", 4, 8);
     // A ball's hull with a point: two tangents.
-    const Model cone_on_ball = read(
+    const Model cone_on_ball = read_csg(
         projected("hull() { sphere(r = 1); " + moved(2, 0, 5, "cube(1e-3, center = true);") + " }", false));
     CHECK(region_at(cone_on_ball, {0, 0.995, 0}) == 1);
     CHECK(region_at(cone_on_ball, {0, 1.001, 0}) == 0);
@@ -280,13 +275,13 @@ TEST_CASE("projection: what is not supported, and what is left out") {
           std::string::npos);
     CHECK(refusal("projection(file = \"a.dxf\");", "csg").find("import()") != std::string::npos);
     CHECK(refusal("projection(cut = true) { cube(1); }", "csg").find("2D shapes only") != std::string::npos);
-    const Model model = read(projected("square(9); cube(1);", false));
+    const Model model = read_csg(projected("square(9); cube(1);", false));
     REQUIRE(model.warnings.size() == 1);
     CHECK(model.warnings[0].find("left out") != std::string::npos);
     CHECK(region_at(model, {5, 5, 0}) == 0);
     CHECK(region_at(model, {0.5, 0.5, 0}) == 1);
     // Nothing is neutral.
-    CHECK(region_at(read("cube(1); " + projected("", true) + projected(moved(0, 0, 9, "cube(1);"), true)),
+    CHECK(region_at(read_csg("cube(1); " + projected("", true) + projected(moved(0, 0, 9, "cube(1);"), true)),
                     {0.5, 0.5, 0.5}) == 1);
 }
 
@@ -300,7 +295,7 @@ TEST_CASE("projection: deep trees") {
         end += " }";
     }
     for (const bool cut : {false, true}) {
-        const Model model = read(projected(text + "cube(2, center = true);" + end, cut));
+        const Model model = read_csg(projected(text + "cube(2, center = true);" + end, cut));
         CHECK(region_at(model, {0.9, 0.9, 0}) == 1);
         CHECK(region_at(model, {1.1, 0.9, 0}) == 0);
     }
@@ -310,7 +305,7 @@ namespace {
 
 /// The area of a shadow, with circles of that many sides where round parts are facetted.
 double shadow_area(const std::string& child, int sides) {
-    const Model solid = read(child);
+    const Model solid = read_csg(child);
     model_reader::Fragments fragments;
     for (std::uint32_t i = 0; i < solid.nodes.size(); ++i) fragments[i] = sides;
     model_reader::FlatTree flat;
@@ -406,10 +401,10 @@ TEST_CASE("projection: shadows of differences, by rays; $fn decides") {
                                        ", $fa = 12, $fs = 2, h = 9, r1 = 1, r2 = 1, center = true); }"),
                          false);
     };
-    CHECK(region_at(read(drilled("6")), {0, 0.89, 0}) == 1);
-    CHECK(region_at(read(drilled("96")), {0, 0.89, 0}) == 0);
-    CHECK(region_at(read(drilled("16")), {0.19, 0.924, 0}) == 1);
-    CHECK(region_at(read(drilled("96")), {0.19, 0.924, 0}) == 0);
+    CHECK(region_at(read_csg(drilled("6")), {0, 0.89, 0}) == 1);
+    CHECK(region_at(read_csg(drilled("96")), {0, 0.89, 0}) == 0);
+    CHECK(region_at(read_csg(drilled("16")), {0.19, 0.924, 0}) == 1);
+    CHECK(region_at(read_csg(drilled("96")), {0.19, 0.924, 0}) == 0);
 }
 
 TEST_CASE("projection: shadows that would take too long are refused") {

@@ -3,16 +3,12 @@
 
 #include "host/common/random.hpp"
 #include "tests/model/membership.hpp"
+#include "tests/model/read_csg.hpp"
 
 using namespace mortise;
+using mortise::test::read_csg;
 using test::refusal;
 using test::region_at;
-
-namespace {
-
-Model read(const std::string& text) { return parse_model(text, "csg", "part.csg"); }
-
-}  // namespace
 
 TEST_CASE("resized solids: the size before must be known exactly") {
     struct Case {
@@ -41,8 +37,8 @@ TEST_CASE("resized solids: the size before must be known exactly") {
         for (std::size_t k = 0; k < 3; ++k) {
             text += (k > 0 ? "," : "") + std::to_string(grow * (c.high[k] - c.low[k]));
         }
-        const Model plain = read(c.child);
-        const Model resized = read(text + "], auto = [0,0,0], convexity = 0) { " + c.child + " }");
+        const Model plain = read_csg(c.child);
+        const Model resized = read_csg(text + "], auto = [0,0,0], convexity = 0) { " + c.child + " }");
         CAPTURE(std::string(c.child));
         Random random(3);
         for (int i = 0; i < 500; ++i) {
@@ -58,7 +54,7 @@ TEST_CASE("resized solids: the size before must be known exactly") {
     // A turned square's width; and automatic scaling.
     const std::string wide =
         "resize(newsize = [2.8,0,0], auto = [true,true,true]) { " + turned + "cube(); } }";
-    CHECK(region_at(read(wide), {2 * (1 + 0.6 * 0.5 - 0.8 * 0.5), 2 * 0.7, 1.9}) == 1);
+    CHECK(region_at(read_csg(wide), {2 * (1 + 0.6 * 0.5 - 0.8 * 0.5), 2 * 0.7, 1.9}) == 1);
     CHECK(refusal("resize(newsize = [1,1,1]) { difference() { cube(); sphere(); } }", "csg")
               .find("'resize' is not supported yet") != std::string::npos);
 }
@@ -68,14 +64,14 @@ TEST_CASE("resize of solids with flat faces, whatever their tree") {
     const std::string rest =
         "intersection() { difference() { cube(4); multmatrix([[1,0,0,-8],[0,1,0,-1],[0,0,1,-1],[0,0,0,1]]) { "
         "cube(9); } } multmatrix([[1,0,0,0],[0,1,0,0],[0,0,1,-6],[0,0,0,1]]) { cube(9); } }";
-    const Model model = read("resize(newsize = [6, 2, 0]) { " + rest + " }");
+    const Model model = read_csg("resize(newsize = [6, 2, 0]) { " + rest + " }");
     CHECK(region_at(model, {2.01, 0.01, 0.01}) == 1);
     CHECK(region_at(model, {7.99, 1.99, 2.99}) == 1);
     CHECK(region_at(model, {1.99, 1, 1}) == 0);
     CHECK(region_at(model, {8.01, 1, 1}) == 0);
     CHECK(region_at(model, {5, 2.01, 1}) == 0);
     CHECK(region_at(model, {5, 1, 3.01}) == 0);
-    const Model tall = read("resize(newsize = [0, 0, 9], auto = true) { " + rest + " }");
+    const Model tall = read_csg("resize(newsize = [0, 0, 9], auto = true) { " + rest + " }");
     CHECK(region_at(tall, {3.01, 11.99, 8.99}) == 1);
     CHECK(region_at(tall, {11.99, 0.01, 0.01}) == 1);
     CHECK(region_at(tall, {12.01, 1, 1}) == 0);
@@ -85,7 +81,7 @@ TEST_CASE("resize of solids with flat faces, whatever their tree") {
 
 TEST_CASE("resize to no size keeps any solid") {
     const std::string ball = "difference() { sphere(r = 2); cube(9, center = false); }";
-    const Model model = read("resize(newsize = [0, 0, 0], auto = [0, 0, 0]) { " + ball + " }");
+    const Model model = read_csg("resize(newsize = [0, 0, 0], auto = [0, 0, 0]) { " + ball + " }");
     CHECK(region_at(model, {-1, -1, -1}) == 1);
     CHECK(region_at(model, {1, 1, 1}) == 0);
     CHECK(refusal("resize(newsize = [1, 0, 0]) { " + ball + " }", "csg").find("exact size is not known") !=

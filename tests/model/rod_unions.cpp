@@ -7,12 +7,12 @@
 
 #include "host/common/random.hpp"
 #include "tests/model/membership.hpp"
+#include "tests/model/read_csg.hpp"
 
 using namespace mortise;
+using mortise::test::read_csg;
 
 namespace {
-
-Model read(const std::string& text) { return parse_model(text, "csg", "part.csg"); }
 
 /// A node moved by a matrix of six figures, as OpenSCAD writes it.
 std::string moved(const Affine& map, const std::string& child) {
@@ -26,7 +26,7 @@ std::string moved(const Affine& map, const std::string& child) {
     return text.str();
 }
 
-std::string ball(const Vec3& at, double radius) {
+std::string ball_text(const Vec3& at, double radius) {
     return moved({1, 0, 0, at[0], 0, 1, 0, at[1], 0, 0, 1, at[2]},
                  "sphere(r = " + std::to_string(radius) + ");");
 }
@@ -74,11 +74,11 @@ TEST_CASE("rods with balls of their radius at both ends are hulls of two balls")
         std::string text;
         for (std::size_t i = 0; i + 1 < at.size(); ++i) {
             text += "group() { " + rod(at[i], at[i + 1], radius) +
-                    (are_balls_shared ? "" : ball(at[i], radius)) + " union() { " + ball(at[i + 1], radius) +
-                    " } }\n";
+                    (are_balls_shared ? "" : ball_text(at[i], radius)) + " union() { " +
+                    ball_text(at[i + 1], radius) + " } }\n";
         }
-        if (are_balls_shared) text += ball(at[0], radius);
-        const Model model = read(text);
+        if (are_balls_shared) text += ball_text(at[0], radius);
+        const Model model = read_csg(text);
         CHECK(count(model, Primitive::Kind::kRounded) == at.size() - 1);
         CHECK(count(model, Primitive::Kind::kSphere) == 0);
         CHECK(count(model, Primitive::Kind::kCylinder) == 0);
@@ -100,25 +100,26 @@ TEST_CASE("other rods and balls stay as they are") {
     const Vec3 a = {1, 2, 3};
     const Vec3 b = {4, 3, 1};
     const auto is_left_alone = [](const std::string& text) {
-        const Model model = read(text);
+        const Model model = read_csg(text);
         return count(model, Primitive::Kind::kRounded) == 0 && count(model, Primitive::Kind::kCylinder) == 1;
     };
-    CHECK_FALSE(is_left_alone(rod(a, b, 0.5) + ball(a, 0.5) + ball(b, 0.5)));
-    CHECK(is_left_alone(rod(a, b, 0.5) + ball(a, 0.5)));
-    CHECK(is_left_alone(rod(a, b, 0.5) + ball(a, 0.5) + ball(b, 0.501)));
-    CHECK(is_left_alone(rod(a, b, 0.5) + ball(a, 0.5) + ball({4, 3, 1.01}, 0.5)));
-    CHECK(is_left_alone("difference() { " + rod(a, b, 0.5) + " group() { " + ball(a, 0.5) + ball(b, 0.5) +
-                        "} }"));
+    CHECK_FALSE(is_left_alone(rod(a, b, 0.5) + ball_text(a, 0.5) + ball_text(b, 0.5)));
+    CHECK(is_left_alone(rod(a, b, 0.5) + ball_text(a, 0.5)));
+    CHECK(is_left_alone(rod(a, b, 0.5) + ball_text(a, 0.5) + ball_text(b, 0.501)));
+    CHECK(is_left_alone(rod(a, b, 0.5) + ball_text(a, 0.5) + ball_text({4, 3, 1.01}, 0.5)));
+    CHECK(is_left_alone("difference() { " + rod(a, b, 0.5) + " group() { " + ball_text(a, 0.5) +
+                        ball_text(b, 0.5) + "} }"));
     // The rounded edge of a box; not one that a rod ends in.
     const Vec3 o = {0, 0, 0};
     const Vec3 x = {3, 0, 0};
-    const std::string capped = rod(o, x, 0.5) + ball(o, 0.5) + ball(x, 0.5);
+    const std::string capped = rod(o, x, 0.5) + ball_text(o, 0.5) + ball_text(x, 0.5);
     CHECK(is_left_alone(capped + moved({1, 0, 0, 0, 0, 1, 0, -4, 0, 0, 1, -0.5}, "cube(size = [3, 4, 1]);")));
     CHECK(is_left_alone(capped + moved({3, 0, 0, 0, 0, 0, 4, -4, 0, 1, 0, -0.5}, "cube(size = [1, 1, 1]);")));
     CHECK_FALSE(
         is_left_alone(capped + moved({1, 0, 0, 3, 0, 1, 0, -4, 0, 0, 1, -4}, "cube(size = [3, 8, 8]);")));
-    // A ball that two rods have, one of which ends flat, is part of the other.
-    const Model mixed = read(rod(a, b, 0.5) + rod(b, {7, 7, 7}, 0.5) + ball(a, 0.5) + ball(b, 0.5));
+    // A ball_text that two rods have, one of which ends flat, is part of the other.
+    const Model mixed =
+        read_csg(rod(a, b, 0.5) + rod(b, {7, 7, 7}, 0.5) + ball_text(a, 0.5) + ball_text(b, 0.5));
     CHECK(count(mixed, Primitive::Kind::kRounded) == 1);
     CHECK(count(mixed, Primitive::Kind::kCylinder) == 1);
     CHECK(count(mixed, Primitive::Kind::kSphere) == 0);

@@ -5,16 +5,16 @@
 
 #include "host/common/random.hpp"
 #include "tests/model/membership.hpp"
+#include "tests/model/read_csg.hpp"
 
 using namespace mortise;
+using mortise::test::read_csg;
 using test::refusal;
 using test::region_at;
 
 namespace {
 
 constexpr double kDegree = 3.14159265358979323846 / 180;
-
-Model read(const std::string& text) { return parse_model(text, "csg", "part.csg"); }
 
 /// p turned about an axis of length 1, by vectors (Rodrigues) instead of a matrix.
 Vec3 turned(const Vec3& p, const Vec3& n, double degrees) {
@@ -37,7 +37,7 @@ bool in_wedge(const Vec3& p) { return p[0] > 0 && p[1] > 0 && p[2] > 0 && p[0] /
 template <typename Back>
 void compare(const std::string& transforms, const Back& back) {
     CAPTURE(transforms);
-    const Model model = read(transforms + kWedge);
+    const Model model = read_csg(transforms + kWedge);
     Random random(3);
     int wrong = 0;
     int inside = 0;
@@ -84,7 +84,7 @@ TEST_CASE("right angles are exact") {
     const double d = std::ldexp(1, -40);
     for (const char* const turn : {"rotate([0, 0, 90])", "rotate(90)", "rotate(-90, [0, 0, -3])"}) {
         CAPTURE(turn);
-        const Model model = read(std::string(turn) + "cube([1, 2, 3]);");
+        const Model model = read_csg(std::string(turn) + "cube([1, 2, 3]);");
         CHECK(region_at(model, {-2 + d, d, d}) == 1);
         CHECK(region_at(model, {-2 - d, d, d}) == 0);
         CHECK(region_at(model, {-d, 1 - d, 3 - d}) == 1);
@@ -94,7 +94,7 @@ TEST_CASE("right angles are exact") {
 
 TEST_CASE("a node may have one child without braces") {
     // The cut belongs to the translation alone; modifiers and braces nest.
-    const Model model = read(
+    const Model model = read_csg(
         "difference() {\n"
         "    translate([1, 0, 0]) rotate([0, 0, 90]) cube([1, 2, 3]);\n"
         "    translate([-1, 0, 1]) union() { cube(1); translate([0, 0, 1]) *cube(1); }\n"
@@ -107,7 +107,7 @@ TEST_CASE("a node may have one child without braces") {
     CHECK(region_at(model, {5.9, 5, 1}) == 1);
     CHECK(region_at(model, {5.9, 5.9, 1}) == 0);
 
-    const Model root = read("cube(9); union() { translate([20, 0, 0]) !rotate([0, 0, 90]) cube(1); }");
+    const Model root = read_csg("cube(9); union() { translate([20, 0, 0]) !rotate([0, 0, 90]) cube(1); }");
     CHECK(region_at(root, {-0.5, 0.5, 0.5}) == 1);
     CHECK(region_at(root, {5, 5, 5}) == 0);
     CHECK(region_at(root, {19.5, 0.5, 0.5}) == 0);
@@ -115,7 +115,7 @@ TEST_CASE("a node may have one child without braces") {
     // Depth is limited by memory only.
     std::string deep;
     for (int i = 0; i < 100000; ++i) deep += "translate([0, 0, 0]) ";
-    CHECK(region_at(read(deep + "cube(1);"), {0.5, 0.5, 0.5}) == 1);
+    CHECK(region_at(read_csg(deep + "cube(1);"), {0.5, 0.5, 0.5}) == 1);
 }
 
 TEST_CASE("transforms and children without braces: errors") {

@@ -14,7 +14,7 @@
 namespace mortise::test {
 namespace {
 
-constexpr int kLevel = 5;
+constexpr int kOverlapLevel = 5;
 
 MeshOptions at_level(int level) {
     MeshOptions options;
@@ -22,9 +22,10 @@ MeshOptions at_level(int level) {
     return options;
 }
 
-std::vector<std::string> overlaps_of(const Model& model, const MeshOptions& options = at_level(kLevel)) {
+std::vector<std::string> overlaps_of(const Model& model,
+                                     const MeshOptions& options = at_level(kOverlapLevel)) {
     MeshReport report;
-    generate_mesh(model, options, &report);
+    generate(model, options, &report);
     std::vector<std::string> found;
     for (const std::string& warning : report.warnings) {
         if (warning.find("overlap") != std::string::npos) found.push_back(warning);
@@ -105,7 +106,7 @@ TEST_CASE("a region inside another one overlaps it, though it has no element") {
     add_region(model, add_ball(model, {12.3, 8.4, 21.5}, 2), "hidden");
     CHECK(overlaps_of(model).size() == 1);
     // Cells as large as can be inside.
-    MeshOptions options = at_level(kLevel);
+    MeshOptions options = at_level(kOverlapLevel);
     options.interior_coarsening = 3;
     CHECK(overlaps_of(model, options).size() == 1);
 }
@@ -139,7 +140,7 @@ TEST_CASE("what is told of overlaps does not depend on threads; --strict refuses
     Model model;
     for (int k = 0; k < 5; ++k)
         add_region(model, add_ball(model, {4.0 * k, 3.0 * (k % 2), 0}, 5), "ball" + std::to_string(k));
-    MeshOptions options = at_level(kLevel);
+    MeshOptions options = at_level(kOverlapLevel);
     options.threads = 1;
     const std::vector<std::string> one = overlaps_of(model, options);
     options.threads = 3;
@@ -148,7 +149,7 @@ TEST_CASE("what is told of overlaps does not depend on threads; --strict refuses
     REQUIRE(one.size() == 6);
     CHECK(one.back() == "2 other pairs of regions overlap");
     options.strict = true;
-    CHECK_THROWS_WITH_AS(generate_mesh(model, options),
+    CHECK_THROWS_WITH_AS(generate(model, options),
                          doctest::Contains("strict: the regions 'ball0' and 'ball1' overlap, around ("),
                          Error);
 }

@@ -9,13 +9,13 @@
 #include <functional>
 #include <string>
 
+#include "host/common/constants.hpp"
 #include "tests/mesher/meshed.hpp"
 
 namespace mortise::test {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
-constexpr int kLevel = 5;
+constexpr int kProbedLevel = 5;
 
 /// Two slabs, with a hollow of 20 units between them in which features float.
 NodeIndex frame(Model& m) {
@@ -42,7 +42,7 @@ double distance(const Vec3& a, const Vec3& b) {
 }
 
 Meshed mesh_valid(const Model& model, MeshOptions options = {}) {
-    if (options.level == 0) options.level = kLevel;
+    if (options.level == 0) options.level = kProbedLevel;
     const Meshed result = mesh_and_check(model, options);
     CHECK(result.defects == "");
     CHECK(result.check.nonmanifold_edges == 0);
@@ -51,10 +51,10 @@ Meshed mesh_valid(const Model& model, MeshOptions options = {}) {
 
 std::string strict_refusal(const Model& model) {
     MeshOptions options;
-    options.level = kLevel;
+    options.level = kProbedLevel;
     options.strict = true;
     try {
-        generate_mesh(model, options);
+        generate(model, options);
     } catch (const Error& error) {
         CHECK(error.code() == ExitCode::kMeshing);
         return error.what();
@@ -130,11 +130,10 @@ void check_tiny_balls(int count, const std::function<NodeIndex(Model&, const Vec
                              20 + std::fmod(0.83 + 0.5698402910 * k, 1)};
         CAPTURE(k);
         MeshOptions options;
-        options.level = kLevel;
+        options.level = kProbedLevel;
         options.improve = false;
         MeshReport report;
-        const Mesh mesh =
-            generate_mesh(beside_frame([&](Model& m) { return add(m, centre); }), options, &report);
+        const Mesh mesh = generate(beside_frame([&](Model& m) { return add(m, centre); }), options, &report);
         if (report.missed.empty())
             CHECK(nearest_node(mesh, centre) < 0.1);
         else
@@ -313,7 +312,7 @@ TEST_CASE("no alarm where surfaces only pass by") {
             options.level = level;
             options.improve = false;
             MeshReport report;
-            generate_mesh(test.model, options, &report);
+            generate(test.model, options, &report);
             CHECK(report.missed.empty());
         }
     }
@@ -327,12 +326,12 @@ TEST_CASE("no alarm where holes bulge by less than a quarter of a cell through e
         MeshOptions options;
         options.level = 5;
         MeshReport report;
-        generate_mesh(one_solid([&](Model& m) {
-                          const NodeIndex cylinder = add_cylinder(m, hole[2], -1, 5);
-                          return subtract(m, {add_box(m, {0, 0, 0.3}, {30, 30, 3.1}),
-                                              m.add_transform(translation({hole[0], hole[1], 0}), cylinder)});
-                      }),
-                      options, &report);
+        generate(one_solid([&](Model& m) {
+                     const NodeIndex cylinder = add_cylinder(m, hole[2], -1, 5);
+                     return subtract(m, {add_box(m, {0, 0, 0.3}, {30, 30, 3.1}),
+                                         m.add_transform(translation({hole[0], hole[1], 0}), cylinder)});
+                 }),
+                 options, &report);
         CHECK(report.missed.empty());
     }
 }
@@ -348,7 +347,7 @@ TEST_CASE("the same features and the same mesh for any threads, work-groups and 
         return unite(m, parts);
     });
     MeshOptions options;
-    options.level = kLevel;
+    options.level = kProbedLevel;
     options.threads = 1;
     const Meshed first = mesh_and_check(model, options);
     CHECK(first.defects == "");
@@ -464,7 +463,7 @@ TEST_CASE("thin rods, wherever they stand, are whole or told of") {
         for (const double x : {20.0, 20.15, 20.3, 20.5, 20.6}) {
             for (const double y : {20.0, 20.25, 20.4, 20.5}) {
                 MeshOptions options;
-                options.level = kLevel;
+                options.level = kProbedLevel;
                 const Meshed result = mesh_and_check(rod_at(x, y, radius), options);
                 CHECK(result.defects == "");
                 CAPTURE(radius);

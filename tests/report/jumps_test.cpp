@@ -16,7 +16,7 @@ QualityReport quality_of(const std::string& formula, double half) {
     options.quality = true;
     options.box = Box3{{-half, -half, -0.9}, {half, half, 0.9}};
     MeshReport report;
-    generate_mesh(parse_model(formula, "formula", "jumps.formula"), options, &report);
+    generate(parse_model(formula, "formula", "jumps.formula"), options, &report);
     REQUIRE(report.quality.has_value());
     return *report.quality;
 }

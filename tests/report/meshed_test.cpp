@@ -8,6 +8,7 @@
 #include <iterator>
 #include <vector>
 
+#include "host/common/constants.hpp"
 #include "mortise/io.hpp"
 #include "tests/mesher/meshed.hpp"
 
@@ -15,8 +16,6 @@ using namespace mortise;
 using namespace mortise::test;
 
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 struct Assessed {
     Mesh mesh;
@@ -35,7 +34,7 @@ Assessed assess(const Model& model, int level, bool tetrahedra = false) {
     options.quality = true;
     options.tetrahedra = tetrahedra;
     Assessed result;
-    result.mesh = generate_mesh(model, options, &result.report);
+    result.mesh = generate(model, options, &result.report);
     REQUIRE(result.report.quality.has_value());
     return result;
 }
@@ -192,10 +191,10 @@ TEST_CASE("without --quality there is no report, but the nodes are classified") 
     MeshReport report;
     MeshOptions options;
     options.level = 4;
-    const Mesh mesh = generate_mesh(one_solid([](Model& m) {
-                                        return add_box(m, {0, 0, 0}, {1, 1, 1});
-                                    }),
-                                    options, &report);
+    const Mesh mesh = generate(one_solid([](Model& m) {
+                                   return add_box(m, {0, 0, 0}, {1, 1, 1});
+                               }),
+                               options, &report);
     CHECK_FALSE(report.quality.has_value());
     CHECK(report.features.corners.size() == 8);
     CHECK(mesh.model_dimension == report.features.model_dimension);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "host/common/constants.hpp"
 #include "kernels/shared/expression.h"
 #include "tests/mesher/random_source.hpp"
 
@@ -13,7 +14,6 @@ using mortise::test::RandomSource;
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 double relative(double found, long double expected) {
     if (static_cast<double>(expected) == found) return 0;

@@ -17,7 +17,7 @@ using mortise::test::RandomSource;
 
 namespace {
 
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
+constexpr float kFloatInfinity = std::numeric_limits<float>::infinity();
 
 /// A value that is not a number is held only by bounds that allow for it.
 bool holds(const Interval& interval, double value) {
@@ -45,8 +45,8 @@ Interval random_interval(RandomSource& random) {
     float high = random.chance(0.4)   ? static_cast<float>(low * (1 + std::pow(10.0, random.uniform(-7, 0))))
                  : random.chance(0.2) ? low
                                       : random_end(random);
-    if (random.chance(0.02)) high = kInfinity;
-    if (random.chance(0.02)) low = -kInfinity;
+    if (random.chance(0.02)) high = kFloatInfinity;
+    if (random.chance(0.02)) low = -kFloatInfinity;
     if (low > high) std::swap(low, high);
     return {low, high};
 }
@@ -132,8 +132,8 @@ TEST_CASE("roots of negatives and quotients across zero decide nothing") {
     }
     for (const Interval& b : {Interval{-1, 1}, Interval{0, 1}, Interval{-1, 0}, Interval{0, 0}}) {
         const Interval result = interval_apply(kExprDivide, {1, 2}, b);
-        CHECK_FALSE(result.low > -kInfinity);
-        CHECK_FALSE(result.high < kInfinity);
+        CHECK_FALSE(result.low > -kFloatInfinity);
+        CHECK_FALSE(result.high < kFloatInfinity);
     }
     for (int operation = kExprNegate; operation < kExprOperations; ++operation) {
         const Interval result = interval_apply(operation, undefined_interval(), undefined_interval());
@@ -166,7 +166,7 @@ TEST_CASE("bounds go through what is not taken, through branch cuts and beside p
     CHECK(rest.low > 1.2499f);
     CHECK(rest.high < 1.5001f);
     CHECK(interval_apply(kExprMod, {5.5f, 6.5f}, {3, 3}).low == 0);
-    CHECK(interval_apply(kExprTan, {1.5f, 1.6f}, {0, 0}).high == kInfinity);
+    CHECK(interval_apply(kExprTan, {1.5f, 1.6f}, {0, 0}).high == kFloatInfinity);
     CHECK(interval_apply(kExprPower, {2, 3}, {2, 2}).low > 3.99f);
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "host/common/constants.hpp"
 #include "kernels/shared/tape.h"
 #include "tests/mesher/solids.hpp"
 #include "tests/sizing/descent.hpp"
@@ -14,7 +15,6 @@ using namespace mortise::test;
 
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kTwoPi = 6.283185307179586;
 
 /// Leaves' levels when the sizer has its way, at most level 8.

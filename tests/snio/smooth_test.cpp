@@ -8,6 +8,7 @@
 
 #include "mortise/check.hpp"
 #include "mortise/mesher.hpp"
+#include "tests/mesher/meshed.hpp"
 
 namespace mortise {
 namespace {
@@ -45,7 +46,7 @@ void check_smooth(const Case& item) {
     options.level = item.level;
     options.improve = false;
     MeshReport report;
-    const Mesh mesh = generate_mesh(item.model, options, &report);
+    const Mesh mesh = test::generate(item.model, options, &report);
     const CheckReport check = check_mesh(mesh);
     CHECK(check.valid());
     if (!check.valid()) MESSAGE(check.defects[0].what, ": ", check.defects[0].first);
@@ -115,7 +116,7 @@ TEST_CASE("a plane parallel to the grid keeps hexahedra") {
     options.size = 0.2;
     options.improve = false;
     MeshReport report;
-    const Mesh mesh = generate_mesh(model, options, &report);
+    const Mesh mesh = test::generate(model, options, &report);
     const CheckReport check = check_mesh(mesh);
     CHECK(check.valid());
     std::size_t snapped = 0;

@@ -7,6 +7,7 @@
 #include <functional>
 #include <string>
 
+#include "host/common/constants.hpp"
 #include "host/common/random.hpp"
 #include "host/tape/compile.hpp"
 #include "host/tape/reference.hpp"
@@ -14,7 +15,6 @@
 namespace mortise::tape {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 using Pair = std::array<double, 2>;
 
 /// Deepest stack of a postfix tape.

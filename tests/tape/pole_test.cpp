@@ -1,5 +1,6 @@
 // Poles of pairs of surfaces against closed forms.
 #include "host/tape/pole.hpp"
+#include "host/common/constants.hpp"
 
 #include <doctest/doctest.h>
 
@@ -11,8 +12,6 @@
 
 namespace mortise::test {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 std::vector<std::uint32_t> surfaces_of_kind(const tape::BoundModel& model, std::int32_t kind) {
     std::vector<std::uint32_t> found;

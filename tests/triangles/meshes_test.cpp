@@ -118,7 +118,7 @@ TEST_CASE("faces that are left out of crowded cells are told") {
     MeshOptions strict;
     strict.level = 3;
     strict.strict = true;
-    CHECK_THROWS_AS(generate_mesh(model, strict), Error);
+    CHECK_THROWS_AS(generate(model, strict), Error);
 }
 
 TEST_CASE("surfaces with holes, and triangles that overlap, make valid meshes") {

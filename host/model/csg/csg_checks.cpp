@@ -3,12 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/common/constants.hpp"
+
 namespace mortise::model_reader {
 namespace {
 
 constexpr int kMostFlatFragments = 12;
 constexpr int kMostFragments = 100000;
-constexpr double kPi = 3.14159265358979323846;
 
 double any_number(const CsgNodeText& node, const CsgArgument& argument, std::string_view what) {
     if (argument.kind != CsgArgument::Kind::kNumber) {

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <utility>
 
+#include "host/common/constants.hpp"
 #include "host/model/affine.hpp"
 #include "host/model/csg/csg_shapes.hpp"
 #include "host/model/outlines/polygon_unions.hpp"
@@ -150,7 +151,6 @@ CsgFinish read_rotate_extrude(CsgScene&, const CsgNodeText& node) {
         }
         int steps = flat;
         if (exact && !(fn > 0)) {
-            constexpr double kTurn = 2 * 3.14159265358979323846;
             steps = static_cast<int>(std::ceil(std::max(std::min(360 / fa, reach * kTurn / fs), 5.0)));
         }
         if (steps != 0 && !full) {

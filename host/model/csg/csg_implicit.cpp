@@ -3,6 +3,8 @@
 #include <array>
 #include <cmath>
 
+#include "host/common/constants.hpp"
+
 namespace mortise::model_reader {
 namespace {
 
@@ -105,7 +107,6 @@ constexpr std::array<Periodic, 3> kPeriodic = {
       1.4142135623730951, 1.498}}};
 
 std::uint32_t add_periodic(Model& model, const CsgNodeText& node, const Periodic& kind) {
-    constexpr double kPi = 3.14159265358979323846;
     refuse_unknown_arguments(node, {"size", "period", "thickness", "center"}, 4);
     const Box3 box = box_of(node);
     const double period = length(node, "period", 1, 1, false);

@@ -8,20 +8,19 @@
 #include <array>
 #include <cmath>
 
+#include "host/common/constants.hpp"
+#include "host/common/vec3.hpp"
 #include "host/model/affine.hpp"
 
 namespace mortise::model_reader {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
-constexpr double kTurn = kPi / 2 / 48;  ///< of the tangent, from point to point
+constexpr double kPieceTurn = kPi / 2 / 48;  ///< of the tangent, from point to point
 /// A spline whose tangent turns by more is a fold, an arc may go either way round.
 constexpr double kMostTurn = 0.999 * kPi;
 constexpr double kSamePoint = 1e-9;  ///< relative to the extent
 
-Vec3 difference(const Vec3& a, const Vec3& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
 double distance(const Vec3& a, const Vec3& b) { return length(difference(a, b)); }
-double angle_between(const Vec3& a, const Vec3& b) { return std::atan2(length(cross(a, b)), dot(a, b)); }
 
 Vec3 combination(double s, const Vec3& a, double t, const Vec3& b, double u, const Vec3& c) {
     Vec3 sum{};
@@ -77,7 +76,7 @@ Sample sample(const GeoCurve::Piece& piece, double t) {
 }
 
 double parts_of(const GeoCurve::Piece& piece) {
-    return std::max(1.0, std::ceil(turn_of(piece) / kTurn - 1e-9));
+    return std::max(1.0, std::ceil(turn_of(piece) / kPieceTurn - 1e-9));
 }
 
 class CurveReader {
@@ -246,7 +245,7 @@ std::vector<CurvePoint> divided(const GeoCurve& curve) {
             std::vector<double> ends = {k / parts};
             while (!ends.empty()) {
                 const Sample to = sample(piece, ends.back());
-                const bool turns = angle_between(from.tangent, to.tangent) > 1.5 * kTurn;
+                const bool turns = angle_between(from.tangent, to.tangent) > 1.5 * kPieceTurn;
                 if (turns && parts > 1 && ends.size() < 12 && points.size() + ends.size() < limit) {
                     ends.push_back((t + ends.back()) / 2);
                     continue;

@@ -26,7 +26,7 @@ constexpr std::array<std::string_view, 11> kStatements = {"solid",
 constexpr std::array<std::string_view, 4> kCopies = {"translate", "rotate", "multitranslate", "multirotate"};
 
 /// Words that Netgen's lexer knows but its parser rejects.
-constexpr std::array<std::string_view, 2> kNotYet = {"tube", "gencyl"};
+constexpr std::array<std::string_view, 2> kNotYetFunctions = {"tube", "gencyl"};
 
 template <std::size_t N>
 bool contains(const std::array<std::string_view, N>& words, std::string_view word) {
@@ -45,7 +45,7 @@ std::vector<std::string_view> geo_statement_names() { return {kStatements.begin(
 
 bool is_geo_reserved(std::string_view name) {
     return name == "or" || name == "and" || name == "not" || name == "algebraic3d" ||
-           contains(kStatements, name) || contains(kCopies, name) || contains(kNotYet, name) ||
+           contains(kStatements, name) || contains(kCopies, name) || contains(kNotYetFunctions, name) ||
            is_geo_primitive(name);
 }
 
@@ -103,7 +103,7 @@ std::uint32_t GeoExpression::read_operand() {
             return add_geo_primitive(model_, lexer_, shapes_);
         } else if (contains(kCopies, token.text)) {
             open_copy(token.text);
-        } else if (contains(kNotYet, token.text)) {
+        } else if (contains(kNotYetFunctions, token.text)) {
             fail(lexer_.source(), token.where,
                  lexer_.found() + " is not supported yet; supported are " + geo_primitive_list());
         } else if (is_geo_reserved(token.text)) {

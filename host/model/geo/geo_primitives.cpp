@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "host/common/vec3.hpp"
 #include "host/model/affine.hpp"
 #include "host/model/geo/geo_sweeps.hpp"
 
@@ -63,9 +64,6 @@ struct Reading {
         return moved;
     }
 };
-
-Vec3 difference(const Vec3& a, const Vec3& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
-Vec3 scaled(const Vec3& v, double factor) { return {factor * v[0], factor * v[1], factor * v[2]}; }
 
 /// Maps the unit ball to { p : sum over k of ((p - center)·v_k / |v_k|²)² <= 1 }.
 Affine axes_map(const Reading& reading, const Vec3& center, const Vec3& v0, const Vec3& v1, const Vec3& v2) {

@@ -6,7 +6,9 @@
 #include <string>
 #include <utility>
 
+#include "host/common/constants.hpp"
 #include "host/common/parting.hpp"
+#include "host/common/vec3.hpp"
 #include "host/model/affine.hpp"
 #include "host/model/outlines/polygon_triangles.hpp"
 #include "host/model/outlines/polygons.hpp"
@@ -16,7 +18,6 @@
 namespace mortise::model_reader {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr std::uint32_t kSlices = 192;   ///< of a revolution
 constexpr double kMostTriangles = 2e6;   ///< of one solid
 constexpr double kSharp = 20;            ///< degrees; chords meet at two
@@ -28,11 +29,9 @@ constexpr double kFit = 1e-6;            ///< of two sections at a kink, relativ
 
 [[noreturn]] void refuse(const std::string& message) { throw Error(ExitCode::kInput, message); }
 
-Vec3 difference(const Vec3& a, const Vec3& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
 Vec3 along(const Vec3& point, double t, const Vec3& direction) {
     return {point[0] + t * direction[0], point[1] + t * direction[1], point[2] + t * direction[2]};
 }
-double angle_between(const Vec3& a, const Vec3& b) { return std::atan2(length(cross(a, b)), dot(a, b)); }
 
 /// A profile as a polygon. Edge k goes from point k to the next one and belongs to face[k].
 struct Outline {

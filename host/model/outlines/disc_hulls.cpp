@@ -3,10 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/common/constants.hpp"
+
 namespace mortise::model_reader {
 namespace {
 
-constexpr double kTurn = 6.283185307179586;
 constexpr double kSame = 1e-6;
 
 bool same_disc(const Disc& a, const Disc& b) { return a.center == b.center && a.radius == b.radius; }

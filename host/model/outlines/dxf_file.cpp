@@ -8,6 +8,7 @@
 #include <numeric>
 #include <string_view>
 
+#include "host/common/constants.hpp"
 #include "host/model/outlines/drawings.hpp"
 #include "host/model/outlines/outline_pieces.hpp"
 #include "host/model/text.hpp"
@@ -15,11 +16,10 @@
 namespace mortise::model_reader {
 namespace {
 
-constexpr double kTurn = 6.283185307179586;
 /// Ends of lines closer than this are one point, in units of the drawing as in OpenSCAD.
 constexpr double kJoin = 1e-3;
 /// Bulges below this are lines; the circle of a still smaller one would be beyond all numbers.
-constexpr double kStraight = 1e-12;
+constexpr double kStraightBulge = 1e-12;
 
 struct Group {
     int code = 0;
@@ -278,7 +278,7 @@ class DxfReader {
         for (std::size_t i = 0; i < n; ++i) {
             const Vec2& p = vertices[i].point;
             path.push_back(p);
-            if (std::fabs(vertices[i].bulge) < kStraight || (i + 1 == n && !closed)) continue;
+            if (std::fabs(vertices[i].bulge) < kStraightBulge || (i + 1 == n && !closed)) continue;
             const Vec2& q = vertices[(i + 1) % n].point;
             const double bulge = vertices[i].bulge;
             const Vec2 chord = {q[0] - p[0], q[1] - p[1]};

@@ -2,14 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
+#include "host/common/constants.hpp"
 #include "host/model/outlines/polygons.hpp"
 
 namespace mortise::model_reader {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 const Box2 kNothing = {{kInfinity, kInfinity}, {-kInfinity, -kInfinity}};
 
 Box2 leaf_bounds(const FlatNode& node, const FlatMap& map) {

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstddef>
 
+#include "host/common/constants.hpp"
+
 namespace mortise::model_reader {
 namespace {
 
@@ -66,7 +68,6 @@ void add_winding_pieces(Contours loops, std::vector<Contours>& pieces) {
 }
 
 int fragments_of(double radius, double fn, double fa, double fs) {
-    constexpr double kTurn = 6.283185307179586;
     constexpr double kMost = 10000;
     const double wanted = fn > 0 ? std::max(fn, 3.0) : std::max(std::min(360 / fa, radius * kTurn / fs), 5.0);
     return static_cast<int>(std::ceil(std::min(wanted, kMost)));

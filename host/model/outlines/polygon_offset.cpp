@@ -9,7 +9,7 @@
 namespace mortise::model_reader {
 namespace {
 
-using LatticePoint = std::array<double, 2>;
+using OffsetVector = std::array<double, 2>;
 
 /// A quarter turn; exact.
 Contours turned(Contours contours, bool clockwise) {
@@ -36,29 +36,29 @@ bool is_wide(const Contours& contours) {
     return high[0] - low[0] > kWide * (high[1] - low[1]);
 }
 
-double cross(const LatticePoint& a, const LatticePoint& b) { return a[0] * b[1] - a[1] * b[0]; }
+double cross_of(const OffsetVector& a, const OffsetVector& b) { return a[0] * b[1] - a[1] * b[0]; }
 
 /// Every round or cut corner has two points or more, so offsets of offsets would double theirs each time. An
 /// edge between two turns of one direction is drawn together to where its neighbours meet, if that lies
 /// within `tolerance` of it; no two edges that share a point in one call.
 void join_close_turns(ClipperLib::Path& loop, double tolerance) {
     const auto vector = [](const ClipperLib::IntPoint& from, const ClipperLib::IntPoint& to) {
-        return LatticePoint{static_cast<double>(to.X - from.X), static_cast<double>(to.Y - from.Y)};
+        return OffsetVector{static_cast<double>(to.X - from.X), static_cast<double>(to.Y - from.Y)};
     };
     ClipperLib::Path kept;
     for (std::size_t i = 0; i < loop.size(); ++i) {
         kept.push_back(loop[i]);
         if (loop.size() < 5 || i == 0 || i + 2 >= loop.size()) continue;
         const ClipperLib::IntPoint& before = kept[kept.size() - 2];
-        const LatticePoint in = vector(before, loop[i]);
-        const LatticePoint edge = vector(loop[i], loop[i + 1]);
-        const LatticePoint out = vector(loop[i + 1], loop[i + 2]);
-        const double first = cross(in, edge);
-        const double second = cross(edge, out);
-        const double whole = cross(in, out);
+        const OffsetVector in = vector(before, loop[i]);
+        const OffsetVector edge = vector(loop[i], loop[i + 1]);
+        const OffsetVector out = vector(loop[i + 1], loop[i + 2]);
+        const double first = cross_of(in, edge);
+        const double second = cross_of(edge, out);
+        const double whole = cross_of(in, out);
         if (first * second <= 0 || first * whole <= 0) continue;
         // Both lines meet at loop[i] + t in.
-        const double t = cross(edge, out) / whole;
+        const double t = cross_of(edge, out) / whole;
         const double height = std::fabs(t * first) / std::hypot(edge[0], edge[1]);
         if (height > tolerance) continue;
         kept.back().X += std::llround(t * in[0]);

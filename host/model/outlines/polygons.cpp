@@ -193,7 +193,7 @@ Contours nested(Contours loops) {
     return result;
 }
 
-bool is_convex(const std::vector<Vec2>& loop) {
+bool turns_left(const std::vector<Vec2>& loop) {
     for (std::size_t i = 0; i < loop.size(); ++i) {
         if (cross(loop[i], loop[(i + 1) % loop.size()], loop[(i + 2) % loop.size()]) < 0) return false;
     }
@@ -380,7 +380,7 @@ Contours minkowski_sum(const Contours& a, const Contours& b) {
     LatticePaths terms;
     for (const Contours& first : components(a)) {
         for (const Contours& second : components(b)) {
-            if (first.size() == 1 && second.size() == 1 && is_convex(first[0]) && is_convex(second[0]) &&
+            if (first.size() == 1 && second.size() == 1 && turns_left(first[0]) && turns_left(second[0]) &&
                 first[0].size() * second[0].size() <= kMostSums) {
                 std::vector<Vec2> sums;
                 for (const Vec2& p : first[0]) {

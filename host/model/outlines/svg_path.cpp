@@ -6,12 +6,11 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "host/common/constants.hpp"
 #include "host/model/outlines/outline_pieces.hpp"
 
 namespace mortise::model_reader {
 namespace {
-
-constexpr double kTurn = 6.283185307179586;
 
 /// Scans numbers, flags and letters.
 class Scanner {

@@ -94,7 +94,7 @@ FontFile find_font(const std::string& wanted, std::vector<std::string>& warnings
 }
 
 /// Collects the loops of one glyph; curves become `segments` straight pieces.
-struct Outline {
+struct GlyphOutline {
     Contours loops;
     int segments = 2;
 
@@ -114,7 +114,7 @@ struct Outline {
     }
 };
 
-Outline& outline_of(void* data) { return *static_cast<Outline*>(data); }
+GlyphOutline& outline_of(void* data) { return *static_cast<GlyphOutline*>(data); }
 
 void move_to(hb_draw_funcs_t*, void* data, hb_draw_state_t*, float x, float y, void*) {
     outline_of(data).start(x, y);
@@ -253,7 +253,7 @@ std::vector<Contours> text_outlines(const TextStyle& style, std::vector<std::str
     std::size_t missing = 0;
     for (unsigned i = 0; i < count; ++i) {
         if (infos[i].codepoint == 0) ++missing;
-        Outline outline;
+        GlyphOutline outline;
         outline.segments = std::max(style.segments, 1);
 #if HB_VERSION_ATLEAST(7, 0, 0)
         hb_font_draw_glyph(font.get(), infos[i].codepoint, functions.get(), &outline);

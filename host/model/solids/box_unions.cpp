@@ -14,11 +14,11 @@
 namespace mortise::model_reader {
 namespace {
 
-constexpr std::size_t kFewest = 16;
+constexpr std::size_t kFewestBoxes = 16;
 /// Each is compared with all for being inside.
 constexpr std::size_t kMostCompared = 2000;
 /// Coordinates that agree so far, in units of the largest, are equal: sums of translations are rounded.
-constexpr double kSame = 1e-13;
+constexpr double kSameCoordinate = 1e-13;
 
 /// A box and the first node that it comes from.
 struct Block {
@@ -75,7 +75,7 @@ void unify(std::vector<Block>& blocks) {
         std::sort(values.begin(), values.end(), [](const double* a, const double* b) { return *a < *b; });
         double first = *values[0];
         for (double* value : values) {
-            if (*value - first > kSame * largest) first = *value;
+            if (*value - first > kSameCoordinate * largest) first = *value;
             *value = first;
         }
     }
@@ -157,7 +157,7 @@ void merge_boxes(Model& model) {
             if (const auto block = block_of(model.nodes[part.node], part.node, *place))
                 blocks.push_back(*block);
         }
-        if (blocks.size() < kFewest) continue;
+        if (blocks.size() < kFewestBoxes) continue;
         unify(blocks);
         const std::vector<Block> fewer = merged(blocks);
         if (fewer.size() > blocks.size() - blocks.size() / 4) continue;

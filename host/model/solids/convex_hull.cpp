@@ -12,14 +12,13 @@ extern "C" {
 #include <libqhull_r/qhull_ra.h>
 }
 
+#include "host/common/vec3.hpp"
 #include "host/model/affine.hpp"
 #include "host/model/text.hpp"
 #include "host/model/triangles/surface_repair.hpp"
 
 namespace mortise::model_reader {
 namespace {
-
-Vec3 difference(const Vec3& a, const Vec3& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
 
 double extent_of(const std::vector<Vec3>& points) {
     double extent = 0;

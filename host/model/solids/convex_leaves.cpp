@@ -5,7 +5,9 @@
 #include <optional>
 #include <utility>
 
+#include "host/common/constants.hpp"
 #include "host/model/affine.hpp"
+#include "host/model/solids/agreement.hpp"
 #include "host/model/solids/convex_hull.hpp"
 #include "host/model/solids/rounded_facets.hpp"
 #include "host/model/text.hpp"
@@ -13,10 +15,6 @@
 
 namespace mortise::model_reader {
 namespace {
-
-constexpr double kTurn = 6.283185307179586;
-/// Lengths and angles that agree so far are equal: matrices are written with six digits.
-constexpr double kSame = 1e-6;
 
 Vec3 column(const Affine& m, std::size_t k) { return {m[k], m[4 + k], m[8 + k]}; }
 
@@ -36,12 +34,6 @@ Plane plane_image(const Affine& m, const Plane& plane) {
     }
     result.offset = plane.offset + dot(result.normal, {m[3], m[7], m[11]});
     return result;
-}
-
-bool same(double a, double b) { return std::fabs(a - b) <= kSame * std::max(std::fabs(a), std::fabs(b)); }
-
-bool perpendicular(const Vec3& a, const Vec3& b) {
-    return std::fabs(dot(a, b)) <= kSame * length(a) * length(b);
 }
 
 /// Whether circles about z stay circles about the image of z.
@@ -252,7 +244,7 @@ ConvexPiece sphere_piece(const Leaf& leaf) {
 }
 
 /// A rounded solid that is bounded: its balls, where their hull will do.
-void add_rounded(const Leaf& leaf, const Wanted& wanted, std::vector<ConvexPiece>& pieces) {
+void add_rounded_leaf(const Leaf& leaf, const Wanted& wanted, std::vector<ConvexPiece>& pieces) {
     const RoundedSolid& solid = *leaf.primitive->rounded;
     if (!keeps_spheres(leaf.map)) {
         ConvexPiece piece;
@@ -309,7 +301,7 @@ void add_primitive(const Leaf& leaf, const Wanted& wanted, std::vector<ConvexPie
             // A column has no end, a ring is not convex.
             if (leaf.primitive->rounded->shape == RoundedSolid::Shape::kColumn) break;
             if (leaf.primitive->rounded->shape == RoundedSolid::Shape::kRing && !wanted.only_hull) break;
-            add_rounded(leaf, wanted, pieces);
+            add_rounded_leaf(leaf, wanted, pieces);
             return;
         case Primitive::Kind::kSphere: pieces.push_back(sphere_piece(leaf)); return;
         case Primitive::Kind::kTorus: {

@@ -5,22 +5,15 @@
 #include <cmath>
 #include <optional>
 
+#include "host/common/constants.hpp"
 #include "host/model/affine.hpp"
+#include "host/model/solids/agreement.hpp"
 #include "host/model/solids/convex_differences.hpp"
 #include "host/model/solids/convex_leaves.hpp"
 #include "host/model/solids/rounded_facets.hpp"
 
 namespace mortise::model_reader {
 namespace {
-
-constexpr double kTurn = 6.283185307179586;
-constexpr double kSame = 1e-6;
-
-bool same(double a, double b) { return std::fabs(a - b) <= kSame * std::max(std::fabs(a), std::fabs(b)); }
-
-bool perpendicular(const Vec3& a, const Vec3& b) {
-    return std::fabs(dot(a, b)) <= kSame * length(a) * length(b);
-}
 
 /// A solid whose hull is known: points, and the discs of an extrusion's ends.
 void add_extents(const std::vector<Extent>& extents, const Affine& map, std::vector<ConvexPiece>& pieces) {

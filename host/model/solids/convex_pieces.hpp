@@ -31,6 +31,12 @@ struct ConvexPiece {
     bool curved = false;    ///< so they do in the model: not an approximation of ours
 };
 
+/// Whether it is a prism over discs: a plate that is not rounded.
+inline bool is_prism(const ConvexPiece& piece) {
+    return piece.kind == ConvexPiece::Kind::kRounded && piece.rounded->shape == RoundedSolid::Shape::kPlate &&
+           piece.rounded->rounding == 0;
+}
+
 /// Number of straight pieces of a full circle where a curved solid has to be facetted.
 inline constexpr int kFacets = 96;
 

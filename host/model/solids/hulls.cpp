@@ -8,7 +8,9 @@
 #include <unordered_set>
 #include <utility>
 
+#include "host/common/vec3.hpp"
 #include "host/model/affine.hpp"
+#include "host/model/solids/agreement.hpp"
 #include "host/model/solids/convex_hull.hpp"
 #include "host/model/solids/convex_pieces.hpp"
 #include "host/model/solids/rounded_solids.hpp"
@@ -20,12 +22,7 @@
 namespace mortise::model_reader {
 namespace {
 
-constexpr double kSame = 1e-6;
-using Kind = ConvexPiece::Kind;
-
-Vec3 difference(const Vec3& a, const Vec3& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
-Vec3 sum(const Vec3& a, const Vec3& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
-bool same(double a, double b) { return std::fabs(a - b) <= kSame * std::max(std::fabs(a), std::fabs(b)); }
+using PieceKind = ConvexPiece::Kind;
 
 std::uint32_t empty(Model& model) { return model.add_operation(CsgNode::Op::kUnion, {}); }
 
@@ -34,7 +31,7 @@ std::uint32_t empty(Model& model) { return model.add_operation(CsgNode::Op::kUni
 std::optional<std::uint32_t> hull_of_spheres(Model& model, const std::vector<ConvexPiece>& pieces,
                                              const std::string& name) {
     for (const ConvexPiece& piece : pieces) {
-        if (piece.kind != Kind::kSphere) return std::nullopt;
+        if (piece.kind != PieceKind::kSphere) return std::nullopt;
     }
     constexpr std::size_t kMost = 2000;
     if (pieces.size() > kMost) return std::nullopt;
@@ -43,15 +40,9 @@ std::optional<std::uint32_t> hull_of_spheres(Model& model, const std::vector<Con
     return add_hull_of_spheres(model, std::move(balls), name);
 }
 
-/// A prism over discs: a plate that is not rounded.
-bool is_prism(const ConvexPiece& piece) {
-    return piece.kind == Kind::kRounded && piece.rounded->shape == RoundedSolid::Shape::kPlate &&
-           piece.rounded->rounding == 0;
-}
-
 Vec3 axis_of(const ConvexPiece& piece) {
-    if (piece.kind == Kind::kRounded) return {piece.frame[2], piece.frame[6], piece.frame[10]};
-    return piece.kind == Kind::kDisc ? piece.b : difference(piece.b, piece.a);
+    if (piece.kind == PieceKind::kRounded) return {piece.frame[2], piece.frame[6], piece.frame[10]};
+    return piece.kind == PieceKind::kDisc ? piece.b : difference(piece.b, piece.a);
 }
 
 struct LevelDisc {
@@ -69,10 +60,10 @@ std::vector<LevelDisc> ends_along(const std::vector<ConvexPiece>& pieces, const 
         ends.push_back({{{dot(x, p), dot(y, p)}, radius}, dot(z, p)});
     };
     for (const ConvexPiece& piece : pieces) {
-        if (piece.kind == Kind::kSphere || piece.facetted) return {};
-        if (piece.kind == Kind::kRounded && !is_prism(piece)) return {};
+        if (piece.kind == PieceKind::kSphere || piece.facetted) return {};
+        if (piece.kind == PieceKind::kRounded && !is_prism(piece)) return {};
         for (const Vec3& point : piece.points) add(point, 0);
-        if (piece.kind == Kind::kPoints) continue;
+        if (piece.kind == PieceKind::kPoints) continue;
         const Vec3 axis = axis_of(piece);
         if (length(cross(axis, z)) > kSame * length(axis)) return {};
         if (is_prism(piece)) {
@@ -83,7 +74,7 @@ std::vector<LevelDisc> ends_along(const std::vector<ConvexPiece>& pieces, const 
             continue;
         }
         add(piece.a, piece.ra);
-        if (piece.kind == Kind::kFrustum) add(piece.b, piece.rb);
+        if (piece.kind == PieceKind::kFrustum) add(piece.b, piece.rb);
     }
     return ends;
 }
@@ -104,7 +95,7 @@ bool same_hull(const std::vector<Disc>& a, const std::vector<Disc>& b, double to
 std::optional<std::uint32_t> hull_of_prism(Model& model, const std::vector<ConvexPiece>& pieces,
                                            const std::string& name) {
     const auto round = std::find_if(pieces.begin(), pieces.end(), [](const ConvexPiece& piece) {
-        return piece.kind == Kind::kFrustum || piece.kind == Kind::kDisc || is_prism(piece);
+        return piece.kind == PieceKind::kFrustum || piece.kind == PieceKind::kDisc || is_prism(piece);
     });
     if (round == pieces.end()) return std::nullopt;
     Vec3 axis = unit(axis_of(*round));
@@ -187,7 +178,7 @@ std::uint32_t hull_of_pieces(Model& model, const std::vector<ConvexPiece>& piece
                              const Wanted& wanted) {
     if (const auto node = hull_of_spheres(model, pieces, name)) return *node;
     if (const auto node = hull_of_prism(model, pieces, name)) return *node;
-    if (pieces.size() == 1 && pieces[0].kind == Kind::kRounded && !is_prism(pieces[0]) &&
+    if (pieces.size() == 1 && pieces[0].kind == PieceKind::kRounded && !is_prism(pieces[0]) &&
         pieces[0].rounded->shape != RoundedSolid::Shape::kRing)
         return add_rounded(model, *pieces[0].rounded, pieces[0].frame, name);
     const std::optional<Polytope> polytope = tangent_hull(pieces);
@@ -196,7 +187,7 @@ std::uint32_t hull_of_pieces(Model& model, const std::vector<ConvexPiece>& piece
              "'" + wanted.name + "': the result is flat; expected children that span a volume");
     }
     const auto is_facetted = [](const ConvexPiece& piece) {
-        return piece.kind != Kind::kPoints || piece.facetted;
+        return piece.kind != PieceKind::kPoints || piece.facetted;
     };
     const bool any_facetted = std::any_of(pieces.begin(), pieces.end(), is_facetted);
     const bool any_curved =
@@ -219,7 +210,7 @@ std::uint32_t hull_of_pieces(Model& model, const std::vector<ConvexPiece>& piece
 // --- Minkowski sums of two pieces, as pieces whose hull is the sum.
 
 bool is_cylinder(const ConvexPiece& piece) {
-    return piece.kind == Kind::kFrustum && same(piece.ra, piece.rb);
+    return piece.kind == PieceKind::kFrustum && same(piece.ra, piece.rb);
 }
 
 ConvexPiece moved(ConvexPiece piece, const Vec3& by) {
@@ -233,7 +224,7 @@ ConvexPiece moved(ConvexPiece piece, const Vec3& by) {
 /// A frustum, or a rounded solid, and a ball of that radius about the origin.
 ConvexPiece sum_with_ball(const ConvexPiece& piece, double radius) {
     using Shape = RoundedSolid::Shape;
-    if (piece.kind == Kind::kRounded) {
+    if (piece.kind == PieceKind::kRounded) {
         RoundedSolid solid = *piece.rounded;
         if (solid.shape == Shape::kPlate) {
             solid.rounding += radius;
@@ -270,7 +261,7 @@ std::optional<ConvexPiece> sum_of_prism(const ConvexPiece& prism, const ConvexPi
 
 void add_sum(const ConvexPiece& p, const ConvexPiece& q, const Wanted& wanted,
              std::vector<ConvexPiece>& out) {
-    if (p.kind == Kind::kSphere && q.kind == Kind::kSphere) {
+    if (p.kind == PieceKind::kSphere && q.kind == PieceKind::kSphere) {
         ConvexPiece sphere = moved(p, q.a);
         sphere.ra += q.ra;
         out.push_back(std::move(sphere));
@@ -292,7 +283,8 @@ void add_sum(const ConvexPiece& p, const ConvexPiece& q, const Wanted& wanted,
     for (const bool swap : {false, true}) {
         const ConvexPiece& first = swap ? q : p;
         const ConvexPiece& second = swap ? p : q;
-        if (second.kind == Kind::kSphere && (first.kind == Kind::kFrustum || first.kind == Kind::kRounded)) {
+        if (second.kind == PieceKind::kSphere &&
+            (first.kind == PieceKind::kFrustum || first.kind == PieceKind::kRounded)) {
             out.push_back(moved(sum_with_ball(first, second.ra), second.a));
             return;
         }
@@ -302,7 +294,7 @@ void add_sum(const ConvexPiece& p, const ConvexPiece& q, const Wanted& wanted,
         }
     }
     // The hull of one solid at each of the other's points.
-    const bool p_moves = q.kind == Kind::kPoints && p.kind != Kind::kPoints;
+    const bool p_moves = q.kind == PieceKind::kPoints && p.kind != PieceKind::kPoints;
     const ConvexPiece fixed = facetted(p_moves ? q : p);
     const ConvexPiece& moving = p_moves ? p : q;
     constexpr std::size_t kMost = 2000000;
@@ -311,7 +303,7 @@ void add_sum(const ConvexPiece& p, const ConvexPiece& q, const Wanted& wanted,
              "'" + wanted.name + "': too many points, " + std::to_string(fixed.points.size()) + " times " +
                  std::to_string(moving.points.size()) + "; expected simpler solids");
     }
-    if (moving.kind == Kind::kPoints) {
+    if (moving.kind == PieceKind::kPoints) {
         ConvexPiece points;
         points.facetted = fixed.facetted || moving.facetted;
         for (const Vec3& by : fixed.points) {
@@ -329,7 +321,7 @@ void add_sum(const ConvexPiece& p, const ConvexPiece& q, const Wanted& wanted,
 
 /// Only the vertices of the points' hull.
 ConvexPiece reduced(ConvexPiece piece) {
-    if (piece.kind != Kind::kPoints) return piece;
+    if (piece.kind != PieceKind::kPoints) return piece;
     if (const std::optional<Polytope> hull = convex_hull(piece.points)) piece.points = hull->vertices;
     return piece;
 }
@@ -375,7 +367,7 @@ std::uint32_t add_hull(Model& model, const std::vector<std::uint32_t>& children,
     }
     if (pieces.empty()) return empty(model);
     // One curved solid is its own hull.
-    if (pieces.size() == 1 && pieces[0].kind == Kind::kFrustum) {
+    if (pieces.size() == 1 && pieces[0].kind == PieceKind::kFrustum) {
         return model.add_operation(CsgNode::Op::kUnion, children, name);
     }
     const std::uint32_t node = hull_of_pieces(model, pieces, name, wanted);

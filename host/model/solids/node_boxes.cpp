@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <vector>
 
+#include "host/common/constants.hpp"
 #include "host/model/affine.hpp"
 #include "host/model/solids/convex_hull.hpp"
 #include "host/model/solids/rounded_facets.hpp"
@@ -14,7 +14,6 @@ namespace {
 
 using Kind = Primitive::Kind;
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr Box3 kAll = {{-kInfinity, -kInfinity, -kInfinity}, {kInfinity, kInfinity, kInfinity}};
 constexpr Box3 kNothing = {{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
 

@@ -5,6 +5,7 @@
 #include <unordered_map>
 #include <utility>
 
+#include "host/common/constants.hpp"
 #include "host/model/affine.hpp"
 #include "host/model/outlines/polygons.hpp"
 #include "host/model/solids/node_boxes.hpp"
@@ -16,8 +17,6 @@ namespace {
 
 using Kind = Primitive::Kind;
 using State = Slice::State;
-
-constexpr double kPi = 3.14159265358979323846;
 
 Vec3 row(const Affine& map, std::size_t k) { return {map[4 * k], map[4 * k + 1], map[4 * k + 2]}; }
 

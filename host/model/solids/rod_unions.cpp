@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 
+#include "host/common/vec3.hpp"
 #include "host/model/affine.hpp"
 #include "host/model/solids/rounded_solids.hpp"
 #include "host/model/solids/union_parts.hpp"
@@ -13,14 +14,12 @@ namespace mortise::model_reader {
 namespace {
 
 /// OpenSCAD writes six figures: of radii and axes, and of coordinates, which may be much larger.
-constexpr double kSame = 2e-5;
+constexpr double kSameRod = 2e-5;
 constexpr double kSamePlace = 1e-5;
 /// Of the radius: farther apart, ball and end of a rod are two things, however large their coordinates.
-constexpr double kFarthest = 1e-3;
+constexpr double kFarthestEnd = 1e-3;
 /// Balls are sorted along a direction in which rods of lattices are not level.
 constexpr Vec3 kAcross = {0.5257, 0.7433, 0.4136};
-
-double dot(const Vec3& a, const Vec3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
 struct PlacedBall {
     Ball ball;
@@ -40,8 +39,8 @@ std::optional<double> similar_scale(const Affine& map) {
     for (std::size_t j = 0; j < 3; ++j) axis[j] = {map[j], map[4 + j], map[8 + j]};
     const double scale = length(axis[0]);
     for (std::size_t j = 0; j < 3; ++j) {
-        if (!(std::fabs(length(axis[j]) - scale) <= kSame * scale)) return {};
-        if (!(std::fabs(dot(axis[j], axis[(j + 1) % 3])) <= kSame * scale * scale)) return {};
+        if (!(std::fabs(length(axis[j]) - scale) <= kSameRod * scale)) return {};
+        if (!(std::fabs(dot(axis[j], axis[(j + 1) % 3])) <= kSameRod * scale * scale)) return {};
     }
     return scale;
 }
@@ -98,7 +97,7 @@ void add_planes(const CsgNode& node, const UnionPart& part, std::vector<PlacedPl
 
 /// Whether a plane touches the rod along a line, from either side.
 bool touches(const PlacedPlane& plane, const Rod& rod) {
-    const double reach = kFarthest * rod.end[0].radius;
+    const double reach = kFarthestEnd * rod.end[0].radius;
     return std::all_of(rod.end, rod.end + 2, [&](const Ball& end) {
         const double away = std::fabs(dot(plane.normal, end.center) - plane.offset);
         return std::fabs(away - end.radius) <= reach;
@@ -109,14 +108,14 @@ bool touches(const PlacedPlane& plane, const Rod& rod) {
 PlacedBall* ball_at(const Ball& end, std::vector<PlacedBall>& balls) {
     const Vec3& e = end.center;
     const double largest = std::max({std::fabs(e[0]), std::fabs(e[1]), std::fabs(e[2])});
-    const double reach = std::min(kSame * end.radius + kSamePlace * largest, kFarthest * end.radius);
+    const double reach = std::min(kSameRod * end.radius + kSamePlace * largest, kFarthestEnd * end.radius);
     const double along = dot(kAcross, end.center);
     auto at = std::lower_bound(balls.begin(), balls.end(), along - reach,
                                [](const PlacedBall& ball, double low) { return ball.along < low; });
     for (; at != balls.end() && at->along <= along + reach; ++at) {
         const Vec3& c = at->ball.center;
         const Vec3 apart = {c[0] - e[0], c[1] - e[1], c[2] - e[2]};
-        if (length(apart) <= reach && std::fabs(at->ball.radius - end.radius) <= kSame * end.radius)
+        if (length(apart) <= reach && std::fabs(at->ball.radius - end.radius) <= kSameRod * end.radius)
             return &*at;
     }
     return nullptr;

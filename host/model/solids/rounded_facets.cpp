@@ -2,9 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
+#include "host/common/constants.hpp"
 #include "host/common/rounded_parts.hpp"
+#include "host/common/vec3.hpp"
 #include "host/model/affine.hpp"
 #include "host/model/solids/convex_hull.hpp"
 #include "host/model/solids/convex_pieces.hpp"
@@ -14,11 +15,7 @@ namespace {
 
 using Shape = RoundedSolid::Shape;
 
-constexpr double kTurn = 6.283185307179586;
 constexpr double kFacetAngle = kTurn / kFacets;
-
-Vec3 sum(const Vec3& a, const Vec3& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
-Vec3 scaled(const Vec3& v, double by) { return {v[0] * by, v[1] * by, v[2] * by}; }
 
 /// Directions of an arc from end to end, in steps of kFacetAngle at most.
 std::vector<Vec3> directions_of(const RoundedParts::Arc& arc) {
@@ -177,7 +174,6 @@ std::vector<Vec2> outline_of(const RoundedSolid& solid) {
 }
 
 Box3 box_of(const RoundedSolid& solid) {
-    constexpr double kInfinity = std::numeric_limits<double>::infinity();
     Box3 box{{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
     for (const Ball& ball : solid.balls) {
         for (std::size_t k = 0; k < 3; ++k) {

@@ -8,14 +8,13 @@
 #include "host/common/rounded_parts.hpp"
 #include "host/model/affine.hpp"
 #include "host/model/outlines/polygons.hpp"
+#include "host/model/solids/agreement.hpp"
 #include "host/model/solids/convex_hull.hpp"
 #include "host/model/solids/rounded_facets.hpp"
 #include "host/model/solids/swept_outline.hpp"
 
 namespace mortise::model_reader {
 namespace {
-
-constexpr double kSame = 1e-6;
 
 std::uint32_t add_half_spaces(Model& model, std::vector<Plane> planes, const std::string& name) {
     Primitive primitive;

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
+#include "host/common/constants.hpp"
 #include "host/model/affine.hpp"
 #include "host/model/solids/swept_outline.hpp"
 
@@ -127,7 +127,6 @@ std::optional<std::vector<Extent>> linear_extents(const FlatTree& tree, std::uin
 }
 
 std::optional<Box3> exact_bounds(const Model& model, std::uint32_t root, const KnownExtents& known) {
-    constexpr double kInfinity = std::numeric_limits<double>::infinity();
     Box3 box = {{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
     std::vector<std::pair<std::uint32_t, Affine>> open = {{root, kIdentity}};
     while (!open.empty()) {

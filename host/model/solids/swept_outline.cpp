@@ -57,7 +57,7 @@ bool is_curved(const Loop& loop, double degrees) {
 }
 
 /// Each turn to the left, or each to the right.
-bool is_convex(const Loop& loop) {
+bool turns_one_way(const Loop& loop) {
     const bool left = signed_area(loop) > 0;
     for (std::size_t i = 0; i < loop.size(); ++i) {
         const double turn = cross(at(loop, i), at(loop, i + 1), at(loop, i + 2));
@@ -207,7 +207,7 @@ double outline_sharp_angle(const Contours& loops, bool smooth) {
 bool wants_prism(const Contours& loops, bool smooth) {
     if (outline_sharp_angle(loops, smooth) > 0) return true;
     return std::any_of(loops.begin(), loops.end(),
-                       [](const Loop& loop) { return loop.size() > kFewEdges && !is_convex(loop); });
+                       [](const Loop& loop) { return loop.size() > kFewEdges && !turns_one_way(loop); });
 }
 
 namespace {
@@ -236,7 +236,7 @@ std::array<double, 2> end_slopes(const Loop& loop, std::size_t i, const std::vec
 }
 
 /// Loops with divided edges and per edge the number of its part of the surface.
-struct Outline {
+struct SweptSides {
     Contours loops;
     std::vector<std::vector<std::uint32_t>> parts;
     std::vector<std::uint32_t> side_count;  ///< per loop: one for all parts if it has one corner at most
@@ -248,7 +248,7 @@ struct Outline {
 
     /// `twist`: angle by which the outline turns per unit of height. An edge sweeps a part of a helicoid,
     /// and is divided where the normal turns by more than `most_turn` along it.
-    Outline(const Contours& given, double sharp_angle, double longest_edge, double twist, double most_turn)
+    SweptSides(const Contours& given, double sharp_angle, double longest_edge, double twist, double most_turn)
         : loops(given.size()) {
         for (std::size_t l = 0; l < given.size(); ++l) {
             const Loop& loop = given[l];
@@ -289,7 +289,7 @@ struct Outline {
     }
 };
 
-TriangleSurface joined_rows(const Outline& outline, const OutlineRows& rows,
+TriangleSurface joined_rows(const SweptSides& outline, const OutlineRows& rows,
                             const std::function<std::string()>& next_side) {
     const Contours& loops = outline.loops;
     TriangleSurface surface;
@@ -378,7 +378,7 @@ Primitive prism(const Contours& loops, const PrismSpan& span, double sharp_angle
         return Vec3{p[0] * scale, p[1] * scale, row == 0 ? span.low : span.high};
     };
     constexpr double kAnyLength = std::numeric_limits<double>::infinity();
-    return polyhedron(joined_rows(Outline(loops, sharp_angle, kAnyLength, 0, kAnyLength), rows, next_side),
+    return polyhedron(joined_rows(SweptSides(loops, sharp_angle, kAnyLength, 0, kAnyLength), rows, next_side),
                       sharp_angle);
 }
 
@@ -391,9 +391,9 @@ std::optional<Primitive> swept_outline(const Contours& loops, OutlineRows rows, 
     constexpr std::size_t kMostQuads = 500000;
     const double sharp_angle = outline_sharp_angle(loops, smooth);
     const double longest_edge = kLongestEdge * width;
-    Outline outline(loops, sharp_angle, longest_edge, rows.twist, kFineTurn * kDegree);
+    SweptSides outline(loops, sharp_angle, longest_edge, rows.twist, kFineTurn * kDegree);
     if (outline.edge_count() * rows.count > kManyQuads)
-        outline = Outline(loops, sharp_angle, longest_edge, rows.twist, kCoarseTurn * kDegree);
+        outline = SweptSides(loops, sharp_angle, longest_edge, rows.twist, kCoarseTurn * kDegree);
     const std::size_t edges = outline.edge_count();
     const std::size_t fewest = rows.count / 4;
     if (fewest > kMostQuads / edges) return std::nullopt;

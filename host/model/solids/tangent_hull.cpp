@@ -6,21 +6,18 @@
 #include <cmath>
 #include <map>
 
+#include "host/common/constants.hpp"
+#include "host/common/vec3.hpp"
 #include "host/model/affine.hpp"
 
 namespace mortise::model_reader {
 namespace {
 
-using Kind = ConvexPiece::Kind;
+using PieceKind = ConvexPiece::Kind;
 
-constexpr double kTurn = 6.283185307179586;
 constexpr int kRounds = 3;  ///< of Newton's method: from 1/60 by squares to rounding
 /// Corners this far from their support points, in radii, are at most where their neighbours were.
-constexpr double kFarthest = 0.6 * kTurn / kFacets;
-
-Vec3 scaled(const Vec3& v, double by) { return {v[0] * by, v[1] * by, v[2] * by}; }
-Vec3 sum(const Vec3& a, const Vec3& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
-Vec3 difference(const Vec3& a, const Vec3& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
+constexpr double kFarthestCorner = 0.6 * kTurn / kFacets;
 
 /// A disc or a ball, and the points that stand for it.
 struct Round {
@@ -44,7 +41,7 @@ Round disc(const Vec3& center, double radius, const Vec3& axis) {
 
 Round ball(const ConvexPiece& piece) {
     ConvexPiece whole;
-    whole.kind = Kind::kSphere;
+    whole.kind = PieceKind::kSphere;
     whole.ra = 1;
     return {piece.a, piece.ra, std::nullopt, facetted(whole).points};
 }
@@ -74,19 +71,14 @@ void add_prism(const ConvexPiece& piece, Points& points) {
     }
 }
 
-bool is_prism(const ConvexPiece& piece) {
-    return piece.kind == Kind::kRounded && piece.rounded->shape == RoundedSolid::Shape::kPlate &&
-           piece.rounded->rounding == 0;
-}
-
 Points points_of(const std::vector<ConvexPiece>& pieces) {
     Points points;
     for (const ConvexPiece& piece : pieces) {
-        if (piece.kind == Kind::kFrustum) {
+        if (piece.kind == PieceKind::kFrustum) {
             add_frustum(piece, points);
-        } else if (piece.kind == Kind::kDisc) {
+        } else if (piece.kind == PieceKind::kDisc) {
             points.rounds.push_back(disc(piece.a, piece.ra, piece.b));
-        } else if (piece.kind == Kind::kSphere) {
+        } else if (piece.kind == PieceKind::kSphere) {
             points.rounds.push_back(ball(piece));
         } else if (is_prism(piece)) {
             add_prism(piece, points);
@@ -113,7 +105,7 @@ bool move_to_support(Round& round, std::size_t corner, const Vec3& normal) {
     const double size = length(direction);
     if (!(size > 1e-6)) return false;
     direction = scaled(direction, 1 / size);
-    if (length(difference(direction, round.directions[corner])) > kFarthest) return false;
+    if (length(difference(direction, round.directions[corner])) > kFarthestCorner) return false;
     round.directions[corner] = direction;
     return true;
 }
