@@ -4,6 +4,7 @@
 #include <string>
 
 #include "mortise/mesher.hpp"
+#include "tests/mesher/meshed.hpp"
 #include "tests/report/hand_made.hpp"
 
 using namespace mortise;
@@ -16,7 +17,7 @@ QualityReport quality_of(const std::string& formula, double half) {
     options.quality = true;
     options.box = Box3{{-half, -half, -0.9}, {half, half, 0.9}};
     MeshReport report;
-    generate(parse_model(formula, "formula", "jumps.formula"), options, &report);
+    test::generate(parse_model(formula, "formula", "jumps.formula"), options, &report);
     REQUIRE(report.quality.has_value());
     return *report.quality;
 }
