@@ -100,6 +100,44 @@ static void store_point(__global double* points, uint id, double4 origin_side, d
     points[3 * (ulong)id + 2] = origin_side.z + origin_side.w * z;
 }
 
+// The nodes that a leaf owns, which begins at (x, y, z) in edges of its own.
+MORTISE_NOINLINE void place_owned(const SnioLeaf* leaf, uint mask, uint id, uint x, uint y, uint z,
+                                  double cell, __global const Surface* surfaces,
+                                  __global const ExpressionOp* ops, __global double* points,
+                                  double4 origin_side) {
+    const double unit = cell / (double)kCellUnits;
+    for (uint c = 0; c < 8; ++c) {
+        double corner[3];
+        int displacement[3] = {0, 0, 0};
+        if (((mask >> c) & 1) == 0) continue;
+        corner[0] = (x + (c & 1)) * cell;
+        corner[1] = (y + ((c >> 1) & 1)) * cell;
+        corner[2] = (z + (c >> 2)) * cell;
+        if ((leaf->displaced >> c) & 1) {
+            snap_displacement(surfaces + leaf->surface, ops, corner, cell, displacement);
+        }
+        store_point(points, id++, origin_side, corner[0] + displacement[0] * unit,
+                    corner[1] + displacement[1] * unit, corner[2] + displacement[2] * unit);
+    }
+    if (leaf->pattern == kPatternCnio) return;
+    for (uint e = 0; e < 12; ++e) {
+        const uint c = kEdgeCorners[e][0];
+        double a[3];
+        double b[3];
+        if (((mask >> (8 + e)) & 1) == 0) continue;
+        a[0] = (x + (c & 1)) * cell;
+        a[1] = (y + ((c >> 1) & 1)) * cell;
+        a[2] = (z + (c >> 2)) * cell;
+        for (uint j = 0; j < 3; ++j) b[j] = a[j] + (e / 4 == j ? cell : 0);
+        a[e / 4] += edge_root(surfaces + leaf->surface, ops, a, b) * unit;
+        store_point(points, id++, origin_side, a[0], a[1], a[2]);
+    }
+    if ((mask >> kInteriorNodeBit) & 1) {
+        store_point(points, id, origin_side, x * cell + leaf->point[0] * unit,
+                    y * cell + leaf->point[1] * unit, z * cell + leaf->point[2] * unit);
+    }
+}
+
 // Positions of owned grid vertices (all leaves), moved ones on their surface, and of owned roots and interior
 // nodes (SNIO leaves).
 //
@@ -147,7 +185,6 @@ MORTISE_KERNEL void place_nodes(TREE_PARAMETERS, __global const SnioLeaf* leaves
             const uint y = (low_y + block_y(bit)) >> (shape.level - level);
             const uint z = (low_z + block_z(bit)) >> (shape.level - level);
             const double cell = 1.0 / (double)(1u << level);
-            const double unit = cell / (double)kCellUnits;
             const uint mask = owned[rank - range.first_in - range.first_nio];
             uint id = base[rank - range.first_in - range.first_nio];
             SnioLeaf leaf;
@@ -158,36 +195,7 @@ MORTISE_KERNEL void place_nodes(TREE_PARAMETERS, __global const SnioLeaf* leaves
             leaf.pattern = kPatternCnio;
             leaf.displaced = 0;
             if (!is_in) leaf = leaves[nio++ - range.first_nio];
-            for (uint c = 0; c < 8; ++c) {
-                double corner[3];
-                int displacement[3] = {0, 0, 0};
-                if (((mask >> c) & 1) == 0) continue;
-                corner[0] = (x + (c & 1)) * cell;
-                corner[1] = (y + ((c >> 1) & 1)) * cell;
-                corner[2] = (z + (c >> 2)) * cell;
-                if ((leaf.displaced >> c) & 1) {
-                    snap_displacement(surfaces + leaf.surface, ops, corner, cell, displacement);
-                }
-                store_point(points, id++, origin_side, corner[0] + displacement[0] * unit,
-                            corner[1] + displacement[1] * unit, corner[2] + displacement[2] * unit);
-            }
-            if (leaf.pattern == kPatternCnio) continue;
-            for (uint e = 0; e < 12; ++e) {
-                const uint c = kEdgeCorners[e][0];
-                double a[3];
-                double b[3];
-                if (((mask >> (8 + e)) & 1) == 0) continue;
-                a[0] = (x + (c & 1)) * cell;
-                a[1] = (y + ((c >> 1) & 1)) * cell;
-                a[2] = (z + (c >> 2)) * cell;
-                for (uint j = 0; j < 3; ++j) b[j] = a[j] + (e / 4 == j ? cell : 0);
-                a[e / 4] += edge_root(surfaces + leaf.surface, ops, a, b) * unit;
-                store_point(points, id++, origin_side, a[0], a[1], a[2]);
-            }
-            if ((mask >> kInteriorNodeBit) & 1) {
-                store_point(points, id, origin_side, x * cell + leaf.point[0] * unit,
-                            y * cell + leaf.point[1] * unit, z * cell + leaf.point[2] * unit);
-            }
+            place_owned(&leaf, mask, id, x, y, z, cell, surfaces, ops, points, origin_side);
         }
     }
 }

@@ -162,9 +162,10 @@ static int sign_in_middle(CellSigns* signs, __global const SnappedLeaf* snapped,
 
 // What is known of a leaf; `snapped`: its corners that are, or null. If `snap` is not set corners of sign 0
 // make a leaf complex.
-static SnioCandidate candidate_of(const Tree* tree, const TreeNode node, __global const uint* tapes,
-                                  __global const Surface* surfaces, __global const ExpressionOp* ops,
-                                  __global const SnappedLeaf* snapped, int snap) {
+MORTISE_NOINLINE SnioCandidate candidate_of(const Tree* tree, const TreeNode node, __global const uint* tapes,
+                                            __global const Surface* surfaces,
+                                            __global const ExpressionOp* ops,
+                                            __global const SnappedLeaf* snapped, int snap) {
     __global const uint* tape = tapes + node.tape_offset;
     const double finest = 1.0 / (double)(1u << tree->shape.level);
     const double cell = 1.0 / (double)(1u << leaf_level(tree, node.morton));

@@ -12,21 +12,12 @@
 #include "snio/row_points.h"
 #include "snio/shared_points.h"
 
-// Finds the points that no leaf before has.
-//
-// Reads   the tree, nio, surfaces, ops, candidates.
-// Writes  points[i] of simple leaves, and their corners of those found here that may move, none if `snap` is
-//         not set: candidates[i].near, or near[i] if others share them.
-// One work-item handles LEAVES of the `leaves`.
-MORTISE_KERNEL void find_points(TREE_PARAMETERS, __global const TreeNode* nio,
-                                __global const Surface* surfaces, __global const ExpressionOp* ops,
-                                __global SnioCandidate* candidates, __global SnioPoints* points,
-                                __global uchar* near, int snap, uint leaves, uint items) {
-    const uint begin = LEAVES * get_global_id(0);
-    const uint end = begin + LEAVES < leaves ? begin + LEAVES : leaves;
-    const Tree tree = TREE_OF_PARAMETERS;
-    const double finest = 1.0 / (double)(1u << shape.level);
-    if (get_global_id(0) >= items) return;
+// The points of the leaves from `begin` to `end`.
+MORTISE_NOINLINE void find_row(const Tree* tree, __global const TreeNode* nio,
+                               __global const Surface* surfaces, __global const ExpressionOp* ops,
+                               __global SnioCandidate* candidates, __global SnioPoints* points,
+                               __global uchar* near, int snap, uint begin, uint end) {
+    const double finest = 1.0 / (double)(1u << tree->shape.level);
 #if LANES == 8
     RowCorners corners;
     RowRoots roots;
@@ -37,8 +28,8 @@ MORTISE_KERNEL void find_points(TREE_PARAMETERS, __global const TreeNode* nio,
         if ((candidate.flags & kCandidateSimple) == 0 || !has_lanes(surfaces + candidate.surface)) continue;
         {
             const ulong code = nio[leaf].morton;
-            const int level = leaf_level(&tree, code);
-            add_corners(&corners, leaf - begin, code, leaf_edge(&tree, level),
+            const int level = leaf_level(tree, code);
+            add_corners(&corners, leaf - begin, code, leaf_edge(tree, level),
                         point_kind(candidate.surface, level), candidate.zero);
         }
     }
@@ -47,7 +38,7 @@ MORTISE_KERNEL void find_points(TREE_PARAMETERS, __global const TreeNode* nio,
     for (uint leaf = begin; leaf < end; ++leaf) {
         const SnioCandidate candidate = candidates[leaf];
         const ulong code = nio[leaf].morton;
-        const int level = leaf_level(&tree, code);
+        const int level = leaf_level(tree, code);
         const double cell = 1.0 / (double)(1u << level);
         const double x = (double)gather_bits(code) * finest;
         const double y = (double)gather_bits(code >> 1) * finest;
@@ -68,7 +59,7 @@ MORTISE_KERNEL void find_points(TREE_PARAMETERS, __global const TreeNode* nio,
             int displacement[3];
             if ((candidate.zero >> c) & 1) continue;
             if (shared &&
-                first_at_corner(&tree, candidates, candidate.surface, code, level, c, &first) != 7 - c)
+                first_at_corner(tree, candidates, candidate.surface, code, level, c, &first) != 7 - c)
                 continue;
             corner[0] = x + (c & 1) * cell;
             corner[1] = y + ((c >> 1) & 1) * cell;
@@ -87,7 +78,7 @@ MORTISE_KERNEL void find_points(TREE_PARAMETERS, __global const TreeNode* nio,
             double a[3];
             double b[3];
             if (shared &&
-                first_at_edge(&tree, candidates, candidate.surface, code, level, e, &first) != 3 - (e & 3))
+                first_at_edge(tree, candidates, candidate.surface, code, level, e, &first) != 3 - (e & 3))
                 continue;
             a[0] = x + (low & 1) * cell;
             a[1] = y + ((low >> 1) & 1) * cell;
@@ -97,7 +88,7 @@ MORTISE_KERNEL void find_points(TREE_PARAMETERS, __global const TreeNode* nio,
             if (by_row) {
                 uint is_new;
                 const uint index =
-                    index_of_point(&roots.keys, vertex_at(first_vertex(code), leaf_edge(&tree, level), low),
+                    index_of_point(&roots.keys, vertex_at(first_vertex(code), leaf_edge(tree, level), low),
                                    (point_kind(candidate.surface, level) << 2) | (e / 4), &is_new);
                 if (is_new) roots.root[index] = edge_root(surface, ops, a, b);
                 points[leaf].root[e] = roots.root[index];
@@ -106,5 +97,24 @@ MORTISE_KERNEL void find_points(TREE_PARAMETERS, __global const TreeNode* nio,
 #endif
             points[leaf].root[e] = edge_root(surface, ops, a, b);
         }
+    }
+}
+
+// Finds the points that no leaf before has.
+//
+// Reads   the tree, nio, surfaces, ops, candidates.
+// Writes  points[i] of simple leaves, and their corners of those found here that may move, none if `snap` is
+//         not set: candidates[i].near, or near[i] if others share them.
+// One work-item handles LEAVES of the `leaves`.
+MORTISE_KERNEL void find_points(TREE_PARAMETERS, __global const TreeNode* nio,
+                                __global const Surface* surfaces, __global const ExpressionOp* ops,
+                                __global SnioCandidate* candidates, __global SnioPoints* points,
+                                __global uchar* near, int snap, uint leaves, uint items) {
+    const uint begin = LEAVES * get_global_id(0);
+    const uint end = begin + LEAVES < leaves ? begin + LEAVES : leaves;
+    if (get_global_id(0) >= items) return;
+    {
+        const Tree tree = TREE_OF_PARAMETERS;
+        find_row(&tree, nio, surfaces, ops, candidates, points, near, snap, begin, end);
     }
 }

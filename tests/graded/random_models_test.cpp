@@ -76,7 +76,7 @@ TEST_CASE("random models on graded trees give valid meshes that fill them") {
 
 TEST_CASE("a graded mesh does not depend on threads, work-group size or pieces") {
     const std::uint64_t first = environment_number("MORTISE_RANDOM_SEED", 1);
-    for (std::uint64_t seed = first; seed < first + 3; ++seed) {
+    for (std::uint64_t seed = first; seed < first + 2; ++seed) {
         CAPTURE(seed);
         const Model model = make_random_model(seed).model;
         const std::optional<MeshReport> plain = plain_run(model);

@@ -96,7 +96,7 @@ Off nodes_off(const Meshed& m, const Clump& clump) {
 TEST_CASE("nodes of slivers leave the model by a small part of a cell") {
     int poor = 0;
     int better = 0;
-    for (std::uint64_t seed = 0; seed < 12; ++seed) {
+    for (std::uint64_t seed = 0; seed < 9; ++seed) {
         CAPTURE(seed);
         const Clump clump = make_clump(seed);
         MeshOptions options;
@@ -124,7 +124,7 @@ TEST_CASE("nodes of slivers leave the model by a small part of a cell") {
         options.pieces = 3;
         CHECK(is_same_mesh(loose.mesh, generate(clump.model, options)));
     }
-    CHECK(poor >= 6);
+    CHECK(poor >= 5);
     CHECK(3 * better >= poor);  // the others are as poor as the model is sharp
 }
 
