@@ -296,7 +296,7 @@ void Block::tag_added(Change& change, const std::vector<FaceEntry>& entries) con
     for (Tetrahedron& t : change.added) {
         for (std::size_t f = 0; f < 4; ++f) {
             const auto key =
-                sorted_face(t.node[kOpposite[f][0]], t.node[kOpposite[f][1]], t.node[kOpposite[f][2]]);
+                sorted_face({t.node[kOpposite[f][0]], t.node[kOpposite[f][1]], t.node[kOpposite[f][2]]});
             for (const FaceEntry& e : entries) {
                 // Most differ in the first node, and comparing all three is a call.
                 if (e.node[0] == key[0] && e.node == key && e.region == t.region) t.tag[f] = e.tag;

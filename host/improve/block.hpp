@@ -45,6 +45,10 @@ inline constexpr double kRelieved = 0.2;
 /// Cosine between a facet that a change makes or moves and its surface; less only if it was less before.
 inline constexpr double kLeastAlignment = 0.75;
 
+/// With more poor elements than one of so many the model itself must be the reason: further work would not
+/// help enough.
+inline constexpr std::size_t kTetrahedraPerPoor = 16;
+
 /// Nodes that a block has added are numbered from here until the zone has numbered them.
 inline constexpr ZoneNode kNewNode = 0x80000000u;
 

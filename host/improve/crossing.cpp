@@ -19,11 +19,6 @@ constexpr std::size_t kMostStale = 2;
 constexpr std::size_t kMostCrossed = 32;  ///< places that are watched apart
 constexpr double kAroundCrossed = 1;      ///< cells around facets that cross
 
-std::array<std::uint32_t, 3> sorted(std::array<std::uint32_t, 3> node) {
-    std::sort(node.begin(), node.end());
-    return node;
-}
-
 }  // namespace
 
 Triangle Block::triangle(const std::array<Local, 3>& node) const {
@@ -180,13 +175,14 @@ bool Block::crosses(const Change& change) {
     for (const std::uint32_t i : removed_) {
         const Tetrahedron& t = tetrahedra_[i];
         for (std::size_t f = 0; f < 4; ++f) {
-            if (is_outer(t.tag[f])) faces_before_.push_back(sorted(face_nodes(t, f)));
+            if (is_outer(t.tag[f])) faces_before_.push_back(sorted_face(face_nodes(t, f)));
         }
     }
     std::sort(faces_before_.begin(), faces_before_.end());
     facets_.clear();
     const auto add = [&](const std::array<Local, 3>& facet) {
-        const bool was_there = std::binary_search(faces_before_.begin(), faces_before_.end(), sorted(facet));
+        const bool was_there =
+            std::binary_search(faces_before_.begin(), faces_before_.end(), sorted_face(facet));
         if (!was_there) facets_.push_back(facet);
     };
     for (const Tetrahedron& t : change.added) {

@@ -40,7 +40,7 @@ std::vector<std::uint32_t> find_small(const Zone& zone, int threads) {
     return small;
 }
 
-/// CrumbPieces of small tetrahedra, joined by faces: each known by its first.
+/// Pieces of small tetrahedra, joined by faces: each known by its first.
 class CrumbPieces {
   public:
     CrumbPieces(const Zone& zone, const std::vector<std::uint32_t>& small)

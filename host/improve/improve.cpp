@@ -5,6 +5,7 @@
 #include <numeric>
 #include <optional>
 
+#include "host/common/constants.hpp"
 #include "host/improve/improver.hpp"
 #include "host/improve/poor_cells.hpp"
 #include "kernels/shared/elementary.h"
@@ -28,7 +29,6 @@ constexpr double kLastRaise = 1.1;
 /// Sine of 40 degrees: few elements have more at all their angles. Who asks for it wants the many to be
 /// better, and the last step has all its runs however many are short of it.
 constexpr double kMostReached = 0.643;
-constexpr double kRadiansPerDegree = 0.017453292519943295;
 
 void start_trace(const Mesh& mesh, Trace& trace) {
     const auto number = [](std::vector<std::uint32_t>& list, std::size_t count) {
@@ -183,7 +183,7 @@ CellFrame make_frame(const tape::BoundModel& model, int level) {
     return frame;
 }
 
-double quality_of_angle(double degrees) { return expression_sin(degrees * kRadiansPerDegree, 0); }
+double quality_of_angle(double degrees) { return expression_sin(degrees * kRadians, 0); }
 
 Mesh improve(Mesh mesh, const tape::BoundModel& model, const Options& options, Counters* counters,
              Trace* trace) {

@@ -17,9 +17,7 @@ constexpr double kBlockCells = 16;
 constexpr int kShifts = 4;
 /// Bits of a block's place along an axis in its key.
 constexpr int kPlaceBits = 20;
-/// With more poor elements than one of so many a further run would not help enough; a larger angle, which
-/// most elements at surfaces have to work for, is worth more.
-constexpr std::size_t kTetrahedraPerPoor = 16;
+/// As kTetrahedraPerPoor, for a larger angle, which most elements at surfaces have to work for.
 constexpr std::size_t kTetrahedraPerRaised = 4;
 /// More poor elements than this after plain changes are films, or surfaces without room: changes of several
 /// steps mend one in twenty of them, in two thirds of the time.

@@ -12,7 +12,6 @@ namespace {
 
 constexpr std::size_t kMostTrials = 8;  ///< first steps that are tried for an element, the best ones
 constexpr std::size_t kFewPoor = 32;
-constexpr std::size_t kTetrahedraPerFewPoor = 16;
 constexpr std::size_t kManyPoor = 1000;
 constexpr double kMostTrialSag = 0.1;      ///< of a facet, in cells, unless it was larger
 constexpr std::size_t kMostTouched = 512;  ///< elements; more are around needles of the model
@@ -214,7 +213,7 @@ std::size_t Block::count_below(double quality) const {
     return count;
 }
 
-bool Block::is_hopeless() const { return count_poor() > kFewPoor + original_.size() / kTetrahedraPerFewPoor; }
+bool Block::is_hopeless() const { return count_poor() > kFewPoor + original_.size() / kTetrahedraPerPoor; }
 
 /// Whether a long search is mostly in vain where facets have crossed.
 bool Block::has_much_poor() const { return count_poor() > kManyPoor + original_.size() / 4; }

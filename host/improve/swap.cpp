@@ -131,7 +131,7 @@ bool Block::examine_edge_removal(Local a, Local b, double better_than, Change& c
         }
         for (const Local apex : {a, b}) {
             const FaceTag tag = tag_of(i, apex, c, d);
-            if (tag != 0) entries_.push_back({sorted_face(apex, c, d), t.region, tag});
+            if (tag != 0) entries_.push_back({sorted_face({apex, c, d}), t.region, tag});
         }
     }
     change.needed = std::max(std::max(change.before * least_gain_, kLowestQuality), better_than);
@@ -199,8 +199,8 @@ bool Block::examine_edge_removal(Local a, Local b, double better_than, Change& c
             }
             continue;
         }
-        entries_.push_back({sorted_face(a, p, q), region, tag});
-        entries_.push_back({sorted_face(b, p, q), region, tag});
+        entries_.push_back({sorted_face({a, p, q}), region, tag});
+        entries_.push_back({sorted_face({b, p, q}), region, tag});
         if (!fill_polygon(fan, a, b, region, change)) return false;
     }
     tag_added(change, entries_);
@@ -243,7 +243,7 @@ bool Block::examine_face_removal(std::uint32_t tetrahedron, std::size_t face, do
         for (const Local apex : {top, bottom}) {
             const std::uint32_t source = apex == top ? tetrahedron : other;
             const FaceTag tag = tag_of(source, apex, x[k], x[(k + 1) % 3]);
-            if (tag != 0) entries_.push_back({sorted_face(apex, x[k], x[(k + 1) % 3]), t.region, tag});
+            if (tag != 0) entries_.push_back({sorted_face({apex, x[k], x[(k + 1) % 3]}), t.region, tag});
         }
     }
     tag_added(change, entries_);

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <map>
 
+#include "host/common/constants.hpp"
+
 namespace mortise::improve {
 namespace {
 
@@ -131,7 +133,7 @@ class Assigner {
         std::size_t branches = 0;
         std::uint32_t before = Surfaces::kNoTurn;
         for (int k = 0; k <= kDirections; ++k) {
-            const double angle = 2 * 3.14159265358979323846 * (k % kDirections) / kDirections;
+            const double angle = kTurn * (k % kDirections) / kDirections;
             const std::uint32_t here =
                 surfaces_.turn_at(*tip.pole, tip.point + (kBranchCircle * zone_.unit) *
                                                              (std::cos(angle) * u + std::sin(angle) * v));

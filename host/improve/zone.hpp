@@ -64,10 +64,9 @@ bool sort_three(std::array<Number, 3>& n) {
 }
 
 /// A face by its nodes, ascending.
-inline std::array<std::uint32_t, 3> sorted_face(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
-    std::array<std::uint32_t, 3> key = {a, b, c};
-    sort_three(key);
-    return key;
+inline std::array<std::uint32_t, 3> sorted_face(std::array<std::uint32_t, 3> nodes) {
+    sort_three(nodes);
+    return nodes;
 }
 
 struct Pyramid {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 
+#include "host/common/constants.hpp"
 #include "host/common/parallel.hpp"
 #include "host/common/vec3.hpp"
 #include "host/common/watch.hpp"
@@ -21,7 +22,6 @@ constexpr double kOnSurface = 1e-6;   ///< edges: closer than signs can tell (kS
 constexpr double kIndependent = 0.1;  ///< sine between two gradients
 constexpr double kAlong = 1e-3;       ///< sine between the crease and the third surface
 constexpr double kReach = 1.5;        ///< edges from the leaf's centre, along each axis
-constexpr double kHalfTurn = 3.14159265358979323846;
 constexpr int kDirections = 360;
 
 struct Frame {
@@ -154,7 +154,7 @@ class LeafSimplifier {
         for (std::size_t i = 0; i < 3; ++i) {
             const std::size_t k = (i + 1) % 3;
             const double between = angle(normal[i], normal[k]);
-            if (turn[i] + turn[k] >= std::min(between, kHalfTurn - between)) return true;
+            if (turn[i] + turn[k] >= std::min(between, kPi - between)) return true;
         }
         return false;
     }
@@ -167,7 +167,7 @@ class LeafSimplifier {
         bool occurs[8] = {};  // bit 0: inside a, 1: inside b, 2: inside c
         const Vec3 across = cross(frame.along, frame.first);
         for (int i = 0; i < kDirections; ++i) {
-            const double angle = 2 * kHalfTurn * i / kDirections;
+            const double angle = 2 * kPi * i / kDirections;
             Vec3 d{};
             for (std::size_t j = 0; j < 3; ++j)
                 d[j] = std::cos(angle) * frame.first[j] + std::sin(angle) * across[j];

@@ -8,14 +8,14 @@
 
 namespace mortise::pipeline {
 
-inline std::string number(double value) {
+inline std::string number_text(double value) {
     char text[32];
     std::snprintf(text, sizeof text, "%.6g", value);
     return text;
 }
 
-inline std::string place(const Vec3& x) {
-    return "(" + number(x[0]) + ", " + number(x[1]) + ", " + number(x[2]) + ")";
+inline std::string place_text(const Vec3& x) {
+    return "(" + number_text(x[0]) + ", " + number_text(x[1]) + ", " + number_text(x[2]) + ")";
 }
 
 }  // namespace mortise::pipeline

@@ -268,14 +268,14 @@ std::vector<NodeId> match_planes(const std::vector<PeriodicAxis>& axes, const Mo
         const std::string text = start_of(model, model.periodic[axis.pair]) +
                                  std::to_string(unmatched.size()) +
                                  " facets have no image on the other plane";
-        std::string reason = "; the first is at " + place(matcher.centre(unmatched[0].facet));
+        std::string reason = "; the first is at " + place_text(matcher.centre(unmatched[0].facet));
         for (const Matcher::Unmatched& u : unmatched) {
             const Vec3 x = matcher.centre(u.facet);
             const std::int32_t here = matcher.region_inside(x, u.side);
             const std::int32_t there = matcher.region_inside(x, 1 - u.side);
             if (here == there) continue;
-            reason =
-                ": the model differs, at " + place(x) + " is " + name(here) + ", at its image " + name(there);
+            reason = ": the model differs, at " + place_text(x) + " is " + name(here) + ", at its image " +
+                     name(there);
             break;
         }
         warnings.push_back(text + reason);

@@ -42,8 +42,8 @@ void check_precision(const Root& root, int finest_level, const std::string& sour
         reach = std::max({reach, std::fabs(root.origin[j]), std::fabs(root.origin[j] + root.side)});
     }
     if (reach <= kMostCells * cell) return;
-    throw Error(ExitCode::kInput, source + ": coordinates up to " + number(reach) +
-                                      " are too far from the origin for cells of " + number(cell) +
+    throw Error(ExitCode::kInput, source + ": coordinates up to " + number_text(reach) +
+                                      " are too far from the origin for cells of " + number_text(cell) +
                                       "; move the model to the origin");
 }
 
@@ -65,8 +65,8 @@ std::string describe_missed(const std::vector<MissedFeature>& missed, const Root
                        " between the vertices of the grid, ";
     text += lost == 0 ? "kept coarsely" : std::to_string(lost) + " of them lost";
     text += std::string("; the largest") + (lost == 0 ? "" : " lost") + ": " +
-            (largest->material ? "material, " : "a hole, ") + number(largest->size) + " long and " +
-            number(largest->thickness) + " thick, at " + place(largest->position) + "; ";
+            (largest->material ? "material, " : "a hole, ") + number_text(largest->size) + " long and " +
+            number_text(largest->thickness) + " thick, at " + place_text(largest->position) + "; ";
     if (level <= root.level + refine)
         return text + "--refine " + std::to_string(refine) +
                " allows cells as small as that already; what narrows to a tip is never shown whole";
@@ -89,7 +89,7 @@ void report_overlaps(const std::vector<probe::Overlap>& overlaps, const Model& m
         const std::string first = name(overlap.first);
         const std::string second = name(overlap.second);
         const std::string text = "the regions " + first + " and " + second + " overlap, around " +
-                                 place(overlap.at) + " by " + number(2 * overlap.depth) +
+                                 place_text(overlap.at) + " by " + number_text(2 * overlap.depth) +
                                  " or more; what both claim belongs to " + first + "; cut it from " + second +
                                  " if that is meant ('and not'), or move them apart";
         if (options.strict) throw Error(ExitCode::kMeshing, model.source + ": strict: " + text);
@@ -124,11 +124,11 @@ void check_options(const MeshOptions& options) {
     }
     if (!(options.size >= 0) || !std::isfinite(options.size)) {
         throw Error(ExitCode::kUsage,
-                    "cell size " + number(options.size) + " is out of range; use a positive length");
+                    "cell size " + number_text(options.size) + " is out of range; use a positive length");
     }
     if (options.level > 0 && options.size > 0) {
         throw Error(ExitCode::kUsage, "level " + std::to_string(options.level) + " and cell size " +
-                                          number(options.size) + " are both given; leave one of them 0");
+                                          number_text(options.size) + " are both given; leave one of them 0");
     }
     if (options.smooth < 0 || options.smooth > kMostSmooth) {
         throw Error(ExitCode::kUsage, "smoothing by " + std::to_string(options.smooth) +
@@ -150,14 +150,14 @@ void check_options(const MeshOptions& options) {
                                           " levels is out of range; use 0 to " + std::to_string(kMaxLevel));
     }
     if (!(options.merge_distance >= 0 && options.merge_distance <= kMostMergeDistance)) {
-        throw Error(ExitCode::kUsage, "features merge within " + number(options.merge_distance) +
+        throw Error(ExitCode::kUsage, "features merge within " + number_text(options.merge_distance) +
                                           " cells, which is out of range; use 0 to " +
-                                          number(kMostMergeDistance));
+                                          number_text(kMostMergeDistance));
     }
     if (!(options.min_angle >= kLeastMinAngle && options.min_angle <= kMostMinAngle)) {
-        throw Error(ExitCode::kUsage, "smallest angle " + number(options.min_angle) +
-                                          " is out of range; use " + number(kLeastMinAngle) + " to " +
-                                          number(kMostMinAngle) + " degrees");
+        throw Error(ExitCode::kUsage, "smallest angle " + number_text(options.min_angle) +
+                                          " is out of range; use " + number_text(kLeastMinAngle) + " to " +
+                                          number_text(kMostMinAngle) + " degrees");
     }
     if (options.hanging && options.tetrahedra)
         throw Error(ExitCode::kUsage, "hanging nodes are those of hexahedra; leave them or tetrahedra away");
@@ -173,8 +173,8 @@ void check_options(const MeshOptions& options) {
     }
     if (!positive) throw Error(ExitCode::kUsage, "cell sizes must be positive and finite");
     if (options.size_max > 0 && options.size_min > options.size_max) {
-        throw Error(ExitCode::kUsage, "the smallest cell size " + number(options.size_min) +
-                                          " is above the largest, " + number(options.size_max) +
+        throw Error(ExitCode::kUsage, "the smallest cell size " + number_text(options.size_min) +
+                                          " is above the largest, " + number_text(options.size_max) +
                                           "; give size_min (--size-min) up to size_max (--size-max)");
     }
     if (!options.box) return;
@@ -202,10 +202,10 @@ Prepared prepare(const std::function<device::Device&()>& open_device, const Mode
         double extent = 0;
         for (std::size_t j = 0; j < 3; ++j) extent = std::max(extent, bounds.max[j] - bounds.min[j]);
         const double finest = extent / (std::ldexp(1.0, octree::kMaxUniformLevel) - 2);  // margins of a cell
-        throw Error(ExitCode::kUsage, "cells of size " + number(options.size) +
+        throw Error(ExitCode::kUsage, "cells of size " + number_text(options.size) +
                                           " are too small for this model: those of level " +
                                           std::to_string(octree::kMaxUniformLevel) +
-                                          ", the finest for cells of one size, have " + number(finest) +
+                                          ", the finest for cells of one size, have " + number_text(finest) +
                                           "; use larger cells, or small ones where they are needed "
                                           "(--refine, --size-of, --size-at)");
     }
@@ -226,7 +226,7 @@ Prepared prepare(const std::function<device::Device&()>& open_device, const Mode
                 (count == 1 ? " was" : " were") + " taken for it; " + kept + " keeps them apart");
         };
         told(merged.nearly_equal, "within 1/10000 of a cell of another", "--strict");
-        told(merged.alike, "along another, " + number(alike) + " cells from it at most,", "--merge 0");
+        told(merged.alike, "along another, " + number_text(alike) + " cells from it at most,", "--merge 0");
         if (merged.nearly_equal + merged.alike > 0) {
             bound = std::move(merged);
             planned.emplace(plan_sizes(options, compiled, bound, bounds, root.level));
@@ -349,7 +349,7 @@ void report_cells(const Prepared& prepared, const Extracted& extracted, const Mo
         out.first_dropped = at;
         const std::string text =
             std::to_string(extracted.troubled) + " of " + std::to_string(out.cnio_cells) +
-            " complex cells hold features too fine to be kept exactly, the first around " + place(at) +
+            " complex cells hold features too fine to be kept exactly, the first around " + place_text(at) +
             "; --refine, or smaller cells, would keep more of them";
         if (options.strict) throw Error(ExitCode::kMeshing, model.source + ": strict: " + text);
         out.warnings.push_back(text);
@@ -393,7 +393,7 @@ void report_improvement(const improve::Counters& counters, const MeshOptions& op
         const improve::Point& at = *counters.crumbs.first;
         const std::string text = std::to_string(out.crumbs) +
                                  (out.crumbs == 1 ? " loose piece was" : " loose pieces were") +
-                                 " left out, of less than 1/20000 of a cell; the first at " + place(at);
+                                 " left out, of less than 1/20000 of a cell; the first at " + place_text(at);
         if (options.strict) throw Error(ExitCode::kMeshing, source + ": strict: " + text);
         out.warnings.push_back(text);
     }
@@ -402,7 +402,7 @@ void report_improvement(const improve::Counters& counters, const MeshOptions& op
         out.warnings.push_back(std::to_string(count) + (count == 1 ? " node" : " nodes") + which +
                                (count == 1 ? " was " : " were ") + done);
     };
-    const std::string distance = number(options.merge_distance) + " cells";
+    const std::string distance = number_text(options.merge_distance) + " cells";
     out.merged_nodes = counters.block.merged;
     told(out.merged_nodes, " of features closer than " + distance,
          std::string("merged with others, or elements would be slivers; --merge 0 keeps ") +
@@ -411,7 +411,7 @@ void report_improvement(const improve::Counters& counters, const MeshOptions& op
     if (out.below_min_angle > 0) {
         out.warnings.push_back(std::to_string(out.below_min_angle) +
                                (out.below_min_angle == 1 ? " element is" : " elements are") +
-                               " worse than asked by a smallest angle of " + number(options.min_angle) +
+                               " worse than asked by a smallest angle of " + number_text(options.min_angle) +
                                " degrees: " +
                                (options.min_angle < kFewHaveIt
                                     ? "the model is sharper there, or finer than cells; see --quality"
@@ -419,7 +419,7 @@ void report_improvement(const improve::Counters& counters, const MeshOptions& op
     }
     out.loosened_nodes = counters.loosened;
     told(out.loosened_nodes, " where features are too fine for good elements",
-         "moved off the model's surfaces, by " + number(improve::kMostLoose * options.merge_distance) +
+         "moved off the model's surfaces, by " + number_text(improve::kMostLoose * options.merge_distance) +
              " cells at most" + "; --merge 0 keeps " + (out.loosened_nodes == 1 ? "it" : "them") +
              " there, smaller cells make that needless");
 }
@@ -436,7 +436,7 @@ void report_hinges(const features::Hinges& hinges, const std::vector<double>& po
     if (hinges.nodes > 0) by += (by.empty() ? "" : " and ") + counted(hinges.nodes, "node");
     const double* at = points.data() + 3 * std::size_t{*hinges.first};
     const std::string text = "the skin of the mesh touches itself at " + by + ", the first at " +
-                             place({at[0], at[1], at[2]}) +
+                             place_text({at[0], at[1], at[2]}) +
                              ": a wall or a gap is thinner than the cells there, or parts of the model only "
                              "touch; smaller cells, or --refine, may show which";
     if (options.strict) throw Error(ExitCode::kMeshing, source + ": strict: " + text);

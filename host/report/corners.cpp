@@ -3,6 +3,8 @@
 
 #include <cmath>
 
+#include "host/common/constants.hpp"
+
 namespace mortise::report {
 namespace {
 
@@ -255,7 +257,7 @@ class CornerFinder {
                 features::unit(cross(along, std::fabs(along.x) < 0.6 ? Vector{1, 0, 0} : Vector{0, 1, 0}));
             const Vector f = cross(along, e);
             for (int line = 0; line < kLines; ++line) {
-                const double angle = 6.283185307179586 * (line + 0.37) / kLines;
+                const double angle = kTurn * (line + 0.37) / kLines;
                 const Vector from = x + (reach * std::cos(angle)) * e + (reach * std::sin(angle)) * f;
                 crossings.clear();
                 for (const std::size_t i : through) cross_line(i, from, along, reach, crossings);

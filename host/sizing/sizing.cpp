@@ -17,7 +17,6 @@
 namespace mortise::sizing {
 namespace {
 
-constexpr double kTwoPi = 6.283185307179586;
 constexpr double kRounding = 1e-9;  ///< relative: a size that is an edge of a level is met by that level
 
 double wish(const std::vector<double>& sizes, std::size_t index) {
@@ -142,7 +141,7 @@ std::vector<std::uint8_t> Sizer::split_undecided(const std::vector<TreeNode>& no
             if (!split && (curved || field_.features)) {
                 view.load(words, length, cell);
                 split = (field_.features && !view.is_simple()) ||
-                        (curved && view.turn() > kTwoPi / field_.curvature_elements);
+                        (curved && view.turn() > kTurn / field_.curvature_elements);
                 if (field_.features) {
                     auto& list = traces[begin / kChunk];
                     for (const Sheet& s : view.sheets())

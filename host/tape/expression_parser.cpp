@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "host/common/constants.hpp"
 #include "host/common/words.hpp"
 
 namespace mortise::tape {
@@ -198,7 +199,7 @@ class Parser {
         if (name == "x") return formula_.add(kExprX);
         if (name == "y") return formula_.add(kExprY);
         if (name == "z") return formula_.add(kExprZ);
-        if (name == "pi") return formula_.add_constant(3.14159265358979323846);
+        if (name == "pi") return formula_.add_constant(kPi);
         const auto defined = names_.find(name);
         if (defined != names_.end()) return defined->second;
         const auto function = functions().find(name);

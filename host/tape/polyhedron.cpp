@@ -82,18 +82,18 @@ class PatchWriter {
     }
 
     void build() {
-        constexpr std::uint32_t kNone = 0xffffffffU;
+        constexpr std::uint32_t kNoParent = 0xffffffffU;
         struct Range {
             std::uint32_t first;
             std::uint32_t count;
-            std::uint32_t parent;  ///< whose second child this is, or kNone
+            std::uint32_t parent;  ///< whose second child this is, or kNoParent
         };
-        std::vector<Range> open = {{0, static_cast<std::uint32_t>(order_.size()), kNone}};
+        std::vector<Range> open = {{0, static_cast<std::uint32_t>(order_.size()), kNoParent}};
         while (!open.empty()) {
             const Range range = open.back();
             open.pop_back();
             const std::size_t index = nodes_.size() / kPatchNode;
-            if (range.parent != kNone) nodes_[kPatchNode * range.parent + 6] = static_cast<double>(index);
+            if (range.parent != kNoParent) nodes_[kPatchNode * range.parent + 6] = static_cast<double>(index);
             const auto begin = order_.begin() + range.first;
             const auto end = begin + range.count;
             Vec3 low = {kInfinity, kInfinity, kInfinity};
@@ -123,7 +123,7 @@ class PatchWriter {
                 return a != b ? a < b : p < q;
             });
             open.push_back({range.first + half, range.count - half, static_cast<std::uint32_t>(index)});
-            open.push_back({range.first, half, kNone});
+            open.push_back({range.first, half, kNoParent});
         }
     }
 

@@ -97,7 +97,7 @@ int compare_nearly(const Surface& a, const Surface& b, double distance) {
     constexpr int kSamples = 4;  // along each axis
     constexpr int kLeastFound = 6;
     constexpr int kSteps = 24;
-    constexpr double kSettled = 1e-13;
+    constexpr double kStill = 1e-13;
     constexpr double kBeyond = 0.05;  // of the cube: points of `a` so far outside still count
     if (a.kind != b.kind || a.kind == kSurfaceExpression || a.kind == kSurfacePatch ||
         a.kind == kSurfaceRounded)
@@ -118,7 +118,7 @@ int compare_nearly(const Surface& a, const Surface& b, double distance) {
                   (k / kSamples / kSamples + 0.5) / kSamples};
         double moved = 1;
         SurfaceSample at{};
-        for (int step = 0; step < kSteps && moved > kSettled; ++step) {
+        for (int step = 0; step < kSteps && moved > kStill; ++step) {
             at = surface_sample(&a, nullptr, x[0], x[1], x[2]);
             double square = 0;
             for (const double g : at.gradient) square += g * g;
@@ -126,7 +126,7 @@ int compare_nearly(const Surface& a, const Surface& b, double distance) {
             moved = std::fabs(at.value) / std::sqrt(square);
             for (std::size_t j = 0; j < 3; ++j) x[j] -= at.value / square * at.gradient[j];
         }
-        if (!(moved <= kSettled)) continue;
+        if (!(moved <= kStill)) continue;
         if (!(std::min({x[0], x[1], x[2]}) > -kBeyond && std::max({x[0], x[1], x[2]}) < 1 + kBeyond))
             continue;
         const SurfaceSample other = surface_sample(&b, nullptr, x[0], x[1], x[2]);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/common/constants.hpp"
 #include "host/common/vec3.hpp"
 #include "kernels/shared/corners.h"
 
@@ -271,8 +272,6 @@ double enclosed_volume(const std::vector<Facet>& facets, const Positions& positi
     return six / 6;
 }
 
-double degrees(double cosine) {
-    return std::acos(std::clamp(cosine, -1.0, 1.0)) * (180 / 3.14159265358979323846);
-}
+double degrees(double cosine) { return std::acos(std::clamp(cosine, -1.0, 1.0)) * kDegrees; }
 
 }  // namespace mortise::templates

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "host/common/constants.hpp"
 #include "host/common/vec3.hpp"
 #include "kernels/shared/corners.h"
 #include "mortise/mesh.hpp"
@@ -34,7 +35,7 @@ std::size_t type_of(int count) { return count == 8 ? 0 : count == 6 ? 1 : count 
 double angle(const Vector& first_normal, const Vector& second_normal) {
     const double cosine = -dot(first_normal, second_normal) /
                           std::sqrt(dot(first_normal, first_normal) * dot(second_normal, second_normal));
-    return std::acos(std::clamp(cosine, -1.0, 1.0)) * 57.295779513082321;
+    return std::acos(std::clamp(cosine, -1.0, 1.0)) * kDegrees;
 }
 
 /// The mesh of one face, as Cell::partition_face makes it; in the face's frame.

@@ -9,15 +9,12 @@
 #include <map>
 #include <optional>
 
+#include "tests/graded/parse_text.hpp"
 #include "tests/mesher/meshed.hpp"
 #include "tests/mesher/random_models.hpp"
 
 namespace mortise::test {
 namespace {
-
-Model parse(const std::string& text, const std::string& format) {
-    return parse_model(text, format, "test." + format);
-}
 
 using Place = std::array<std::int64_t, 3>;
 
@@ -108,7 +105,7 @@ std::uint64_t of_kind(const Mesh& mesh, ElementType type, ElementKind kind) {
 }  // namespace
 
 TEST_CASE("a coarse interior with hanging nodes is hexahedra but for the boundary") {
-    const Model model = parse("sphere(r = 10);", "csg");
+    const Model model = parse_text("sphere(r = 10);", "csg");
     MeshOptions options;
     options.level = 6;
     options.interior_coarsening = 4;
@@ -141,7 +138,7 @@ TEST_CASE("a coarse interior with hanging nodes is hexahedra but for the boundar
 
 TEST_CASE("cells whose faces others divide at the boundary keep their templates") {
     // Half of the ball is fine, so the front between the sizes ends at the surface.
-    const Model model = parse("sphere(r = 10);", "csg");
+    const Model model = parse_text("sphere(r = 10);", "csg");
     MeshOptions options;
     options.level = 5;
     options.interior_coarsening = 3;
@@ -198,14 +195,14 @@ TEST_CASE("random graded models with hanging nodes are valid, and all that hang 
 }
 
 TEST_CASE("hanging nodes lie inside regions, never between two") {
-    const Model model = parse(R"(algebraic3d
+    const Model model = parse_text(R"(algebraic3d
 solid box = orthobrick(-1,-1,-1;1,1,1);
 solid ball = sphere(0,0,0;0.6);
 solid rest = box and not ball;
 tlo ball;
 tlo rest;
 )",
-                              "geo");
+                                   "geo");
     MeshOptions options;
     options.level = 6;
     options.interior_coarsening = 3;
@@ -217,7 +214,7 @@ tlo rest;
 }
 
 TEST_CASE("trees of one size have no hanging nodes, and tetrahedra none") {
-    const Model model = parse("sphere(r = 10);", "csg");
+    const Model model = parse_text("sphere(r = 10);", "csg");
     MeshOptions options;
     options.level = 4;
     const Mesh plain = generate(model, options);

@@ -8,16 +8,13 @@
 #include <vector>
 
 #include "host/common/constants.hpp"
+#include "tests/graded/parse_text.hpp"
 #include "tests/mesher/meshed.hpp"
 #include "tests/mesher/random_source.hpp"
 #include "tests/mesher/solids.hpp"
 
 namespace mortise::test {
 namespace {
-
-Model parse_text(const std::string& text, const std::string& format) {
-    return parse_model(text, format, "test." + format);
-}
 
 std::uint64_t leaves_at(const MeshReport& report, int level) {
     return static_cast<std::size_t>(level) < report.leaves.size()

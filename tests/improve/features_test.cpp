@@ -11,10 +11,6 @@
 namespace mortise::test {
 namespace {
 
-double worst_jacobian(const CheckReport& check) {
-    return *std::min_element(check.min_scaled_jacobian.begin(), check.min_scaled_jacobian.end());
-}
-
 /// The bounds that the documentation promises for creases between 30 and 330 degrees.
 void check_bounds(const Meshed& m) {
     CHECK(m.defects == "");

@@ -73,10 +73,6 @@ std::string defects_of(const CheckReport& check) {
     return check.defects.empty() ? "" : check.defects[0].what + ", " + check.defects[0].first;
 }
 
-double worst_jacobian(const CheckReport& check) {
-    return *std::min_element(check.min_scaled_jacobian.begin(), check.min_scaled_jacobian.end());
-}
-
 /// Some groups of eight cells, and of 64, as one leaf.
 LeafGrid merged(const LeafGrid& grid) {
     LeafGrid result;

@@ -15,11 +15,6 @@ constexpr int kLooseLevel = 5;
 constexpr double kMerge = 0.05;
 constexpr double kMostLoose = 3 * kMerge;  ///< cells
 
-float worst(const Meshed& m) {
-    const std::vector<float>& all = m.report.scaled_jacobians;
-    return *std::min_element(all.begin(), all.end());
-}
-
 /// A box of [0, w] that a rotation and a shift move.
 struct Block {
     Affine turn;

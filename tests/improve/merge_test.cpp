@@ -7,21 +7,11 @@
 #include <vector>
 
 #include "host/improve/clash.hpp"
+#include "tests/improve/stepped.hpp"
 #include "tests/mesher/meshed.hpp"
 
 namespace mortise::test {
 namespace {
-
-/// Two boxes side by side, one higher by `step`, turned so that no face lies on the grid.
-Model stepped(double step) {
-    const std::string top = std::to_string(10 + step);
-    return parse_model(
-        "multmatrix([[0.8, -0.6, 0, 0], [0.6, 0.8, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]) { union() {"
-        " cube(size = [20, 20, 10]); multmatrix([[1, 0, 0, 19], [0, 1, 0, 3.3], [0, 0, 1, 0], [0, 0, 0, 1]])"
-        " { cube(size = [20, 13, " +
-            top + "]); } } }",
-        "csg", "stepped.csg");
-}
 
 std::size_t slivers(const Meshed& m) {
     const std::vector<float>& all = m.report.scaled_jacobians;

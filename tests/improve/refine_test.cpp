@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <string>
 
+#include "tests/improve/stepped.hpp"
 #include "tests/mesher/meshed.hpp"
 
 namespace mortise::test {
@@ -11,21 +12,7 @@ namespace {
 
 constexpr int kRefineLevel = 5;
 
-float worst(const Meshed& m) {
-    const std::vector<float>& all = m.report.scaled_jacobians;
-    return *std::min_element(all.begin(), all.end());
-}
-
 Model read(const std::string& text) { return parse_model(text, "csg", "refine.csg"); }
-
-/// Two boxes side by side, one higher by `step`, turned so that no face lies on the grid.
-Model stepped(double step) {
-    return read(
-        "multmatrix([[0.8, -0.6, 0, 0], [0.6, 0.8, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]) { union() {"
-        " cube(size = [20, 20, 10]); multmatrix([[1, 0, 0, 19], [0, 1, 0, 3.3], [0, 0, 1, 0], [0, 0, 0, 1]])"
-        " { cube(size = [20, 13, " +
-        std::to_string(10 + step) + "]); } } }");
-}
 
 }  // namespace
 

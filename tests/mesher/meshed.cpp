@@ -61,6 +61,15 @@ Meshed mesh_and_check(const Model& model, int level, bool templates) {
     return mesh_and_check(model, options);
 }
 
+float worst(const Meshed& meshed) {
+    const std::vector<float>& all = meshed.report.scaled_jacobians;
+    return *std::min_element(all.begin(), all.end());
+}
+
+double worst_jacobian(const CheckReport& check) {
+    return *std::min_element(check.min_scaled_jacobian.begin(), check.min_scaled_jacobian.end());
+}
+
 double enclosed_volume(const Mesh& mesh, std::size_t region) {
     const double* origin = mesh.points.data();  // near the mesh: little cancels
     double sum = 0;

@@ -23,6 +23,10 @@ Mesh generate(const Model& model, const MeshOptions& options = {}, MeshReport* r
 Meshed mesh_and_check(const Model& model, const MeshOptions& options);
 Meshed mesh_and_check(const Model& model, int level, bool templates = true);
 
+/// The lowest scaled Jacobian: as the mesher tells it, and as the check finds it.
+float worst(const Meshed& meshed);
+double worst_jacobian(const CheckReport& check);
+
 /// A model of one region.
 template <typename Build>
 Model one_solid(Build build) {

@@ -12,10 +12,10 @@
 namespace mortise::test {
 namespace {
 
-constexpr double kRadius = 3;
+constexpr double kTipRadius = 3;
 constexpr double kHeight = 3;
 
-struct Solid {
+struct Extrusion {
     const char* name;
     std::string text;
     Vec3 corner;  ///< and kHeight above it
@@ -31,9 +31,9 @@ std::string teardrop() {
     text << "polygon(points = [";
     for (int i = 0; i <= kEdges; ++i) {
         const double angle = kPi * (0.75 + 1.5 * i / kEdges);
-        text << "[" << kRadius * std::cos(angle) << "," << kRadius * std::sin(angle) << "],";
+        text << "[" << kTipRadius * std::cos(angle) << "," << kTipRadius * std::sin(angle) << "],";
     }
-    text << "[0," << kRadius * std::sqrt(2) << "]]);";
+    text << "[0," << kTipRadius * std::sqrt(2) << "]]);";
     return text.str();
 }
 
@@ -43,9 +43,9 @@ std::string extruded(double height, const std::string& outline) {
     return text.str();
 }
 
-std::vector<Solid> solids() {
-    const double area = kRadius * kRadius * (0.75 * kPi + 1);
-    const Vec3 tip = {0, kRadius * std::sqrt(2), 0};
+std::vector<Extrusion> solids() {
+    const double area = kTipRadius * kTipRadius * (0.75 * kPi + 1);
+    const Vec3 tip = {0, kTipRadius * std::sqrt(2), 0};
     return {
         {"teardrop", extruded(kHeight, teardrop()), tip, area * kHeight, 2},
         {"plate with a teardrop",
@@ -67,7 +67,7 @@ std::vector<Solid> solids() {
 TEST_CASE("outlines with a single corner are sharp there, in any pose") {
     RandomSource random(environment_number("MORTISE_RANDOM_SEED", 11));
     const int poses = static_cast<int>(environment_number("MORTISE_TEARDROPS", 10));
-    for (const Solid& solid : solids()) {
+    for (const Extrusion& solid : solids()) {
         for (int i = 0; i < poses; ++i) {
             CAPTURE(std::string(solid.name));
             CAPTURE(i);
@@ -95,16 +95,16 @@ TEST_CASE("outlines with a single corner are sharp there, in any pose") {
 }
 
 TEST_CASE("profiles with a single corner are sharp there, along a path and around an axis") {
-    const double area = kRadius * kRadius * (0.75 * kPi + 1);
-    const double distance = 3 * kRadius;  // of the circle's centre from the axis
-    const double moment = area * distance + kRadius * kRadius * kRadius * std::sqrt(2) / 6;
+    const double area = kTipRadius * kTipRadius * (0.75 * kPi + 1);
+    const double distance = 3 * kTipRadius;  // of the circle's centre from the axis
+    const double moment = area * distance + kTipRadius * kTipRadius * kTipRadius * std::sqrt(2) / 6;
     const auto profile = [](double above) {
         std::ostringstream text;
         text.precision(12);
         const double h = std::sqrt(0.5), s = std::sqrt(2);
         const double points[8][2] = {{0, s}, {h, h}, {s, 0}, {h, -h}, {0, -s}, {-h, -h}, {-s, 0}, {-h, h}};
         text << "curve2d profile = (8;";
-        for (const auto& p : points) text << kRadius * p[0] << "," << kRadius * p[1] + above << ";";
+        for (const auto& p : points) text << kTipRadius * p[0] << "," << kTipRadius * p[1] + above << ";";
         text << "5; 2,1,2; 3,2,3,4; 3,4,5,6; 3,6,7,8; 2,8,1);\n";
         return text.str();
     };

@@ -13,7 +13,7 @@ using mortise::test::read_csg;
 
 namespace {
 
-std::string moved(double x, double y, double z, const std::string& child) {
+std::string moved_group(double x, double y, double z, const std::string& child) {
     const auto text = [](double value) { return std::to_string(value); };
     return "multmatrix([[1, 0, 0, " + text(x) + "], [0, 1, 0, " + text(y) + "], [0, 0, 1, " + text(z) +
            "], [0, 0, 0, 1]]) { group() { " + child + " } }";
@@ -31,8 +31,10 @@ using Cells = std::set<std::array<int, 3>>;
 std::string text_of(const Cells& cells) {
     std::string text;
     for (const auto& cell : cells) {
-        text = "union() { group() { " + text + " } " +
-               moved(cell[0], cell[1], cell[2] + 0.5, moved(0, 0, -0.5, "cube(size = [1, 1, 1]);")) + " }";
+        text =
+            "union() { group() { " + text + " } " +
+            moved_group(cell[0], cell[1], cell[2] + 0.5, moved_group(0, 0, -0.5, "cube(size = [1, 1, 1]);")) +
+            " }";
     }
     return text;
 }
@@ -89,7 +91,7 @@ TEST_CASE("random pixels: the same solid, of fewer boxes") {
 
 TEST_CASE("boxes are merged below scales and in operands, with what is no box beside them") {
     std::string row;
-    for (int i = 0; i < 20; ++i) row += moved(0.1 * i, 0, 0, "cube(size = [0.1, 1, 1]);");
+    for (int i = 0; i < 20; ++i) row += moved_group(0.1 * i, 0, 0, "cube(size = [0.1, 1, 1]);");
     const std::string scaled =
         "multmatrix([[2, 0, 0, 1], [0, 3, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]) { " + row + " }";
     const Model model = read_csg("difference() { union() { " + scaled + " sphere(r = 0.5); } cube(0.2); }");
@@ -107,11 +109,11 @@ TEST_CASE("boxes are merged below scales and in operands, with what is no box be
     CHECK(boxes(read_csg(turned)) == 20);
     CHECK(boxes(read_csg("intersection() { " + row + " }")) == 20);
     // Few boxes keep their names, apart ones have nothing to join.
-    CHECK(boxes(read_csg("cube(1);" + moved(1, 0, 0, "cube(1);"))) == 2);
+    CHECK(boxes(read_csg("cube(1);" + moved_group(1, 0, 0, "cube(1);"))) == 2);
     std::string apart;
-    for (int i = 0; i < 20; ++i) apart += moved(2 * i, 0, 0, "cube(1);");
+    for (int i = 0; i < 20; ++i) apart += moved_group(2 * i, 0, 0, "cube(1);");
     CHECK(boxes(read_csg(apart)) == 20);
-    CHECK(boxes(read_csg(apart + moved(-9, 0, 0, "cube([99, 9, 9]);"))) == 1);
+    CHECK(boxes(read_csg(apart + moved_group(-9, 0, 0, "cube([99, 9, 9]);"))) == 1);
 }
 
 TEST_CASE("shared nodes and sizes keep their boxes") {

@@ -3,9 +3,11 @@
 
 #include <cstring>
 
+#include "tests/model/contains.hpp"
 #include "tests/model/membership.hpp"
 
 using namespace mortise;
+using mortise::test::contains;
 using mortise::test::refusal;
 
 namespace {
@@ -15,10 +17,6 @@ std::string expression_of(const Model& model) {
         if (node.primitive.kind == Primitive::Kind::kExpression) return node.primitive.expression;
     }
     return {};
-}
-
-bool contains(const std::string& text, const std::string& part) {
-    return text.find(part) != std::string::npos;
 }
 
 ReadOptions extruded(double height) {

@@ -14,7 +14,7 @@ Model read_geo(const std::string& statements) {
     return parse_model("algebraic3d\n" + statements, "geo", "m.geo");
 }
 Model read_solid(const std::string& expression) { return read_geo("solid s = " + expression + "; tlo s;"); }
-bool inside(const std::string& expression, const Vec3& point) {
+bool inside_geo(const std::string& expression, const Vec3& point) {
     return region_at(read_solid(expression), point) == 1;
 }
 
@@ -39,59 +39,59 @@ using Names = std::vector<std::string>;
 }  // namespace
 
 TEST_CASE("primitives of .geo files") {
-    CHECK(inside("plane (1, 2, 3; 0, -1, 0)", {9, 2.1, 9}));
-    CHECK_FALSE(inside("plane (1, 2, 3; 0, -1, 0)", {9, 1.9, 9}));
-    CHECK(inside("sphere (1, 2, 3; 2)", {2.9, 2, 3}));
-    CHECK_FALSE(inside("sphere (1, 2, 3; 2)", {-1.1, 2, 3}));
+    CHECK(inside_geo("plane (1, 2, 3; 0, -1, 0)", {9, 2.1, 9}));
+    CHECK_FALSE(inside_geo("plane (1, 2, 3; 0, -1, 0)", {9, 1.9, 9}));
+    CHECK(inside_geo("sphere (1, 2, 3; 2)", {2.9, 2, 3}));
+    CHECK_FALSE(inside_geo("sphere (1, 2, 3; 2)", {-1.1, 2, 3}));
 
     // Infinite, along any axis.
-    CHECK(inside("cylinder (0, 1, 2; 5, 1, 2; 0.5)", {-100, 1.3, 2.3}));
-    CHECK_FALSE(inside("cylinder (0, 1, 2; 5, 1, 2; 0.5)", {0, 1.4, 2.4}));
-    CHECK(inside("cylinder (0, 0, 0; 1, 1, 1; 1)", {50.5, 50, 49.5}));
-    CHECK_FALSE(inside("cylinder (0, 0, 0; 1, 1, 1; 1)", {51, 50, 49}));
-    CHECK(inside("cylinder (0, 0, 7; 0, 0, -1; 1)", {0.6, 0.7, 0}));
+    CHECK(inside_geo("cylinder (0, 1, 2; 5, 1, 2; 0.5)", {-100, 1.3, 2.3}));
+    CHECK_FALSE(inside_geo("cylinder (0, 1, 2; 5, 1, 2; 0.5)", {0, 1.4, 2.4}));
+    CHECK(inside_geo("cylinder (0, 0, 0; 1, 1, 1; 1)", {50.5, 50, 49.5}));
+    CHECK_FALSE(inside_geo("cylinder (0, 0, 0; 1, 1, 1; 1)", {51, 50, 49}));
+    CHECK(inside_geo("cylinder (0, 0, 7; 0, 0, -1; 1)", {0.6, 0.7, 0}));
 
     // Both nappes; apex of the second at x = 4.
     for (const char* cone : {"cone (0, 0, 0; 2; 2, 0, 0; 1)", "cone (4, 0, 0; 0; 0, 0, 0; 2)",
                              "cone (2, 0, 0; 1; 0, 0, 0; 2)"}) {
         CAPTURE(cone);
-        CHECK(inside(cone, {1, 1.4, 0}));
-        CHECK_FALSE(inside(cone, {1, 1.6, 0}));
-        CHECK(inside(cone, {7, 0, 1.4}));
-        CHECK_FALSE(inside(cone, {7, 0, 1.6}));
+        CHECK(inside_geo(cone, {1, 1.4, 0}));
+        CHECK_FALSE(inside_geo(cone, {1, 1.6, 0}));
+        CHECK(inside_geo(cone, {7, 0, 1.4}));
+        CHECK_FALSE(inside_geo(cone, {7, 0, 1.6}));
     }
-    CHECK(inside("cone (0, 0, 0; 1; 0, 0, 5; 1)", {0.9, 0, 77}));
+    CHECK(inside_geo("cone (0, 0, 0; 1; 0, 0, 5; 1)", {0.9, 0, 77}));
 
-    CHECK(inside("ellipticcylinder (1, 0, 0; 3, 0, 0; 0, 0, 0.5)", {3.9, 55, 0}));
-    CHECK(inside("ellipticcylinder (1, 0, 0; 3, 0, 0; 0, 0, 0.5)", {1, -55, 0.45}));
-    CHECK_FALSE(inside("ellipticcylinder (1, 0, 0; 3, 0, 0; 0, 0, 0.5)", {3, 0, 0.45}));
-    CHECK(inside("ellipsoid (0, 0, 1; 2, 0, 0; 0, 1, 0; 0, 0, 0.5)", {1.9, 0, 1}));
-    CHECK(inside("ellipsoid (0, 0, 1; 2, 0, 0; 0, 1, 0; 0, 0, 0.5)", {0, 0, 0.55}));
-    CHECK_FALSE(inside("ellipsoid (0, 0, 1; 2, 0, 0; 0, 1, 0; 0, 0, 0.5)", {0, 0, 0.45}));
+    CHECK(inside_geo("ellipticcylinder (1, 0, 0; 3, 0, 0; 0, 0, 0.5)", {3.9, 55, 0}));
+    CHECK(inside_geo("ellipticcylinder (1, 0, 0; 3, 0, 0; 0, 0, 0.5)", {1, -55, 0.45}));
+    CHECK_FALSE(inside_geo("ellipticcylinder (1, 0, 0; 3, 0, 0; 0, 0, 0.5)", {3, 0, 0.45}));
+    CHECK(inside_geo("ellipsoid (0, 0, 1; 2, 0, 0; 0, 1, 0; 0, 0, 0.5)", {1.9, 0, 1}));
+    CHECK(inside_geo("ellipsoid (0, 0, 1; 2, 0, 0; 0, 1, 0; 0, 0, 0.5)", {0, 0, 0.55}));
+    CHECK_FALSE(inside_geo("ellipsoid (0, 0, 1; 2, 0, 0; 0, 1, 0; 0, 0, 0.5)", {0, 0, 0.45}));
 
-    CHECK(inside("torus (0, 0, 1; 1, 0, 0; 3; 1)", {0.9, 3, 1}));
-    CHECK(inside("torus (0, 0, 1; 1, 0, 0; 3; 1)", {0, 0, 4.9}));
-    CHECK_FALSE(inside("torus (0, 0, 1; 1, 0, 0; 3; 1)", {3, 0, 1}));
-    CHECK(inside("orthobrick (-1, -2, -3; 1, 2, 3)", {0.9, -1.9, 2.9}));
-    CHECK_FALSE(inside("orthobrick (-1, -2, -3; 1, 2, 3)", {0, 0, 3.1}));
+    CHECK(inside_geo("torus (0, 0, 1; 1, 0, 0; 3; 1)", {0.9, 3, 1}));
+    CHECK(inside_geo("torus (0, 0, 1; 1, 0, 0; 3; 1)", {0, 0, 4.9}));
+    CHECK_FALSE(inside_geo("torus (0, 0, 1; 1, 0, 0; 3; 1)", {3, 0, 1}));
+    CHECK(inside_geo("orthobrick (-1, -2, -3; 1, 2, 3)", {0.9, -1.9, 2.9}));
+    CHECK_FALSE(inside_geo("orthobrick (-1, -2, -3; 1, 2, 3)", {0, 0, 3.1}));
 }
 
 TEST_CASE("an elliptic cone shrinks by its ratio over its height, along long x short") {
     const std::string cone = "ellipticcone (1, 0, 0; 4, 0, 0; 0, 2, 0; 5; 0.5)";
-    CHECK(inside(cone, {4.9, 0, 0}));
-    CHECK(inside(cone, {1, 1.9, 0}));
-    CHECK_FALSE(inside(cone, {1, 2.1, 0}));
-    CHECK(inside(cone, {2.9, 0, 5}));
-    CHECK_FALSE(inside(cone, {3.1, 0, 5}));
-    CHECK(inside(cone, {1, 2.9, -5}));
+    CHECK(inside_geo(cone, {4.9, 0, 0}));
+    CHECK(inside_geo(cone, {1, 1.9, 0}));
+    CHECK_FALSE(inside_geo(cone, {1, 2.1, 0}));
+    CHECK(inside_geo(cone, {2.9, 0, 5}));
+    CHECK_FALSE(inside_geo(cone, {3.1, 0, 5}));
+    CHECK(inside_geo(cone, {1, 2.9, -5}));
     // The order of the axes does not matter, as in Netgen; their senses do.
     const std::string swapped = "ellipticcone (1, 0, 0; 0, 2, 0; 4, 0, 0; 5; 0.5)";
-    CHECK(inside(swapped, {2.9, 0, 5}));
-    CHECK_FALSE(inside(swapped, {3.1, 0, 5}));
-    CHECK_FALSE(inside("ellipticcone (1, 0, 0; 4, 0, 0; 0, -2, 0; 5; 0.5)", {3.1, 0, -5}));
-    CHECK(inside("ellipticcone (0, 0, 0; 4, 0, 0; 0, 2, 0; 5; 1)", {3.9, 0, 99}));
+    CHECK(inside_geo(swapped, {2.9, 0, 5}));
+    CHECK_FALSE(inside_geo(swapped, {3.1, 0, 5}));
+    CHECK_FALSE(inside_geo("ellipticcone (1, 0, 0; 4, 0, 0; 0, -2, 0; 5; 0.5)", {3.1, 0, -5}));
+    CHECK(inside_geo("ellipticcone (0, 0, 0; 4, 0, 0; 0, 2, 0; 5; 1)", {3.9, 0, 99}));
     // Ratio 0: the apex at the height.
-    CHECK_FALSE(inside("ellipticcone (0, 0, 0; 4, 0, 0; 0, 2, 0; 5; 0)", {0.1, 0, 5}));
+    CHECK_FALSE(inside_geo("ellipticcone (0, 0, 0; 4, 0, 0; 0, 2, 0; 5; 0)", {0.1, 0, 5}));
 }
 
 TEST_CASE("skew semi-axes measure coordinates as Netgen does") {
@@ -108,7 +108,7 @@ TEST_CASE("skew semi-axes measure coordinates as Netgen does") {
         const double b = (p[0] + p[1]) / 2;
         CAPTURE(p[0]);
         CAPTURE(p[1]);
-        CHECK(inside(skew, p) == (a * a + b * b <= 1));
+        CHECK(inside_geo(skew, p) == (a * a + b * b <= 1));
     }
 }
 
@@ -116,15 +116,15 @@ TEST_CASE("and binds stronger than or; not, parentheses and chains") {
     const std::string a = "sphere(0,0,0;1)";
     const std::string b = "sphere(1,0,0;1)";
     const std::string c = "sphere(5,0,0;1)";
-    CHECK(inside(a + " and " + b + " or " + c, {5, 0, 0}));
-    CHECK(inside(a + " and " + b + " or " + c, {0.5, 0, 0}));
-    CHECK_FALSE(inside(a + " and " + b + " or " + c, {-0.5, 0, 0}));
-    CHECK_FALSE(inside(a + " and (" + b + " or " + c + ")", {5, 0, 0}));
-    CHECK(inside(a + " and not " + b, {-0.5, 0, 0}));
-    CHECK_FALSE(inside(a + " and not " + b, {0.5, 0, 0}));
-    CHECK(inside("not not " + a, {0.5, 0, 0}));
-    CHECK(inside("not not not (" + c + ")", {0.5, 0, 0}));
-    CHECK(inside(a + " and not (" + b + " or " + c + ")", {-0.5, 0, 0}));
+    CHECK(inside_geo(a + " and " + b + " or " + c, {5, 0, 0}));
+    CHECK(inside_geo(a + " and " + b + " or " + c, {0.5, 0, 0}));
+    CHECK_FALSE(inside_geo(a + " and " + b + " or " + c, {-0.5, 0, 0}));
+    CHECK_FALSE(inside_geo(a + " and (" + b + " or " + c + ")", {5, 0, 0}));
+    CHECK(inside_geo(a + " and not " + b, {-0.5, 0, 0}));
+    CHECK_FALSE(inside_geo(a + " and not " + b, {0.5, 0, 0}));
+    CHECK(inside_geo("not not " + a, {0.5, 0, 0}));
+    CHECK(inside_geo("not not not (" + c + ")", {0.5, 0, 0}));
+    CHECK(inside_geo(a + " and not (" + b + " or " + c + ")", {-0.5, 0, 0}));
 
     std::string chain = a;
     for (int k = 1; k < 1000; ++k) chain += " or sphere(" + std::to_string(3 * k) + ",0,0;1)";
@@ -133,7 +133,7 @@ TEST_CASE("and binds stronger than or; not, parentheses and chains") {
     CHECK(region_at(model, {2997.5, 0, 0}) == 1);
 
     constexpr int kDepth = 100000;
-    CHECK(inside(std::string(kDepth, '(') + a + std::string(kDepth, ')'), {0.5, 0, 0}));
+    CHECK(inside_geo(std::string(kDepth, '(') + a + std::string(kDepth, ')'), {0.5, 0, 0}));
     std::string shifts;
     for (int k = 0; k < kDepth; ++k) shifts += "not translate(1,0,0; ";
     CHECK(read_solid(shifts + a + std::string(kDepth, ')')).nodes.size() > 2 * kDepth);
@@ -163,20 +163,21 @@ TEST_CASE("chains of copies of copies grow by a few nodes with each link") {
 }
 
 TEST_CASE("translate, rotate and their repetitions") {
-    CHECK(inside("translate (3, 0, 0; sphere (0, 0, 0; 1))", {3.9, 0, 0}));
-    CHECK_FALSE(inside("translate (3, 0, 0; sphere (0, 0, 0; 1))", {0, 0, 0}));
+    CHECK(inside_geo("translate (3, 0, 0; sphere (0, 0, 0; 1))", {3.9, 0, 0}));
+    CHECK_FALSE(inside_geo("translate (3, 0, 0; sphere (0, 0, 0; 1))", {0, 0, 0}));
 
     // Clockwise: +90° about z takes +x to -y, about x takes +y to -z; first az, then ax, then az.
     const std::string quarter = "1.5707963267948966";
     const std::string bar = "orthobrick (1, -0.1, -0.1; 2, 0.1, 0.1)";
-    CHECK(inside("rotate (0, 0, 0; " + quarter + ", 0, 0; " + bar + ")", {0, -1.5, 0}));
-    CHECK(inside("rotate (0, 0, 0; 0, 0, " + quarter + "; " + bar + ")", {0, -1.5, 0}));
+    CHECK(inside_geo("rotate (0, 0, 0; " + quarter + ", 0, 0; " + bar + ")", {0, -1.5, 0}));
+    CHECK(inside_geo("rotate (0, 0, 0; 0, 0, " + quarter + "; " + bar + ")", {0, -1.5, 0}));
     const std::string y_bar = "orthobrick (-0.1, 1, -0.1; 0.1, 2, 0.1)";
-    CHECK(inside("rotate (0, 0, 0; 0, " + quarter + ", 0; " + y_bar + ")", {0, 0, -1.5}));
+    CHECK(inside_geo("rotate (0, 0, 0; 0, " + quarter + ", 0; " + y_bar + ")", {0, 0, -1.5}));
     // +x to -y by the first angle, -y to +z by the second, +z stays.
-    CHECK(inside("rotate (0, 0, 0; " + quarter + ", " + quarter + ", " + quarter + "; " + bar + ")",
-                 {0, 0, 1.5}));
-    CHECK(inside("rotate (1, 1, 0; " + quarter + ", 0, 0; translate (1, 1, 0; " + bar + "))", {1, -0.5, 0}));
+    CHECK(inside_geo("rotate (0, 0, 0; " + quarter + ", " + quarter + ", " + quarter + "; " + bar + ")",
+                     {0, 0, 1.5}));
+    CHECK(inside_geo("rotate (1, 1, 0; " + quarter + ", 0, 0; translate (1, 1, 0; " + bar + "))",
+                     {1, -0.5, 0}));
 
     const Model row = read_solid("multitranslate (3, 0, 0; 2; sphere (0, 0, 0; 1))");
     for (const double x : {0.0, 3.0, 6.0}) CHECK(region_at(row, {x, 0, 0}) == 1);
@@ -277,9 +278,9 @@ TEST_CASE("a polyhedron is what its faces enclose, whichever way they are turned
     const std::string outward = "4,3,2,1; 5,6,7,8; 1,2,6,5; 2,3,7,6; 3,4,8,7; 4,1,5,8";
     const std::string inward = "1,2,3,4; 8,7,6,5; 5,6,2,1; 6,7,3,2; 7,8,4,3; 8,5,1; 8,1,4;";
     for (const std::string& faces : {outward, inward}) {
-        CHECK(inside(points + faces + ")", {1.9, 0.1, 0.9}));
-        CHECK_FALSE(inside(points + faces + ")", {1.9, 0.1, 1.1}));
-        CHECK_FALSE(inside(points + faces + ")", {2.1, 0.1, 0.5}));
+        CHECK(inside_geo(points + faces + ")", {1.9, 0.1, 0.9}));
+        CHECK_FALSE(inside_geo(points + faces + ")", {1.9, 0.1, 1.1}));
+        CHECK_FALSE(inside_geo(points + faces + ")", {2.1, 0.1, 0.5}));
     }
     const std::pair<std::string, const char*> cases[] = {
         {points + "1,2,9)", "names the point 9; expected a number from 1 to 8"},

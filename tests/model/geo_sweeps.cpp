@@ -8,10 +8,12 @@
 
 #include "host/common/constants.hpp"
 #include "tests/model/membership.hpp"
+#include "tests/model/triangle_measures.hpp"
 
 using namespace mortise;
 using doctest::Approx;
 using test::region_at;
+using test::volume;
 
 namespace {
 
@@ -27,18 +29,8 @@ const TriangleSurface& shell(const Model& model) {
     std::abort();
 }
 
-double volume(const TriangleSurface& surface) {
-    double six = 0;
-    for (const auto& t : surface.triangles) {
-        const auto& [a, b, c] = std::tie(surface.points[t[0]], surface.points[t[1]], surface.points[t[2]]);
-        six += a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) +
-               a[2] * (b[0] * c[1] - b[1] * c[0]);
-    }
-    return six / 6;
-}
-
 /// Every edge has one triangle on either side.
-bool is_closed(const TriangleSurface& surface) {
+bool is_simply_closed(const TriangleSurface& surface) {
     std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;
     for (const auto& t : surface.triangles) {
         for (std::size_t k = 0; k < 3; ++k) ++edges[{t[k], t[(k + 1) % 3]}];
@@ -52,7 +44,7 @@ bool is_closed(const TriangleSurface& surface) {
 
 double read_volume(const std::string& statements) {
     const Model model = read_sweep(statements);
-    CHECK(is_closed(shell(model)));
+    CHECK(is_simply_closed(shell(model)));
     return volume(shell(model));
 }
 
@@ -169,7 +161,7 @@ TEST_CASE("extrusion along curves") {
         "curve3d p = (8; 5,0,0; 5,5,0; 0,5,0; -5,5,0; -5,0,0; -5,-5,0; 0,-5,0; 5,-5,0; 4; 3,1,2,3; 3,3,4,5; "
         "3,5,6,7; 3,7,8,1);";
     const Model torus = read_sweep(ring + "solid s = extrusion(p; c; 0,0,2);");
-    CHECK(is_closed(shell(torus)));
+    CHECK(is_simply_closed(shell(torus)));
     CHECK(volume(shell(torus)) == Approx(kPi * 2 * kPi * 8).epsilon(2e-3));
     CHECK(shell(torus).group.empty());
     CHECK(region_at(torus, {8, 0, 2}) == 1);
@@ -179,7 +171,7 @@ TEST_CASE("extrusion along curves") {
 TEST_CASE("a spline whose tangent turns mostly at one end still gets short chords") {
     const Model model = read_sweep("curve2d c = (4; 0,0; 10,0; 10,0.1; 0,0.1; 3; 3,1,2,3; 2,3,4; 2,4,1);" +
                                    kSegment + "solid s = extrusion(p; c; 0,0,1);");
-    CHECK(is_closed(shell(model)));
+    CHECK(is_simply_closed(shell(model)));
     CHECK(shell(model).triangles.size() < 2000);
 }
 

@@ -43,7 +43,8 @@ class Folder {
 
 Model read_import(const std::string& csg) { return parse_model(csg, "csg", "m.csg"); }
 
-const char* const kTetrahedron = "v 0 0 0\nv 4 0 0\nv 0 4 0\nv 0 0 4\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+const char* const kTetrahedronText =
+    "v 0 0 0\nv 4 0 0\nv 0 4 0\nv 0 0 4\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
 
 const CsgNode& only_primitive(const Model& model) {
     for (const CsgNode& node : model.nodes) {
@@ -108,7 +109,7 @@ TEST_CASE(".csg text") {
 
 TEST_CASE(".csg import and surface: files beside the model") {
     const Folder folder;
-    folder.write("parts/t.obj", kTetrahedron);
+    folder.write("parts/t.obj", kTetrahedronText);
     folder.write(
         "open.obj",
         "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv 0 0 -1\nf 1 2 4\nf 1 4 3\nf 2 3 4\nf 2 1 5\nf 3 2 5\n");

@@ -117,7 +117,7 @@ TEST_CASE("other rods and balls stay as they are") {
     CHECK(is_left_alone(capped + moved({3, 0, 0, 0, 0, 0, 4, -4, 0, 1, 0, -0.5}, "cube(size = [1, 1, 1]);")));
     CHECK_FALSE(
         is_left_alone(capped + moved({1, 0, 0, 3, 0, 1, 0, -4, 0, 0, 1, -4}, "cube(size = [3, 8, 8]);")));
-    // A ball_text that two rods have, one of which ends flat, is part of the other.
+    // A ball that two rods have, one of which ends flat, is part of the other.
     const Model mixed =
         read_csg(rod(a, b, 0.5) + rod(b, {7, 7, 7}, 0.5) + ball_text(a, 0.5) + ball_text(b, 0.5));
     CHECK(count(mixed, Primitive::Kind::kRounded) == 1);

@@ -11,10 +11,12 @@
 
 #include "host/model/child_process.hpp"
 #include "mortise/model.hpp"
+#include "tests/model/contains.hpp"
 #include "tests/model/membership.hpp"
 
 namespace fs = std::filesystem;
 using namespace mortise;
+using mortise::test::contains;
 using mortise::test::holds;
 
 namespace {
@@ -69,10 +71,6 @@ ReadOptions defined(std::vector<std::string> definitions) {
     ReadOptions options;
     options.definitions = std::move(definitions);
     return options;
-}
-
-bool contains(const std::string& text, const std::string& part) {
-    return text.find(part) != std::string::npos;
 }
 
 }  // namespace

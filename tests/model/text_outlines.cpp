@@ -15,15 +15,15 @@ using model_reader::Vec2;
 
 namespace {
 
-struct Drawn {
+struct DrawnText {
     Vec2 min = {1e300, 1e300};
     Vec2 max = {-1e300, -1e300};
     std::vector<Contours> pieces;
     std::vector<std::string> warnings;
 };
 
-Drawn draw(const TextStyle& style) {
-    Drawn drawn;
+DrawnText draw(const TextStyle& style) {
+    DrawnText drawn;
     drawn.pieces = text_outlines(style, drawn.warnings);
     for (const Contours& piece : drawn.pieces) {
         for (const auto& loop : piece) {
@@ -45,7 +45,7 @@ TextStyle style_of(const std::string& text, double size = 10) {
     return style;
 }
 
-double area(const Contours& piece) {
+double covered_area(const Contours& piece) {
     double sum = 0;
     for (const auto& loop : piece) {
         for (std::size_t i = 0; i < loop.size(); ++i) {
@@ -61,7 +61,7 @@ double area(const Contours& piece) {
 TEST_CASE("text: capitals are about as high as the size") {
     // Liberation Sans: capitals 1409 of 2048 units, the em square is size / 0.72.
     for (const double size : {1.0, 10.0, 37.0}) {
-        const Drawn h = draw(style_of("H", size));
+        const DrawnText h = draw(style_of("H", size));
         CHECK(h.warnings.empty());
         REQUIRE(h.pieces.size() == 1);
         CHECK(h.pieces[0].size() == 1);
@@ -74,7 +74,7 @@ TEST_CASE("text: capitals are about as high as the size") {
 
 TEST_CASE("text: holes belong to their letter, accents are pieces of their own") {
     CHECK(draw(style_of("i")).pieces.size() == 2);
-    const Drawn b = draw(style_of("B"));
+    const DrawnText b = draw(style_of("B"));
     REQUIRE(b.pieces.size() == 1);
     CHECK(b.pieces[0].size() == 3);
     CHECK(draw(style_of("Ao8")).pieces.size() == 3);
@@ -86,16 +86,16 @@ TEST_CASE("text: holes belong to their letter, accents are pieces of their own")
     TextStyle fine = coarse;
     fine.segments = 20;
     CHECK(draw(fine).pieces[0][0].size() == 20 * draw(coarse).pieces[0][0].size());
-    CHECK(area({draw(fine).pieces[0][0]}) > area({draw(coarse).pieces[0][0]}));
+    CHECK(covered_area({draw(fine).pieces[0][0]}) > covered_area({draw(coarse).pieces[0][0]}));
 }
 
 TEST_CASE("text: alignment, spacing, direction") {
     TextStyle style = style_of("Hxg");
-    const Drawn left = draw(style);
+    const DrawnText left = draw(style);
     style.halign = "right";
-    const Drawn right = draw(style);
+    const DrawnText right = draw(style);
     style.halign = "center";
-    const Drawn center = draw(style);
+    const DrawnText center = draw(style);
     const double advance = left.min[0] - right.min[0];
     CHECK(advance > left.max[0]);
     CHECK(left.min[0] - center.min[0] == doctest::Approx(advance / 2));
@@ -120,18 +120,18 @@ TEST_CASE("text: alignment, spacing, direction") {
 TEST_CASE("text: styles, and fonts that are not installed") {
     TextStyle style = style_of("H");
     style.font = "Liberation Sans:style=Bold";
-    const Drawn bold = draw(style);
+    const DrawnText bold = draw(style);
     CHECK(bold.warnings.empty());
-    CHECK(area(bold.pieces[0]) > 1.2 * area(draw(style_of("H")).pieces[0]));
+    CHECK(covered_area(bold.pieces[0]) > 1.2 * covered_area(draw(style_of("H")).pieces[0]));
     style.font = "liberation mono";
     CHECK(draw(style).warnings.empty());
     style.font = "No-Such-Font:style=Bold";
-    const Drawn other = draw(style);
+    const DrawnText other = draw(style);
     CHECK_FALSE(other.pieces.empty());
     REQUIRE(other.warnings.size() == 1);
     CHECK(other.warnings[0].find("the font 'No-Such-Font' is not installed; '") == 0);
     style = style_of("a\xF0\x9F\x98\x81z");
-    const Drawn missing = draw(style);
+    const DrawnText missing = draw(style);
     REQUIRE(missing.warnings.size() == 1);
     CHECK(missing.warnings[0].find("lacks 1 of the characters") != std::string::npos);
 }

@@ -16,51 +16,27 @@
 #include "host/model/outlines/polygon_triangles.hpp"
 #include "tests/corpora.hpp"
 #include "tests/model/membership.hpp"
+#include "tests/model/triangle_measures.hpp"
 
 namespace fs = std::filesystem;
 using namespace mortise;
+using mortise::test::is_closed;
+using mortise::test::volume;
 
 namespace {
 
 const TriangleSurface& surface_of(const Model& model) { return *model.nodes[0].primitive.triangles; }
 
-double volume(const TriangleSurface& surface) {
-    double sum = 0;
-    for (const auto& t : surface.triangles) {
-        const Vec3& a = surface.points[t[0]];
-        const Vec3& b = surface.points[t[1]];
-        const Vec3& c = surface.points[t[2]];
-        sum += a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0]) +
-               a[2] * (b[0] * c[1] - b[1] * c[0]);
-    }
-    return sum / 6;
-}
-
-/// Each side of a triangle has its reverse.
-bool closed(const TriangleSurface& surface) {
-    std::map<std::pair<std::uint32_t, std::uint32_t>, int> sides;
-    for (const auto& t : surface.triangles) {
-        for (std::size_t k = 0; k < 3; ++k) {
-            ++sides[{t[k], t[(k + 1) % 3]}];
-            --sides[{t[(k + 1) % 3], t[k]}];
-        }
-    }
-    for (const auto& side : sides) {
-        if (side.second != 0) return false;
-    }
-    return true;
-}
-
 /// A tetrahedron of volume 1/6 as triangles of coordinates, outwards.
-const double kTetrahedron[4][3][3] = {{{0, 0, 0}, {0, 1, 0}, {1, 0, 0}},
-                                      {{0, 0, 0}, {1, 0, 0}, {0, 0, 1}},
-                                      {{0, 0, 0}, {0, 0, 1}, {0, 1, 0}},
-                                      {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+const double kTetrahedronCorners[4][3][3] = {{{0, 0, 0}, {0, 1, 0}, {1, 0, 0}},
+                                             {{0, 0, 0}, {1, 0, 0}, {0, 0, 1}},
+                                             {{0, 0, 0}, {0, 0, 1}, {0, 1, 0}},
+                                             {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
 
 std::string ascii_tetrahedron(bool inside_out = false, const std::string& name = "name with words") {
     std::ostringstream text;
     text << "solid " << name << "\n";
-    for (const auto& t : kTetrahedron) {
+    for (const auto& t : kTetrahedronCorners) {
         text << " facet normal nan 0 0\n  outer loop\n";
         for (std::size_t k = 0; k < 3; ++k) {
             const auto& p = t[inside_out ? 2 - k : k];
@@ -80,7 +56,7 @@ std::string binary_tetrahedron(const std::string& header, float shift = 0) {
     };
     const std::uint32_t count = 4;
     append(&count, 4);
-    for (const auto& t : kTetrahedron) {
+    for (const auto& t : kTetrahedronCorners) {
         const float normal[3] = {0, 0, 0};
         append(normal, 12);
         for (const auto& p : t) {
@@ -136,7 +112,7 @@ TEST_CASE("the same tetrahedron in every format") {
         const TriangleSurface& surface = surface_of(model);
         CHECK(surface.points.size() == 4);
         CHECK(surface.triangles.size() == 4);
-        CHECK(closed(surface));
+        CHECK(is_closed(surface));
         CHECK(volume(surface) == doctest::Approx(1.0 / 6));
         CHECK(test::region_at(model, {0.1, 0.1, 0.1}) == 1);
         CHECK(test::region_at(model, {0.5, 0.5, 0.5}) == 0);
@@ -147,7 +123,7 @@ TEST_CASE("an OBJ of quadrilaterals with all kinds of indices") {
     const Model model = parse_model(kCubeOfQuads, "obj", "cube.obj");
     CHECK(surface_of(model).points.size() == 8);
     CHECK(surface_of(model).triangles.size() == 12);
-    CHECK(closed(surface_of(model)));
+    CHECK(is_closed(surface_of(model)));
     CHECK(volume(surface_of(model)) == doctest::Approx(1));
 }
 
@@ -167,7 +143,7 @@ TEST_CASE("equal and nearly equal points are joined") {
     }
     const Model model = parse_model(text, "obj", "cube.obj");
     CHECK(surface_of(model).points.size() == 8);
-    CHECK(closed(surface_of(model)));
+    CHECK(is_closed(surface_of(model)));
     CHECK(model.warnings.empty());
 }
 
@@ -209,7 +185,7 @@ TEST_CASE("points that noise keeps apart are joined, and faces along the axes ar
         const TriangleSurface& cube = surface_of(model);
         CHECK(cube.points.size() == 8);
         CHECK(cube.triangles.size() == 12);
-        CHECK(closed(cube));
+        CHECK(is_closed(cube));
         CHECK(volume(cube) == doctest::Approx(1).epsilon(10 * noise));
         std::set<double> coordinates[3];
         for (const Vec3& point : cube.points) {
@@ -228,7 +204,7 @@ TEST_CASE("points that noise keeps apart are joined, and faces along the axes ar
 TEST_CASE("a body that is given twice is there once") {
     const Model model = parse_model(noisy_cube(0, 2), "obj", "cube.obj");
     CHECK(surface_of(model).triangles.size() == 12);
-    CHECK(closed(surface_of(model)));
+    CHECK(is_closed(surface_of(model)));
     REQUIRE(model.warnings.size() == 1);
     CHECK(model.warnings[0] == "cube.obj: 12 triangles were given more than once");
 }
@@ -236,7 +212,7 @@ TEST_CASE("a body that is given twice is there once") {
 TEST_CASE("faces that disagree are turned over; open edges are reported") {
     const std::string points = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n";
     const Model turned = parse_model(points + "f 1 2 3\nf 1 2 4\nf 1 4 3\nf 2 3 4\n", "obj", "t.obj");
-    CHECK(closed(surface_of(turned)));
+    CHECK(is_closed(surface_of(turned)));
     CHECK(volume(surface_of(turned)) == doctest::Approx(1.0 / 6));
     REQUIRE(turned.warnings.size() == 1);
     CHECK(turned.warnings[0].find("t.obj: 1 triangle was turned over") == 0);
@@ -266,7 +242,7 @@ TEST_CASE("corners in the middle of an edge leave no crack") {
         "f 4 3 2 9 1\nf 5 10 6 7 8\nf 1 9 10 5\nf 9 2 6 10\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
     const Model model = parse_model(text, "obj", "t.obj");
     CHECK(model.warnings.empty());
-    CHECK(closed(surface_of(model)));
+    CHECK(is_closed(surface_of(model)));
     CHECK(volume(surface_of(model)) == doctest::Approx(1));
 }
 
@@ -453,7 +429,7 @@ TEST_CASE("a large file is read fast") {
     CHECK(speed > 5);
     CHECK(surface_of(model).points.size() == kRound * kRound);
     CHECK(surface_of(model).triangles.size() == 2 * kRound * kRound);
-    CHECK(closed(surface_of(model)));
+    CHECK(is_closed(surface_of(model)));
     CHECK(volume(surface_of(model)) == doctest::Approx(2 * 9.869604401089358 * 3).epsilon(1e-3));
 }
 
@@ -474,7 +450,7 @@ TEST_CASE("every triangle file of the corpora is read") {
             const Model model = read_model(entry.path().string());
             ++count;
             CHECK(volume(surface_of(model)) > 0);
-            CHECK(closed(surface_of(model)) == model.warnings.empty());
+            CHECK(is_closed(surface_of(model)) == model.warnings.empty());
             if (!model.warnings.empty()) ++open;
         }
         std::cout << "corpus " << set << ": " << count << " triangle files read, " << open

@@ -14,7 +14,7 @@ constexpr int kMostFragments = 100000;
 double any_number(const CsgNodeText& node, const CsgArgument& argument, std::string_view what) {
     if (argument.kind != CsgArgument::Kind::kNumber) {
         fail(node.source, argument.where,
-             quoted(node.name) + ": " + std::string(what) + " is not a number; expected one");
+             in_quotes(node.name) + ": " + std::string(what) + " is not a number; expected one");
     }
     return *node.arguments.numbers(argument);
 }
@@ -29,7 +29,7 @@ double wanted_fragments(const CsgNodeText& node) {
 
 }  // namespace
 
-std::string quoted(std::string_view name) { return "'" + std::string(name) + "'"; }
+std::string in_quotes(std::string_view name) { return "'" + std::string(name) + "'"; }
 
 void refuse_unknown_arguments(const CsgNodeText& node, std::initializer_list<std::string_view> known,
                               std::size_t most_by_position) {
@@ -38,28 +38,28 @@ void refuse_unknown_arguments(const CsgNodeText& node, std::initializer_list<std
         if (argument.name.empty()) {
             if (++by_position > most_by_position) {
                 fail(node.source, argument.where,
-                     quoted(node.name) + " has too many arguments without a name");
+                     in_quotes(node.name) + " has too many arguments without a name");
             }
         } else if (argument.name[0] != '$' &&
                    std::find(known.begin(), known.end(), argument.name) == known.end()) {
             std::string list;
             for (const std::string_view name : known) list += (list.empty() ? "" : ", ") + std::string(name);
             fail(node.source, argument.where,
-                 quoted(node.name) + " has no argument " + quoted(argument.name) + "; expected " + list +
-                     nearest_hint(argument.name, known));
+                 in_quotes(node.name) + " has no argument " + in_quotes(argument.name) + "; expected " +
+                     list + nearest_hint(argument.name, known));
         }
     }
 }
 
 void throw_no_extent(const CsgNodeText& node, SourceLocation where, std::string_view what, double value) {
-    throw NoExtent{where, quoted(node.name) + " with " + std::string(what) + " " + number_text(value)};
+    throw NoExtent{where, in_quotes(node.name) + " with " + std::string(what) + " " + number_text(value)};
 }
 
 double finite_number(const CsgNodeText& node, const CsgArgument& argument, std::string_view what) {
     const double value = any_number(node, argument, what);
     if (!std::isfinite(value)) {
         fail(node.source, argument.where,
-             quoted(node.name) + ": " + std::string(what) + " is " + number_text(value) +
+             in_quotes(node.name) + ": " + std::string(what) + " is " + number_text(value) +
                  "; expected a finite number");
     }
     return value;
@@ -82,7 +82,7 @@ bool optional_boolean(const CsgNodeText& node, std::string_view name, int positi
     if (argument == nullptr || argument->kind == CsgArgument::Kind::kUndefined) return false;
     if (argument->kind != CsgArgument::Kind::kBoolean) {
         fail(node.source, argument->where,
-             quoted(node.name) + ": " + std::string(name) + " is neither true nor false");
+             in_quotes(node.name) + ": " + std::string(name) + " is neither true nor false");
     }
     return argument->boolean;
 }
@@ -90,7 +90,7 @@ bool optional_boolean(const CsgNodeText& node, std::string_view name, int positi
 void fail_size(const CsgNodeText& node, SourceLocation where, std::string_view what, double value,
                std::string_view expected) {
     fail(node.source, where,
-         quoted(node.name) + ": " + std::string(what) + " is " + number_text(value) + "; expected " +
+         in_quotes(node.name) + ": " + std::string(what) + " is " + number_text(value) + "; expected " +
              std::string(expected));
 }
 
@@ -108,7 +108,7 @@ int fragments_of(const CsgNodeText& node, double radius) {
     const double wanted = fragment_count(node, radius);
     if (wanted > kMostFragments) {
         fail(node.source, node.where,
-             quoted(node.name) + ": a circle of " + number_text(wanted) + " fragments; expected at most " +
+             in_quotes(node.name) + ": a circle of " + number_text(wanted) + " fragments; expected at most " +
                  std::to_string(kMostFragments) + ": choose another $fn");
     }
     return static_cast<int>(wanted);
@@ -134,7 +134,7 @@ void read_corners(const CsgNodeText& node, std::size_t count, double* low, doubl
             std::copy_n(node.arguments.numbers(*argument), count, high);
         } else {
             fail(node.source, where,
-                 quoted(node.name) + ": size is not a number or a list of " + number + " numbers");
+                 in_quotes(node.name) + ": size is not a number or a list of " + number + " numbers");
         }
     }
     const bool centred = optional_boolean(node, "center", 1);
@@ -151,7 +151,7 @@ void refuse_both(const CsgNodeText& node, std::string_view radius, std::string_v
     const CsgArgument* d = node.arguments.find(diameter);
     if (d == nullptr || node.arguments.find(radius) == nullptr) return;
     fail(node.source, d->where,
-         quoted(node.name) + ": " + std::string(radius) + " and " + std::string(diameter) +
+         in_quotes(node.name) + ": " + std::string(radius) + " and " + std::string(diameter) +
              " are both given; expected one of them");
 }
 

@@ -19,7 +19,7 @@ struct CsgNodeText {
     Facets facets{};      ///< how curves are taken
 };
 
-std::string quoted(std::string_view name);
+std::string in_quotes(std::string_view name);
 
 /// Arguments with a $ concern the number of fragments and animation; they are always allowed.
 void refuse_unknown_arguments(const CsgNodeText& node, std::initializer_list<std::string_view> known,

@@ -17,7 +17,7 @@ using Kind = CsgOperand::Kind;
 void refuse_file_form(const CsgNodeText& node) {
     if (const CsgArgument* file = node.arguments.find("file")) {
         fail(node.source, file->where,
-             quoted(node.name) + ": the form with file = is not supported; use import() as its child");
+             in_quotes(node.name) + ": the form with file = is not supported; use import() as its child");
     }
 }
 
@@ -35,7 +35,7 @@ Vec2 extrusion_scale(const CsgNodeText& node) {
                argument->count == 2) {
         std::copy_n(node.arguments.numbers(*argument), 2, scale.begin());
     } else {
-        fail(node.source, argument->where, quoted(node.name) + ": scale is not a number or a list of two");
+        fail(node.source, argument->where, in_quotes(node.name) + ": scale is not a number or a list of two");
     }
     for (const double factor : scale) {
         if (!(factor >= 0) || !std::isfinite(factor)) {

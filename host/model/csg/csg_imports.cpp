@@ -28,7 +28,7 @@ std::string optional_string(const CsgNodeText& node, std::string_view name, int 
     if (argument == nullptr || argument->kind == CsgArgument::Kind::kUndefined) return fallback;
     if (argument->kind != CsgArgument::Kind::kString) {
         fail(node.source, argument->where,
-             quoted(node.name) + ": " + std::string(name) + " is not a string; expected one in quotes");
+             in_quotes(node.name) + ": " + std::string(name) + " is not a string; expected one in quotes");
     }
     std::string text;
     for (std::size_t i = 0; i < argument->text.size(); ++i) {
@@ -74,17 +74,19 @@ struct ImportedFile {
 ImportedFile read_imported(const CsgNodeText& node) {
     const std::string name = optional_string(node, "file", 0, "");
     const SourceLocation where = place_of(node, "file", 0);
-    if (name.empty()) fail(node.source, where, quoted(node.name) + ": there is no file; expected a path");
+    if (name.empty()) fail(node.source, where, in_quotes(node.name) + ": there is no file; expected a path");
     if (std::any_of(name.begin(), name.end(), [](char c) { return c >= 0 && c < ' '; })) {
-        fail(node.source, where,
-             quoted(node.name) + ": there is no file with control characters in its name; expected a path");
+        fail(
+            node.source, where,
+            in_quotes(node.name) + ": there is no file with control characters in its name; expected a path");
     }
     ImportedFile file;
     file.path = (std::filesystem::path(node.source).parent_path() / name).string();
     try {
         file.content = read_file(file.path);
     } catch (const Error& error) {
-        throw Error(error.code(), place_text(node.source, where) + quoted(node.name) + ": " + error.what());
+        throw Error(error.code(),
+                    place_text(node.source, where) + in_quotes(node.name) + ": " + error.what());
     }
     return file;
 }
@@ -95,7 +97,7 @@ auto with_place(const CsgNodeText& node, Read&& read) {
         return read();
     } catch (const Error& error) {
         throw Error(error.code(),
-                    place_text(node.source, node.where) + quoted(node.name) + ": " + error.what());
+                    place_text(node.source, node.where) + in_quotes(node.name) + ": " + error.what());
     }
 }
 
@@ -119,7 +121,7 @@ Vec2 optional_pair(const CsgNodeText& node, std::string_view name) {
     if (argument->kind != CsgArgument::Kind::kList || !argument->regular || argument->rows != 0 ||
         argument->count != 2 || argument->not_finite.line != 0) {
         fail(node.source, argument->where,
-             quoted(node.name) + ": " + std::string(name) + " is not a pair of finite numbers");
+             in_quotes(node.name) + ": " + std::string(name) + " is not a pair of finite numbers");
     }
     const double* numbers = node.arguments.numbers(*argument);
     return {numbers[0], numbers[1]};
@@ -218,7 +220,7 @@ CsgOperand read_text(CsgScene& scene, const CsgNodeText& node) {
         add_warnings(scene, node.where, warnings);
         return united_pieces(scene, pieces, node.where);
     } catch (const std::invalid_argument& error) {
-        fail(node.source, node.where, quoted(node.name) + ": " + error.what());
+        fail(node.source, node.where, in_quotes(node.name) + ": " + error.what());
     }
 }
 

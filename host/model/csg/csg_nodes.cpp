@@ -84,7 +84,7 @@ const CsgNodeType& csg_node_type(std::string_view name, const std::string& sourc
     for (const std::string_view known : kNotYet) {
         if (known == name) {
             fail(source, where,
-                 quoted(name) + " is not supported yet; disable the node with '*' to leave it out");
+                 in_quotes(name) + " is not supported yet; disable the node with '*' to leave it out");
         }
     }
     std::string supported;
@@ -94,7 +94,7 @@ const CsgNodeType& csg_node_type(std::string_view name, const std::string& sourc
         names.push_back(type.name);
     }
     const std::string hint = nearest_hint(name, names);
-    fail(source, where, "unknown node " + quoted(name) + (hint.empty() ? "; " + supported : hint));
+    fail(source, where, "unknown node " + in_quotes(name) + (hint.empty() ? "; " + supported : hint));
 }
 
 }  // namespace mortise::model_reader

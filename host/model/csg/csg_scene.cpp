@@ -57,9 +57,9 @@ CsgOperand CsgScene::united_flat(std::vector<CsgOperand> operands, std::string_v
         if (std::none_of(operands.begin(), operands.end(),
                          [](const CsgOperand& operand) { return operand.kind == Kind::kFlat; })) {
             fail(source, where,
-                 quoted(name) + " wants 2D shapes such as square or polygon; its children are solids");
+                 in_quotes(name) + " wants 2D shapes such as square or polygon; its children are solids");
         }
-        warn(found->where, "a solid among the 2D shapes of " + quoted(name) + " is left out");
+        warn(found->where, "a solid among the 2D shapes of " + in_quotes(name) + " is left out");
         operands.erase(std::remove_if(operands.begin(), operands.end(), is_solid), operands.end());
     }
     return united(std::move(operands));

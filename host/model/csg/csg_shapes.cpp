@@ -53,11 +53,11 @@ Vec3 three_numbers(const CsgNodeText& node, const CsgArgument& argument) {
     if (argument.kind != CsgArgument::Kind::kList || !argument.numeric || argument.rows != 0 ||
         argument.count < 2 || argument.count > 3) {
         fail(node.source, argument.where,
-             quoted(node.name) + ": " + std::string(argument.name) + " is not a list of three numbers");
+             in_quotes(node.name) + ": " + std::string(argument.name) + " is not a list of three numbers");
     }
     if (argument.not_finite.line != 0) {
         fail(node.source, argument.not_finite,
-             quoted(node.name) + ": a number is nan or inf; expected finite numbers");
+             in_quotes(node.name) + ": a number is nan or inf; expected finite numbers");
     }
     Vec3 result{};
     std::copy_n(node.arguments.numbers(argument), argument.count, result.begin());
@@ -249,7 +249,7 @@ CsgFinish read_resize(CsgScene&, const CsgNodeText& node) {
                 automatic[k] = node.arguments.numbers(*argument)[k] != 0;
         } else {
             fail(node.source, argument->where,
-                 quoted(node.name) + ": auto is neither true or false nor a list of two or three of them");
+                 in_quotes(node.name) + ": auto is neither true or false nor a list of two or three of them");
         }
     }
     const SourceLocation where = node.where;

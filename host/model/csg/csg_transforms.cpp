@@ -15,7 +15,7 @@ using Kind = CsgOperand::Kind;
 [[noreturn]] void fail_argument(const CsgNodeText& node, const CsgArgument* argument,
                                 std::string_view expected) {
     fail(node.source, argument != nullptr ? argument->where : node.where,
-         quoted(node.name) + ": expected " + std::string(expected));
+         in_quotes(node.name) + ": expected " + std::string(expected));
 }
 
 /// A list of `fewest` to three numbers, filled up with `missing`.
@@ -26,7 +26,7 @@ Vec3 numbers_of(const CsgNodeText& node, const CsgArgument* argument, std::size_
         fail_argument(node, argument, expected);
     }
     if (argument->not_finite.line != 0) {
-        throw NoExtent{argument->not_finite, quoted(node.name) + " with a number that is nan or inf"};
+        throw NoExtent{argument->not_finite, in_quotes(node.name) + " with a number that is nan or inf"};
     }
     Vec3 result = {missing, missing, missing};
     std::copy_n(node.arguments.numbers(*argument), argument->count, result.begin());
@@ -100,11 +100,11 @@ CsgFinish moved(const CsgNodeText& node, const Affine& map) {
         if (std::fabs(relative_determinant(is_flat ? lifted : map)) <= kSingular) {
             if (!is_flat && scene.flat_counts > 0) {
                 fail(scene.source, place,
-                     quoted(name) +
+                     in_quotes(name) +
                          ": the matrix is singular, it flattens the solid, which is not supported inside "
                          "hull, minkowski and projection; expected a determinant other than 0");
             }
-            return scene.leave_out(place, quoted(name) + " with a singular matrix");
+            return scene.leave_out(place, in_quotes(name) + " with a singular matrix");
         }
         if (is_flat && flat != kFlatIdentity) child.node = scene.flat.add_transform(flat, child.node);
         if (child.kind == Kind::kSolid && map != kIdentity) {

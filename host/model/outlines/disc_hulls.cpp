@@ -4,11 +4,10 @@
 #include <cmath>
 
 #include "host/common/constants.hpp"
+#include "host/model/agreement.hpp"
 
 namespace mortise::model_reader {
 namespace {
-
-constexpr double kSame = 1e-6;
 
 bool same_disc(const Disc& a, const Disc& b) { return a.center == b.center && a.radius == b.radius; }
 

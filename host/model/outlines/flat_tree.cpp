@@ -175,7 +175,6 @@ double cosine_of_degrees(double degrees) {
     if (degrees > 90) return -cosine_of_degrees(180 - degrees);
     if (degrees == 90) return 0;
     if (degrees == 60) return 0.5;
-    constexpr double kRadians = 3.14159265358979323846 / 180;
     // Sine for the steeper half, so that cos 45° equals sin 45° bit for bit.
     return degrees > 45 ? std::sin((90 - degrees) * kRadians) : std::cos(degrees * kRadians);
 }

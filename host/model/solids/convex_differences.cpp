@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "host/model/affine.hpp"
+#include "host/model/agreement.hpp"
 #include "host/model/solids/convex_hull.hpp"
 #include "host/model/text.hpp"
 
@@ -13,8 +14,6 @@ namespace mortise::model_reader {
 namespace {
 
 constexpr std::size_t kMostParts = 256;
-/// Lengths that agree so far, in units of the larger solid, are equal: matrices are written with six digits.
-constexpr double kSameLength = 1e-6;
 
 struct Part {
     std::vector<Vec3> points;
@@ -55,7 +54,7 @@ std::optional<Part> common(const Part& part, const std::vector<Plane>& planes) {
 }
 
 void add_parts(const Part& part, const Part& cut, std::vector<Part>& out) {
-    const double margin = kSameLength * std::max(part.size, cut.size);
+    const double margin = kSame * std::max(part.size, cut.size);
     const bool apart = std::any_of(cut.planes.begin(), cut.planes.end(),
                                    [&](const Plane& plane) { return is_beyond(part, plane, margin); });
     if (apart || !common(part, cut.planes)) {
@@ -79,7 +78,7 @@ void drop_inner(std::vector<Part>& parts) {
         for (std::size_t j = 0; j < parts.size() && !inside; ++j) {
             if (i == j) continue;
             const auto holds = [&](std::size_t outer, std::size_t inner) {
-                const double margin = kSameLength * std::max(parts[outer].size, parts[inner].size);
+                const double margin = kSame * std::max(parts[outer].size, parts[inner].size);
                 return std::all_of(
                     parts[outer].planes.begin(), parts[outer].planes.end(),
                     [&](const Plane& plane) { return is_within(parts[inner], plane, margin); });

@@ -14,6 +14,7 @@ extern "C" {
 
 #include "host/common/vec3.hpp"
 #include "host/model/affine.hpp"
+#include "host/model/agreement.hpp"
 #include "host/model/text.hpp"
 #include "host/model/triangles/surface_repair.hpp"
 
@@ -135,7 +136,6 @@ Polytope::Face ordered_face(const std::vector<Vec3>& points, std::vector<std::ui
 }  // namespace
 
 std::optional<Polytope> convex_hull(const std::vector<Vec3>& points) {
-    constexpr double kSame = 1e-6;
     if (points.size() < 4) return std::nullopt;
     const double tolerance = kSame * extent_of(points);
     if (!has_volume(points, tolerance)) return std::nullopt;

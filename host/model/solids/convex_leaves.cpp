@@ -7,7 +7,7 @@
 
 #include "host/common/constants.hpp"
 #include "host/model/affine.hpp"
-#include "host/model/solids/agreement.hpp"
+#include "host/model/agreement.hpp"
 #include "host/model/solids/convex_hull.hpp"
 #include "host/model/solids/rounded_facets.hpp"
 #include "host/model/text.hpp"
@@ -57,7 +57,7 @@ Affine without_scale(Affine m) {
     return m;
 }
 
-RoundedSolid scaled(RoundedSolid solid, double factor) {
+RoundedSolid enlarged(RoundedSolid solid, double factor) {
     for (Ball& ball : solid.balls) {
         for (double& x : ball.center) x *= factor;
         ball.radius *= factor;
@@ -191,7 +191,7 @@ std::optional<ConvexPiece> prism_of(const std::vector<Leaf>& leaves) {
     }
     const std::optional<Span> span = span_of(leaves, round);
     if (!span || !(span->low < span->high) || !std::isfinite(span->high - span->low)) return std::nullopt;
-    RoundedSolid solid = scaled(*round->primitive->rounded, length(column(round->map, 0)));
+    RoundedSolid solid = enlarged(*round->primitive->rounded, length(column(round->map, 0)));
     solid.shape = RoundedSolid::Shape::kPlate;
     const double stretch = length(column(round->map, 2));
     solid.low = span->low * stretch;
@@ -255,7 +255,7 @@ void add_rounded_leaf(const Leaf& leaf, const Wanted& wanted, std::vector<Convex
     }
     const double scale = length(column(leaf.map, 0));
     if (solid.shape != RoundedSolid::Shape::kHull || !wanted.only_hull) {
-        pieces.push_back(rounded_piece(scaled(solid, scale), without_scale(leaf.map)));
+        pieces.push_back(rounded_piece(enlarged(solid, scale), without_scale(leaf.map)));
         return;
     }
     for (const Ball& ball : solid.balls) {

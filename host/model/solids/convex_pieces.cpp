@@ -7,7 +7,7 @@
 
 #include "host/common/constants.hpp"
 #include "host/model/affine.hpp"
-#include "host/model/solids/agreement.hpp"
+#include "host/model/agreement.hpp"
 #include "host/model/solids/convex_differences.hpp"
 #include "host/model/solids/convex_leaves.hpp"
 #include "host/model/solids/rounded_facets.hpp"

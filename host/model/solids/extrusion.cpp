@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "host/common/constants.hpp"
 #include "host/model/affine.hpp"
 #include "host/model/outlines/polygons.hpp"
 #include "host/model/solids/sweep.hpp"
@@ -13,7 +14,6 @@
 namespace mortise::model_reader {
 namespace {
 
-constexpr double kRadiansPerDegree = 3.14159265358979323846 / 180;
 /// Relative size below which a component of a normal, or a distance from the axis, is rounding.
 constexpr double kRounding = 1e-12;
 constexpr double kOnAxis = 1e-9;
@@ -61,7 +61,7 @@ class LinearBuilder final : public Sweep {
             return sweep.scale[k] == 1 ? std::string("1")
                                        : "(1+" + in_formula(growth_[k]) + "*" + height + ")";
         };
-        turn_ = in_formula(sweep.twist * kRadiansPerDegree / sweep.height) + "*" + height;
+        turn_ = in_formula(sweep.twist * kRadians / sweep.height) + "*" + height;
         level_ = uniform_ ? scale(0) : scale(0) + "*" + scale(1);
         x_ = uniform_ ? "x" : "x*" + scale(1);
         y_ = uniform_ ? "y" : "y*" + scale(0);
@@ -159,10 +159,10 @@ class LinearBuilder final : public Sweep {
         if (outline_sharp_angle(loops, sweep_.smooth) == 0) return std::nullopt;
         if (sweep_.scale[0] == 0 || sweep_.scale[1] == 0) return std::nullopt;
         const double change =
-            std::fabs(sweep_.twist) + std::fabs(sweep_.scale[0] - sweep_.scale[1]) / kRadiansPerDegree;
+            std::fabs(sweep_.twist) + std::fabs(sweep_.scale[0] - sweep_.scale[1]) / kRadians;
         OutlineRows rows;
         rows.count = 2 + static_cast<std::size_t>(std::ceil(change * (span.high - span.low) / sweep_.height));
-        rows.twist = sweep_.twist * kRadiansPerDegree / sweep_.height;
+        rows.twist = sweep_.twist * kRadians / sweep_.height;
         rows.place = [this, &span](const Vec2& p, std::size_t row, std::size_t count) {
             const double along = static_cast<double>(row) / static_cast<double>(count - 1);
             const double z = span.low + along * (span.high - span.low);

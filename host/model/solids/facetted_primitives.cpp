@@ -10,7 +10,7 @@ namespace mortise::model_reader {
 namespace {
 
 /// Scales a plane so that its largest component is 1: equal planes of different sizes get equal normals.
-Plane scaled(Plane plane) {
+Plane normalized(Plane plane) {
     double largest = 0;
     for (const double component : plane.normal) largest = std::max(largest, std::fabs(component));
     for (double& component : plane.normal) component /= largest;
@@ -28,7 +28,7 @@ void add_frustum_sides(std::vector<Plane>& planes, int n, double radius, double 
         const double y = sine_of_degrees(from);
         const Vec3 outward = {sine_of_degrees(to) - y, x - cosine_of_degrees(to), 0};
         const double apothem = outward[0] * x + outward[1] * y;
-        planes.push_back(scaled({{outward[0], outward[1], -slope * apothem}, radius * apothem, ""}));
+        planes.push_back(normalized({{outward[0], outward[1], -slope * apothem}, radius * apothem, ""}));
     }
 }
 

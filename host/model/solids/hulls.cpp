@@ -8,9 +8,10 @@
 #include <unordered_set>
 #include <utility>
 
+#include "host/common/constants.hpp"
 #include "host/common/vec3.hpp"
 #include "host/model/affine.hpp"
-#include "host/model/solids/agreement.hpp"
+#include "host/model/agreement.hpp"
 #include "host/model/solids/convex_hull.hpp"
 #include "host/model/solids/convex_pieces.hpp"
 #include "host/model/solids/rounded_solids.hpp"
@@ -171,7 +172,7 @@ double smallest_turn(const Polytope& polytope) {
         if (other == sides.end()) return 0;
         largest = std::max(largest, dot(*normal, *other->second));
     }
-    return std::acos(std::clamp(largest, -1.0, 1.0)) * 360 / 6.283185307179586;
+    return std::acos(std::clamp(largest, -1.0, 1.0)) * 360 / kTurn;
 }
 
 std::uint32_t hull_of_pieces(Model& model, const std::vector<ConvexPiece>& pieces, const std::string& name,

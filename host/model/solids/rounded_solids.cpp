@@ -7,8 +7,8 @@
 
 #include "host/common/rounded_parts.hpp"
 #include "host/model/affine.hpp"
+#include "host/model/agreement.hpp"
 #include "host/model/outlines/polygons.hpp"
-#include "host/model/solids/agreement.hpp"
 #include "host/model/solids/convex_hull.hpp"
 #include "host/model/solids/rounded_facets.hpp"
 #include "host/model/solids/swept_outline.hpp"

@@ -7,6 +7,7 @@
 #include <numeric>
 #include <utility>
 
+#include "host/common/constants.hpp"
 #include "host/common/parting.hpp"
 #include "host/model/outlines/polygon_triangles.hpp"
 #include "host/model/outlines/polygons.hpp"
@@ -20,7 +21,6 @@ constexpr std::size_t kFewEdges = 8;
 constexpr double kTwistedTurn = 60;
 constexpr double kMostRise =
     0.016;  ///< of an arc over its chord, in longest edges: 0.001 of the outline's width
-constexpr double kDegree = 3.14159265358979323846 / 180;
 
 using Loop = std::vector<Vec2>;
 
@@ -42,7 +42,7 @@ double turn_after(const Loop& loop, std::size_t i) {
 
 /// Whether the outline turns by no more than that many degrees where edge i ends.
 bool is_smooth_after(const Loop& loop, std::size_t i, double degrees) {
-    return std::fabs(turn_after(loop, i)) <= (degrees + 1e-6) * kDegree;
+    return std::fabs(turn_after(loop, i)) <= (degrees + 1e-6) * kRadians;
 }
 
 bool is_curved(const Loop& loop, double degrees) {
@@ -391,9 +391,9 @@ std::optional<Primitive> swept_outline(const Contours& loops, OutlineRows rows, 
     constexpr std::size_t kMostQuads = 500000;
     const double sharp_angle = outline_sharp_angle(loops, smooth);
     const double longest_edge = kLongestEdge * width;
-    SweptSides outline(loops, sharp_angle, longest_edge, rows.twist, kFineTurn * kDegree);
+    SweptSides outline(loops, sharp_angle, longest_edge, rows.twist, kFineTurn * kRadians);
     if (outline.edge_count() * rows.count > kManyQuads)
-        outline = SweptSides(loops, sharp_angle, longest_edge, rows.twist, kCoarseTurn * kDegree);
+        outline = SweptSides(loops, sharp_angle, longest_edge, rows.twist, kCoarseTurn * kRadians);
     const std::size_t edges = outline.edge_count();
     const std::size_t fewest = rows.count / 4;
     if (fewest > kMostQuads / edges) return std::nullopt;
