@@ -113,6 +113,15 @@ void read_model_words(const Words& words, Arguments& arguments) {
     if (words.facets == "exact") arguments.read.facets = Facets::kExact;
 }
 
+/// Of the mesher, `batch` and `kernels`.
+void read_device_words(const Words& words, Arguments& arguments) {
+    MeshOptions& options = arguments.options;
+    if (!words.threads.empty()) options.threads = parse_integer("--threads", words.threads, 1, "");
+    if (!words.work_group.empty()) {
+        options.work_group_size = parse_integer("--work-group", words.work_group, 1, "");
+    }
+}
+
 void read_mesh_words(const Words& words, Arguments& arguments) {
     MeshOptions& options = arguments.options;
     read_model_words(words, arguments);
@@ -163,10 +172,7 @@ void read_mesh_words(const Words& words, Arguments& arguments) {
             refuse("--quality-floor '" + words.floor + "': expected a scaled Jacobian from 0 to 1");
         }
     }
-    if (!words.threads.empty()) options.threads = parse_integer("--threads", words.threads, 1, "");
-    if (!words.work_group.empty()) {
-        options.work_group_size = parse_integer("--work-group", words.work_group, 1, "");
-    }
+    read_device_words(words, arguments);
 }
 
 /// A whole number of bytes with a unit: 4G, 800M.
@@ -259,7 +265,9 @@ Arguments parse_arguments(int count, const char* const* values) {
     if (commands.devices->parsed()) arguments.command = Command::kDevices;
     if (commands.doctor->parsed()) arguments.command = Command::kDoctor;
     if (commands.info->parsed()) arguments.command = Command::kInfo;
+    if (commands.kernels->parsed()) arguments.command = Command::kKernels;
     if (arguments.command == Command::kMesh || commands.batch->parsed()) read_mesh_words(words, arguments);
+    if (commands.kernels->parsed()) read_device_words(words, arguments);
     if (arguments.command == Command::kMesh) {
         check_files(arguments);
         read_memory(words.memory, arguments);

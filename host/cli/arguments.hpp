@@ -9,12 +9,12 @@
 
 namespace mortise::cli {
 
-enum class Command { kMesh, kBatch, kCheck, kDevices, kDoctor, kInfo, kPrint };
+enum class Command { kMesh, kBatch, kCheck, kDevices, kDoctor, kInfo, kKernels, kPrint };
 
 struct Arguments {
     Command command = Command::kMesh;
     std::string file;                  ///< the model, the mesh of `check`, the list of `batch`
-    std::vector<std::string> outputs;  ///< mesh files, each once; of `batch`: the folder
+    std::vector<std::string> outputs;  ///< mesh files, each once; of `batch` and `kernels`: the folder
     std::string format = "vtu";        ///< of the files of `batch`
     int jobs = 0;                      ///< of `batch`: models meshed at once; 0: as many as cores
     std::string picture;               ///< empty: none

@@ -12,5 +12,6 @@ ExitCode check_command(const Arguments& arguments);
 ExitCode devices_command(const Arguments& arguments);
 ExitCode doctor_command(const Arguments& arguments);
 ExitCode info_command(const Arguments& arguments);
+ExitCode kernels_command(const Arguments& arguments);
 
 }  // namespace mortise::cli

@@ -7,12 +7,10 @@
 #include "host/cli/signals.hpp"
 #include "host/cli/worker_pool.hpp"
 #include "mortise/error.hpp"
-#include "mortise/kernels.hpp"
 
 namespace mortise::cli {
 
-std::size_t build_kernels_ahead(const MeshOptions& options, Progress& progress) {
-    KernelBuilder builder(options.device, options.work_group_size);
+std::size_t build_in_processes(KernelBuilder& builder, int threads, Progress& progress) {
     const std::size_t count = builder.needed();
     if (count == 0) return 0;
     progress.show("compile kernels, once", 0);
@@ -24,7 +22,7 @@ std::size_t build_kernels_ahead(const MeshOptions& options, Progress& progress) 
             builder.build(i);
             return "built";
         } catch (const std::exception&) {
-            return {};  // the run itself says why
+            return {};
         }
     };
     const auto done = [&](std::size_t, const std::string& result, int) {
@@ -32,7 +30,7 @@ std::size_t build_kernels_ahead(const MeshOptions& options, Progress& progress) 
         progress.show("compile kernels, once", static_cast<double>(++told) / static_cast<double>(count));
     };
     const auto cores = std::max(1u, std::thread::hardware_concurrency());
-    const std::size_t jobs = options.threads > 0 ? static_cast<std::size_t>(options.threads) : cores;
+    const std::size_t jobs = threads > 0 ? static_cast<std::size_t>(threads) : cores;
     try {
         run_in_processes(count, std::min(jobs, count), build, done);
     } catch (const Error&) {
@@ -40,6 +38,11 @@ std::size_t build_kernels_ahead(const MeshOptions& options, Progress& progress) 
     }
     if (built == count) builder.finish();
     return built;
+}
+
+std::size_t build_kernels_ahead(const MeshOptions& options, Progress& progress) {
+    KernelBuilder builder(options.device, options.work_group_size);
+    return build_in_processes(builder, options.threads, progress);
 }
 
 }  // namespace mortise::cli

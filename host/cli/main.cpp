@@ -21,6 +21,7 @@ ExitCode run(int count, const char* const* values) {
         case Command::kDevices: return devices_command(arguments);
         case Command::kDoctor: return doctor_command(arguments);
         case Command::kInfo: return info_command(arguments);
+        case Command::kKernels: return kernels_command(arguments);
         case Command::kPrint: break;
     }
     print(arguments.text);

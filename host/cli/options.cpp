@@ -14,11 +14,11 @@ Examples: mortise bracket.csg -o bracket.vtu --picture bracket.png
           mortise pipe.geo -o pipe.vtu -o pipe.msh --box -1 -1 0 1 1 4 --size 0.05
 )";
 
-constexpr const char* kExitCodes = R"(Exit codes:
-  0 success                       4 quality floor not met (mesh is written)
-  1 wrong usage                   5 no OpenCL device, kernel build, memory
-  2 model not understood, empty   6 file not found, not readable or writable
-  3 no valid mesh; --strict       130, 143 interrupted (SIGINT, SIGTERM)
+constexpr const char* kExitCodes =
+    R"(Exit codes: 0 success                       4 quality floor not met (mesh is written)
+            1 wrong usage                   5 no OpenCL device, kernel build, memory
+            2 model not understood, empty   6 file not found, not readable or writable
+            3 no valid mesh; --strict       130, 143 interrupted (SIGINT, SIGTERM)
 )";
 
 /// An empty word, as from an unset shell variable, is a mistake.
@@ -218,7 +218,16 @@ Commands declare_options(CLI::App& app, Arguments& arguments, Words& words) {
         ->option_text("H");
     add_facets(*info, words);
     add_define(*info, arguments);
-    for (CLI::App* command : {check, devices, info}) {
+    CLI::App* kernels = commands.kernels =
+        add_command(app, "kernels", "mortise kernels [-o FOLDER] [OPTIONS]",
+                    "compile all kernels now, for later runs or all users");
+    kernels
+        ->add_option("-o,--output", arguments.outputs,
+                     "a folder of its own instead of the cache folder: see README.md, Installing")
+        ->option_text("FOLDER")
+        ->allow_extra_args(false);
+    add_device_options(*kernels, arguments, words);
+    for (CLI::App* command : {check, devices, info, kernels}) {
         refuse_empty_values(*command);
         command->add_flag("--json", arguments.json, "print JSON on stdout");
     }

@@ -31,6 +31,7 @@ struct Commands {
     CLI::App* devices = nullptr;
     CLI::App* doctor = nullptr;
     CLI::App* info = nullptr;
+    CLI::App* kernels = nullptr;
 };
 
 /// Declares everything. `arguments` and `words`, which parsing fills, must outlive `app`, which has the

@@ -10,8 +10,8 @@
 namespace mortise::device {
 
 /// Whether the programs need not be built ahead: remember_built was called with the same arguments, and the
-/// same kernel text and MORTISE_DEVICE; or there is no folder to keep them in. A driver that has changed
-/// since is not noticed; its programs are built when they are used. Opens no driver.
+/// same kernel text, MORTISE_DEVICE and processor; or there is no folder to keep them in. A driver that has
+/// changed since is not noticed; its programs are built when they are used. Opens no driver.
 bool are_built(const std::vector<ProgramName>& programs, const std::string& choice,
                const DeviceOptions& options);
 void remember_built(const std::vector<ProgramName>& programs, const std::string& choice,

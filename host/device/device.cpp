@@ -9,6 +9,7 @@
 #include "host/device/device_state.hpp"
 #include "host/device/environment.hpp"
 #include "host/device/internals.hpp"
+#include "host/device/kernel_cache.hpp"
 #include "host/device/kernel_source.hpp"
 
 namespace mortise::device {
@@ -102,7 +103,7 @@ Device::Device(const std::string& choice, const DeviceOptions& options)
         misuse("lanes " + std::to_string(lanes) + " is not 1, 2, 4, 8 or 16");
     }
     require_linker(self.found);
-    if (options.disk_cache) self.cache_folder = cache_folder();
+    self.cache = kernel_cache(options);
     self.kernels_folder = chosen_kernels_folder(options.kernels_folder);
     guarded("clCreateContext", "opening device " + device.name, [&] {
         const compute::device handle(self.found.id);
@@ -234,7 +235,7 @@ cl_mem Internals::memory(const Buffer& buffer) {
     return buffer.implementation_ ? buffer.implementation_->memory.get() : nullptr;
 }
 bool Internals::is_cpu(const Device& device) { return device.implementation_->found.is_cpu; }
-std::string Internals::cache_folder(const Device& device) { return device.implementation_->cache_folder; }
+const DiskCache& Internals::cache(const Device& device) { return device.implementation_->cache; }
 std::string Internals::build_key(const Device& device) {
     const FoundDevice& found = device.implementation_->found;
     return binary_key(found, build_options(found, device.lanes(), device.work_group_size(), {}));

@@ -63,6 +63,7 @@ struct DeviceOptions {
     int work_group_size = 0;     ///< local size of every launch; 0: 32 on CPU, 128 on GPU
     int lanes = 0;               ///< LANES of kernels, 1, 2, 4, 8 or 16; 0: 8 on CPU, 1 on GPU
     bool disk_cache = true;      ///< keep built programs in the cache folder
+    std::string cache_folder;    ///< this one, and no other is looked into; empty: that of the environment
     std::string kernels_folder;  ///< load kernels from here; empty: $MORTISE_KERNELS, else the embedded ones
     bool probe = true;           ///< compare the device's arithmetic with the host's at first use
     bool copies = false;         ///< move memory as for devices with memory of their own: tests on a CPU

@@ -19,6 +19,7 @@
 #include <thread>
 
 #include "host/device/device.hpp"
+#include "host/device/disk_cache.hpp"
 #include "host/device/opencl.hpp"
 #include "mortise/error.hpp"
 
@@ -101,7 +102,7 @@ struct Device::Implementation {
     DeviceOptions options;
     compute::context context;
     compute::command_queue queue;
-    std::string cache_folder;
+    DiskCache cache{{}};
     std::string kernels_folder;
     bool float_is_exact = false;
     void (*look)() = nullptr;  ///< Device::set_look

@@ -30,6 +30,22 @@ std::string header(const std::string& key) {
     return std::string(kMagic, kMagicSize) + std::string(bytes.data(), bytes.size()) + key;
 }
 
+/// The content of one file, if it is whole and was stored under this key.
+std::optional<std::string> load_file(const std::string& path, const std::string& key) {
+    std::ifstream file(path, std::ios::binary);
+    if (!file) return std::nullopt;
+    std::ostringstream all;
+    all << file.rdbuf();
+    const std::string bytes = all.str();
+    const std::string expected = header(key);
+    if (bytes.size() < expected.size() + kHashSize || bytes.compare(0, expected.size(), expected) != 0) {
+        return std::nullopt;
+    }
+    std::string content = bytes.substr(expected.size() + kHashSize);
+    if (bytes.compare(expected.size(), kHashSize, hash_text(content)) != 0) return std::nullopt;
+    return content;
+}
+
 /// Removes the oldest cache files beyond the limit; a file that vanishes meanwhile is another run's doing.
 void trim(const std::string& folder) {
     std::error_code error;
@@ -70,23 +86,17 @@ std::string DiskCache::file_name(const std::string& key) const {
 }
 
 std::optional<std::string> DiskCache::load(const std::string& key) const {
-    if (folder_.empty()) return std::nullopt;
-    std::ifstream file(file_name(key), std::ios::binary);
-    if (!file) return std::nullopt;
-    std::ostringstream all;
-    all << file.rdbuf();
-    const std::string bytes = all.str();
-    const std::string expected = header(key);
-    if (bytes.size() < expected.size() + kHashSize || bytes.compare(0, expected.size(), expected) != 0) {
-        return std::nullopt;
+    if (keeps()) {
+        if (auto found = load_file(file_name(key), key)) return found;
     }
-    std::string content = bytes.substr(expected.size() + kHashSize);
-    if (bytes.compare(expected.size(), kHashSize, hash_text(content)) != 0) return std::nullopt;
-    return content;
+    for (const std::string& folder : read_only_) {
+        if (auto found = load_file(DiskCache(folder).file_name(key), key)) return found;
+    }
+    return std::nullopt;
 }
 
 void DiskCache::store(const std::string& key, const std::string& bytes) const {
-    if (folder_.empty()) return;
+    if (!keeps()) return;
     std::error_code error;
     fs::create_directories(folder_, error);
     std::string temporary = folder_ + "/new-XXXXXX";

@@ -4,13 +4,18 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace mortise::device {
 
 class DiskCache {
   public:
-    /// An empty folder name makes a cache that never holds anything.
-    explicit DiskCache(std::string folder) : folder_(std::move(folder)) {}
+    /// An empty folder name makes a cache that keeps nothing. Where it has nothing under a key, `read_only`
+    /// folders are looked into, in that order.
+    explicit DiskCache(std::string folder, std::vector<std::string> read_only = {})
+        : folder_(std::move(folder)), read_only_(std::move(read_only)) {}
+
+    bool keeps() const { return !folder_.empty(); }
 
     /// What store(key) wrote last, byte for byte; nothing if the file is missing or fails its checksum.
     std::optional<std::string> load(const std::string& key) const;
@@ -25,6 +30,7 @@ class DiskCache {
 
   private:
     std::string folder_;
+    std::vector<std::string> read_only_;
 };
 
 /// 32 hexadecimal digits; equal keys only for equal texts, barring an accident of 2^-64.

@@ -16,6 +16,12 @@ add_custom_command(
   VERBATIM)
 target_sources(mortise_device PRIVATE ${mortise_embedded})
 
+# Kernels that are compiled when Mortise is installed are looked for from where the program is.
+include(GNUInstallDirs)
+file(RELATIVE_PATH program_to_libraries /prefix/${CMAKE_INSTALL_BINDIR} /prefix/${CMAKE_INSTALL_LIBDIR})
+target_compile_definitions(mortise_device PRIVATE MORTISE_PROGRAM_TO_LIBRARIES="${program_to_libraries}")
+target_link_libraries(mortise_device PRIVATE ${CMAKE_DL_LIBS})
+
 # Private: nothing outside host/device sees OpenCL.
 target_compile_definitions(mortise_device PRIVATE CL_TARGET_OPENCL_VERSION=120)
 target_link_libraries(mortise_device PRIVATE OpenCL::OpenCL clblast Boost::headers)

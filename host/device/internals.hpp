@@ -4,6 +4,7 @@
 #include <string>
 
 #include "host/device/device.hpp"
+#include "host/device/disk_cache.hpp"
 #include "host/device/opencl.hpp"
 
 namespace mortise::device {
@@ -13,8 +14,7 @@ struct Internals {
     static cl_mem memory(const Buffer& buffer);
     /// Identifies driver, device and build options: results that depend on them are remembered under it.
     static std::string build_key(const Device& device);
-    /// The cache folder of this device's options; empty if the disk cache is off.
-    static std::string cache_folder(const Device& device);
+    static const DiskCache& cache(const Device& device);
     static bool is_cpu(const Device& device);
 };
 

@@ -136,7 +136,7 @@ std::string first_difference(Device& device, const std::string& entry) {
 }  // namespace
 
 ProbeResult probe_arithmetic(Device& device) {
-    const DiskCache cache(Internals::cache_folder(device));
+    const DiskCache& cache = Internals::cache(device);
     const std::string key = Internals::build_key(device) + "probe\n" + kernel_source("probe.cl", {});
     if (const auto known = cache.load(key)) return {*known == kAgrees};
     const std::string difference = first_difference<double>(device, "probe_double");

@@ -5,7 +5,6 @@
 
 #include "host/device/build_options.hpp"
 #include "host/device/device_state.hpp"
-#include "host/device/disk_cache.hpp"
 #include "host/device/kernel_source.hpp"
 
 namespace mortise::device {
@@ -44,7 +43,7 @@ const compute::program& Device::Implementation::program(const std::string& file,
 
 std::optional<compute::program> Device::Implementation::load(const std::string& source,
                                                              const std::string& build_flags) const {
-    const auto binary = DiskCache(cache_folder).load(cache_key(found, build_flags, source));
+    const auto binary = cache.load(cache_key(found, build_flags, source));
     if (!binary) return std::nullopt;
     try {
         auto program = compute::program::create_with_binary(
@@ -69,12 +68,12 @@ compute::program Device::Implementation::build(const std::string& file, const st
     } catch (const compute::opencl_error& error) {
         fail(error.error_code(), "clBuildProgram", "kernels/" + file + " with options " + build_flags);
     }
-    if (!cache_folder.empty()) {
+    if (cache.keeps()) {
         try {
             // PoCL compiles kernels when they are asked for, or else at their first launch.
             const std::vector<unsigned char> bytes = program.binary();
             const std::string key = cache_key(found, build_flags, source);
-            DiskCache(cache_folder).store(key, std::string(bytes.begin(), bytes.end()));
+            cache.store(key, std::string(bytes.begin(), bytes.end()));
         } catch (const compute::opencl_error&) {
             // No binary to be had: the next run builds again.
         }

@@ -6,34 +6,43 @@
 #include "mortise/kernels.hpp"
 
 namespace mortise {
-using pipeline::kUsualPrograms;
 
 struct KernelBuilder::Implementation {
     std::string choice;
     device::DeviceOptions options;
+    std::vector<device::ProgramName> programs;
     std::optional<device::Device> device;
 };
 
-KernelBuilder::KernelBuilder(std::string device, int work_group_size)
-    : implementation_(new Implementation{std::move(device), {}, {}}) {
-    implementation_->options.work_group_size = work_group_size;
-    implementation_->options.probe = false;
+KernelBuilder::KernelBuilder(std::string device, int work_group_size, std::string folder)
+    : implementation_(new Implementation{std::move(device), {}, pipeline::kUsualPrograms, {}}) {
+    Implementation& self = *implementation_;
+    self.options.work_group_size = work_group_size;
+    self.options.probe = false;
+    self.options.cache_folder = std::move(folder);
+    if (!self.options.cache_folder.empty()) {
+        const auto& others = pipeline::kOtherPrograms;
+        self.programs.insert(self.programs.end(), others.begin(), others.end());
+    }
 }
 KernelBuilder::~KernelBuilder() = default;
 
 std::size_t KernelBuilder::needed() const {
-    const bool built = device::are_built(kUsualPrograms, implementation_->choice, implementation_->options);
-    return built ? 0 : kUsualPrograms.size();
+    const Implementation& self = *implementation_;
+    return device::are_built(self.programs, self.choice, self.options) ? 0 : self.programs.size();
 }
 
 void KernelBuilder::build(std::size_t i) {
     Implementation& self = *implementation_;
     if (!self.device) self.device.emplace(self.choice, self.options);
-    self.device->build(kUsualPrograms.at(i));
+    self.device->build(self.programs.at(i));
 }
 
 void KernelBuilder::finish() {
-    device::remember_built(kUsualPrograms, implementation_->choice, implementation_->options);
+    const Implementation& self = *implementation_;
+    // A folder for all serves runs that need the usual ones: they look for a note of these.
+    device::remember_built(pipeline::kUsualPrograms, self.choice, self.options);
+    device::remember_built(self.programs, self.choice, self.options);
 }
 
 }  // namespace mortise

@@ -9,25 +9,28 @@
 
 namespace mortise {
 
-/// The kernel programs that every mesh needs, built into Mortise's cache folder one by one.
+/// Kernel programs, built one by one: those that every mesh needs, into Mortise's cache folder; or all, into
+/// a folder that later runs may read (README.md, "Installing").
 ///
 ///     KernelBuilder builder;
 ///     /* in any process, each i once: */ for (i < builder.needed()) builder.build(i);
 ///     builder.finish();
 class KernelBuilder {
   public:
-    /// Arguments as MeshOptions::device and work_group_size.
-    explicit KernelBuilder(std::string device = {}, int work_group_size = 0);
+    /// Arguments as MeshOptions::device and work_group_size; `folder`: where all programs go, instead of
+    /// those that every mesh needs into the cache folder.
+    explicit KernelBuilder(std::string device = {}, int work_group_size = 0, std::string folder = {});
     ~KernelBuilder();
     KernelBuilder(const KernelBuilder&) = delete;
     KernelBuilder& operator=(const KernelBuilder&) = delete;
 
     /// How many programs there are to build: 0 if finish() was called before by any process with the same
-    /// kernels, arguments and cache folder, or if there is no folder to keep them in. Opens no driver, so
-    /// that the process can still be forked.
+    /// kernels and arguments, on such a processor, for this folder or (the cache folder only) for one that
+    /// was installed with Mortise; or if the folder cannot be written. Opens no driver, so that the process
+    /// can still be forked.
     std::size_t needed() const;
 
-    /// Builds program `i` < needed(), if it is not in the cache folder; those that take longest come first.
+    /// Builds program `i` < needed(), if it is not in the folder; those that take longest come first.
     /// Opens the device at the first call. Throws Error(kDevice).
     void build(std::size_t i);
 

@@ -13,9 +13,11 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// Caches of its own, empty at first.
+/// Caches of its own, empty at first, and no kernels that are installed.
 Environment empty_caches(const ScratchFolder& scratch) {
-    return {{"MORTISE_CACHE", scratch.file("mortise")}, {"POCL_CACHE_DIR", scratch.file("pocl")}};
+    return {{"MORTISE_CACHE", scratch.file("mortise")},
+            {"POCL_CACHE_DIR", scratch.file("pocl")},
+            {"MORTISE_COMPILED_KERNELS", "/dev/null/none"}};
 }
 
 /// Programs compiled ahead, as a run's report says; 0 without that stage.
@@ -44,6 +46,48 @@ TEST_CASE("the first run compiles all kernels ahead, those that follow none") {
     CHECK(compiled_ahead(run(arguments, caches)) == 0);
     CHECK(scratch.names("mortise").size() == programs + 2);
     CHECK(read_file(scratch.file("bracket.vtu")) == first);
+}
+
+TEST_CASE("kernels compiled into a folder serve first runs, which leave it as it is") {
+    const ScratchFolder scratch;
+    const std::string folder = scratch.file("compiled");
+    const Outcome compiled = run({"kernels", "-o", folder, "--json"}, empty_caches(scratch));
+    REQUIRE(compiled.code == 0);
+    const Json said = Json::parse(compiled.out);
+    CHECK(said["folder"] == folder);
+    const std::size_t programs = said["compiled"];
+    const auto files = scratch.names("compiled");
+    CHECK(files.size() == programs + 2);  // notes for runs that need the usual ones, and for this command
+    CHECK(scratch.names("mortise").empty());
+    const Outcome again = run({"kernels", "-o", folder}, empty_caches(scratch));
+    CHECK(again.out == folder + ": all kernels are there\n");
+
+    const Environment installed = {{"MORTISE_CACHE", scratch.file("mortise")},
+                                   {"POCL_CACHE_DIR", scratch.file("other pocl")},
+                                   {"MORTISE_COMPILED_KERNELS", folder},
+                                   {"MORTISE_JACOBIANS", "own"}};
+    // Two runs that need most kernels between them.
+    for (const std::vector<std::string>& options :
+         {std::vector<std::string>{"--level", "4"}, {"--level", "3", "--refine", "1"}}) {
+        std::vector<std::string> arguments = {asset("bracket.csg"), "-o", scratch.file("bracket.vtu"),
+                                              "--json"};
+        arguments.insert(arguments.end(), options.begin(), options.end());
+        CHECK(compiled_ahead(run(arguments, installed)) == 0);
+    }
+    CHECK(scratch.names("mortise").size() == 1);  // what the probe of the arithmetic found
+    CHECK(scratch.names("compiled") == files);
+}
+
+TEST_CASE("kernels go to a folder that can be written, from a device that is there") {
+    const ScratchFolder scratch;
+    const Outcome unwritable = run({"kernels", "-o", "/dev/null/none"}, empty_caches(scratch));
+    CHECK(unwritable.code == 6);
+    CHECK(is_one_line(unwritable.err, "mortise: /dev/null/none: cannot be written"));
+    const Outcome missing = run({"kernels", "--device", "no such device"}, empty_caches(scratch));
+    CHECK(missing.code == 5);
+    CHECK(is_one_line(missing.err, "mortise: "));
+    CHECK(run({"kernels", "-o", scratch.file("a"), "-o", scratch.file("b")}, empty_caches(scratch)).code ==
+          1);
 }
 
 TEST_CASE("a run without a cache folder compiles nothing ahead") {

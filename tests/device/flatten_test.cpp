@@ -143,6 +143,15 @@ TEST_CASE("disk cache: what was stored, or nothing") {
             CHECK_FALSE(unusable.load("key"));
         }
     }
+    SUBCASE("folders that are read only, behind its own") {
+        const DiskCache behind(folder.path() + "/own", {"/dev/null/none", folder.path() + "/new/folder"});
+        CHECK(*behind.load("key") == "second");
+        CHECK_FALSE(behind.load("other key"));
+        behind.store("key", "own");
+        CHECK(*behind.load("key") == "own");
+        CHECK(*cache.load("key") == "second");
+        CHECK(*DiskCache("", {folder.path() + "/new/folder"}).load("key") == "second");
+    }
     SUBCASE("no more than so many files") {
         for (std::size_t i = 0; i < DiskCache::kMaxFiles + 5; ++i) cache.store(std::to_string(i), "x");
         std::size_t files = 0;

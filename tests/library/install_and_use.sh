@@ -10,6 +10,18 @@ cmake -S "$here" -B "$scratch/build" -G Ninja -DCMAKE_PREFIX_PATH="$scratch/pref
 cmake --build "$scratch/build" >/dev/null
 "$scratch/build/example" "$scratch"
 "$scratch/prefix/bin/mortise" --version
+# Kernels came with it: with empty caches nothing is compiled, by the program or through the library.
+for user in "$scratch/prefix/bin/mortise $here/../../assets/models/block.csg --level 3 -o $scratch/block.vtu" \
+    "$scratch/build/example $scratch"; do
+    mkdir "$scratch/cache"
+    # shellcheck disable=SC2086  # a command and its arguments
+    MORTISE_CACHE="$scratch/cache" POCL_CACHE_DIR="$scratch/cache/pocl" $user >/dev/null
+    if [ "$(find "$scratch/cache" -name '*.bin' | wc -l)" -ne 1 ]; then # what the probe of the arithmetic found
+        echo "compiled its kernels again: $user"
+        exit 1
+    fi
+    rm -r "$scratch/cache"
+done
 # The same without CMake.
 packages="$(dirname "$(find "$scratch/prefix" -name mortise.pc)")"
 read -ra flags <<<"$(PKG_CONFIG_PATH="$packages" pkg-config --cflags --libs mortise)"
