@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 namespace mortise {
@@ -14,6 +15,23 @@ struct IndexRun {
 
 /// Disjoint runs, ascending.
 using IndexRuns = std::vector<IndexRun>;
+
+/// Where runs of elements are when others have been taken: per element, not 0.
+inline IndexRuns without(const IndexRuns& runs, const std::vector<std::uint8_t>& taken) {
+    IndexRuns result;
+    std::size_t at = 0, gone = 0;
+    const auto pass = [&](std::size_t to) {
+        const auto index = [&](std::size_t i) { return taken.begin() + static_cast<std::ptrdiff_t>(i); };
+        gone += static_cast<std::size_t>(std::count(index(at), index(to), 1));
+        at = to;
+        return at - gone;
+    };
+    for (const IndexRun& run : runs) {
+        const std::size_t begin = pass(run.begin), end = pass(run.end);
+        if (begin < end) result.push_back({begin, end});
+    }
+    return result;
+}
 
 /// Looks indices up, in ascending order from `first` on.
 class RunFinder {

@@ -58,22 +58,6 @@ std::vector<NodeId> remove_nodes(const std::vector<NodeId>& unused, int threads,
 
 }  // namespace
 
-IndexRuns without(const IndexRuns& runs, const std::vector<std::uint8_t>& taken) {
-    IndexRuns result;
-    std::size_t at = 0, gone = 0;
-    const auto pass = [&](std::size_t to) {
-        const auto index = [&](std::size_t i) { return taken.begin() + static_cast<std::ptrdiff_t>(i); };
-        gone += static_cast<std::size_t>(std::count(index(at), index(to), 1));
-        at = to;
-        return at - gone;
-    };
-    for (const IndexRun& run : runs) {
-        const std::size_t begin = pass(run.begin), end = pass(run.end);
-        if (begin < end) result.push_back({begin, end});
-    }
-    return result;
-}
-
 Mesh close_zone(Mesh mesh, const CellFrame& frame, const Zone& zone, int threads, Trace* trace,
                 Known& known) {
     Mesh result = std::move(mesh);
@@ -109,8 +93,6 @@ Mesh close_zone(Mesh mesh, const CellFrame& frame, const Zone& zone, int threads
         known.old[type] = block.size();
     }
     known.poor = zone.left_poor;
-    known.cube_pieces =
-        without(known.cube_pieces, zone.taken[static_cast<std::size_t>(ElementType::kTetrahedron)]);
     ElementBlock& pyramids = result.block(ElementType::kPyramid);
     for (const Pyramid& p : zone.pyramids) {
         for (const ZoneNode n : p.node) pyramids.nodes.push_back(node[n]);

@@ -77,18 +77,16 @@ class Session {
         }
     }
 
-    /// From one quality to a higher one, but for what nothing helps. `widens`: with a wider zone at last;
-    /// `cube_pieces`: as mend_parts().
-    void raise(double from, double to, bool widens, IndexRuns cube_pieces = {}) {
+    /// From one quality to a higher one, but for what nothing helps. `widens`: with a wider zone at last.
+    void raise(double from, double to, bool widens) {
         known_ = {};
-        known_.cube_pieces = std::move(cube_pieces);
         frame_.on_lattice = false;
         Options options = options_;
         options.merge_distance = 0;
         const int runs = kRaisingRuns + (widens ? 1 : 0);
         for (int run = 0; run < runs; ++run) {
             // Most elements are mended without their neighbours inside, and hexahedra are what people want.
-            std::optional<Zone> zone = open(to, run == 0, run == kRaisingRuns);
+            std::optional<Zone> zone = open(to, run == 0 && !cuts_quads_, run == kRaisingRuns);
             if (!zone) return;
             Improver improver(*zone, surfaces_, options, {to, false, from});
             make_passes(improver, run);
@@ -97,6 +95,12 @@ class Session {
             close(*zone);
             if (done) return;
         }
+    }
+
+    /// The same for good quality only, if all elements but cubes have been split.
+    void mend() {
+        cuts_quads_ = true;
+        raise(kGoodQuality, kGoodQuality, false);
     }
 
     /// After the last raise().
@@ -131,9 +135,10 @@ class Session {
     /// None if there is nothing to do, or too little is known of the mesh.
     std::optional<Zone> open(double least, bool leaves_cubes, bool is_wide) {
         if (counters_.reached_open) return std::nullopt;
-        Zone zone = open_zone(mesh_, frame_, surfaces_, tips_,
-                              {options_.held, options_.slabs, least, leaves_cubes, is_wide, options_.threads},
-                              known_);
+        Zone zone = open_zone(
+            mesh_, frame_, surfaces_, tips_,
+            {options_.held, options_.slabs, least, leaves_cubes, is_wide, cuts_quads_, options_.threads},
+            known_);
         if (zone.tetrahedra.empty()) return std::nullopt;
         if (options_.is_open != nullptr && holds_open(zone, *options_.is_open, *trace_)) {
             counters_.reached_open = true;
@@ -170,6 +175,7 @@ class Session {
     Trace* trace_;
     Counters counters_;
     Known known_;
+    bool cuts_quads_ = false;
 };
 
 }  // namespace
@@ -196,12 +202,11 @@ Mesh improve(Mesh mesh, const tape::BoundModel& model, const Options& options, C
     return session.finish(counters != nullptr ? *counters : local);
 }
 
-Mesh mend_parts(Mesh mesh, const tape::BoundModel& model, const Options& options, IndexRuns cube_pieces,
-                Counters& counters) {
+Mesh mend_parts(Mesh mesh, const tape::BoundModel& model, const Options& options, Counters& counters) {
     Options keeping = options;
     keeping.keeps_loose = true;
     Session session(std::move(mesh), model, keeping, nullptr);
-    session.raise(kGoodQuality, kGoodQuality, false, std::move(cube_pieces));
+    session.mend();
     Counters added;
     mesh = session.finish(added);
     counters.zone_elements += added.zone_elements;

@@ -52,12 +52,11 @@ double quality_of_angle(double degrees);
 Mesh improve(Mesh mesh, const tape::BoundModel& model, const Options& options, Counters* counters,
              Trace* trace = nullptr);
 
-/// Improves what improve()'s elements have been split into, whose quality may be less than theirs. Without
-/// merging or smaller elements; nodes that are loose move only where that mends elements, no others become
-/// loose.
-/// `cube_pieces`: the tetrahedra that cubes inside have been split into, in the order of the cubes.
-Mesh mend_parts(Mesh mesh, const tape::BoundModel& model, const Options& options, IndexRuns cube_pieces,
-                Counters& counters);
+/// Improves what improve()'s elements have been split into, whose quality may be less than theirs: all are
+/// tetrahedra, but for cubes inside, which are to be split from their lowest nodes as their neighbours see
+/// them now. Without merging or smaller elements; nodes that are loose move only where that mends elements,
+/// no others become loose.
+Mesh mend_parts(Mesh mesh, const tape::BoundModel& model, const Options& options, Counters& counters);
 
 /// Raises the quality of all elements to a goal above kGoodQuality. The mesh is what improve() has made with
 /// these options, or what it has been split into; `counters` and `trace` are those of improve(), and are

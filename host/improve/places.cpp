@@ -10,16 +10,14 @@ namespace mortise::improve {
 namespace {
 
 constexpr std::size_t kPlaceChunk = 4096;
-/// Hexahedra of IN cells, and of their pieces, of which first and last tell that none is near the zone.
+/// Hexahedra of IN cells of which first and last tell that none is near the zone.
 constexpr std::size_t kRow = 64;
-constexpr std::size_t kPieces = 6;  ///< of a cube
 
-/// Whether no element from the first to the last lies in one of these bricks of a uniform tree; all lie in
-/// cubes, in the order of the cubes' Morton codes.
-bool is_row_far(const Mesh& mesh, const CellFrame& frame, const std::vector<std::uint64_t>& bricks, int type,
+/// Whether no cube from the first to the last lies in one of these bricks of a uniform tree.
+bool is_row_far(const Mesh& mesh, const CellFrame& frame, const std::vector<std::uint64_t>& bricks,
                 std::size_t first, std::size_t last) {
     const auto brick_of = [&](std::size_t i) {
-        const Point p = place_of(mesh, frame, type, i);
+        const Point p = place_of(mesh, frame, 0, i);
         return morton_encode(static_cast<u32>(p[0]), static_cast<u32>(p[1]), static_cast<u32>(p[2])) >>
                (3 * CellSet::kBrickLevels);
     };
@@ -33,19 +31,18 @@ bool are_cubes_far(const Mesh& mesh, const CellFrame& frame, const std::vector<s
     const ElementBlock& block = mesh.elements[0];
     while (begin < end && !is_cube(block, 0, begin)) ++begin;
     while (begin < end && !is_cube(block, 0, end - 1)) --end;
-    return begin == end || is_row_far(mesh, frame, bricks, 0, begin, end - 1);
+    return begin == end || is_row_far(mesh, frame, bricks, begin, end - 1);
 }
 
 /// Lists the elements of one type near the set, chunk by chunk.
 class CellFinder {
   public:
     CellFinder(const Mesh& mesh, const CellFrame& frame, const CellSet& cells,
-               const std::vector<std::uint64_t>& bricks, const IndexRuns& cube_pieces, int type)
+               const std::vector<std::uint64_t>& bricks, int type)
         : mesh_(mesh),
           frame_(frame),
           cells_(cells),
           bricks_(bricks),
-          cube_pieces_(cube_pieces),
           block_(mesh.elements[static_cast<std::size_t>(type)]),
           type_(type) {}
 
@@ -57,19 +54,7 @@ class CellFinder {
     Found find(std::size_t begin, std::size_t end) const {
         Found found;
         CellId at = 0;
-        if (type_ == kTetrahedra) {
-            RunFinder pieces(cube_pieces_, begin);
-            for (std::size_t i = begin; i < end;) {
-                const IndexRun* const run = pieces.run_of(i);
-                if (run == nullptr) {
-                    add_if_near(i++, at, found);
-                } else {
-                    const std::size_t to = std::min(end, run->end);
-                    add_pieces(*run, i, to, at, found);
-                    i = to;
-                }
-            }
-        } else if (type_ == 0 && !cells_.is_graded()) {
+        if (type_ == 0 && !cells_.is_graded()) {
             add_hexahedra(begin, end, at, found);
         } else {
             for (std::size_t i = begin; i < end; ++i) add_if_near(i, at, found);
@@ -78,36 +63,16 @@ class CellFinder {
     }
 
   private:
-    /// Elements `from` to `to`, which lie in the cell of `place`.
-    void add(std::size_t from, std::size_t to, const Point& place, CellId& at, Found& found) const {
-        if (!cells_.is_graded() && !cells_.is_near(place)) return;
-        at = cells_.index(place, at);
-        const auto cell = at < Places::kLookAnew ? static_cast<std::uint32_t>(at) : Places::kLookAnew;
-        for (std::size_t i = from; i < to; ++i) {
-            found.elements.push_back(static_cast<std::uint32_t>(i));
-            found.cells.push_back(cell);
-        }
-    }
-
     void add_if_near(std::size_t i, CellId& at, Found& found) const {
         // No element reaches kNearby cells.
         if (!is_cube(block_, type_, i) && !cells_.is_graded() &&
             !cells_.is_nearby(in_cells(mesh_, frame_, *element(mesh_, type_, i).node)))
             return;
-        add(i, i + 1, place_of(mesh_, frame_, type_, i), at, found);
-    }
-
-    /// A cube's pieces are in its cell: zones take all of them, or none.
-    void add_pieces(const IndexRun& run, std::size_t from, std::size_t to, CellId& at, Found& found) const {
-        for (std::size_t i = from; i < to;) {
-            const std::size_t row = std::min(to, i + kPieces * kRow);
-            if (!cells_.is_graded() && is_row_far(mesh_, frame_, bricks_, type_, i, row - 1)) i = row;
-            while (i < row) {
-                const std::size_t next = std::min(row, i + kPieces - (i - run.begin) % kPieces);
-                add(i, next, place_of(mesh_, frame_, type_, i), at, found);
-                i = next;
-            }
-        }
+        const Point place = place_of(mesh_, frame_, type_, i);
+        if (!cells_.is_graded() && !cells_.is_near(place)) return;
+        at = cells_.index(place, at);
+        found.elements.push_back(static_cast<std::uint32_t>(i));
+        found.cells.push_back(at < Places::kLookAnew ? static_cast<std::uint32_t>(at) : Places::kLookAnew);
     }
 
     /// All cubes of a chunk may be far; else they are judged row by row.
@@ -126,7 +91,6 @@ class CellFinder {
     const CellFrame& frame_;
     const CellSet& cells_;
     const std::vector<std::uint64_t>& bricks_;
-    const IndexRuns& cube_pieces_;
     const ElementBlock& block_;
     int type_;
 };
@@ -166,13 +130,12 @@ CellId Places::cell(const Mesh& mesh, const CellFrame& frame, const CellSet& cel
     return cells.index(place_of(mesh, frame, type, element[static_cast<std::size_t>(type)][i]));
 }
 
-void find_cells(const Mesh& mesh, const CellFrame& frame, const CellSet& cells, const Known& known,
-                int threads, Places& places) {
+void find_cells(const Mesh& mesh, const CellFrame& frame, const CellSet& cells, int threads, Places& places) {
     std::vector<std::uint64_t> bricks;
     if (!cells.is_graded()) bricks = cells.near_bricks();
     for (int t = 0; t < kElementTypes; ++t) {
         const auto type = static_cast<std::size_t>(t);
-        const CellFinder finder(mesh, frame, cells, bricks, known.cube_pieces, t);
+        const CellFinder finder(mesh, frame, cells, bricks, t);
         const std::size_t count = mesh.elements[type].size();
         std::vector<std::vector<std::uint32_t>> elements(chunk_count(count, kPlaceChunk));
         std::vector<std::vector<std::uint32_t>> cells_of(elements.size());

@@ -60,10 +60,9 @@ struct Places {
 };
 
 /// Fills `element` and `cell_of`; of a uniform tree with the elements near the set, where hexahedra of IN
-/// cells must be in the order of the cells' Morton codes. Of `known` only cube_pieces is used. `threads` host
-/// threads, here and below; results do not depend on them.
-void find_cells(const Mesh& mesh, const CellFrame& frame, const CellSet& cells, const Known& known,
-                int threads, Places& places);
+/// cells must be in the order of the cells' Morton codes. `threads` host threads, here and below; results do
+/// not depend on them.
+void find_cells(const Mesh& mesh, const CellFrame& frame, const CellSet& cells, int threads, Places& places);
 
 /// Fills Places::node_class, from cell_of.
 void find_size_classes(const Mesh& mesh, const CellFrame& frame, const CellSet& cells, int threads,

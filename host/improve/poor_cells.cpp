@@ -73,9 +73,6 @@ double volume_rounding(const CellFrame& frame, int finest_class) {
 std::vector<CellId> poor_cells(const Mesh& mesh, const CellFrame& frame, const CellSet& cells,
                                const Places& places, double rounding, double least, int threads,
                                const Known& known) {
-    // Cubes are split into good tetrahedra.
-    const IndexRuns no_pieces;
-    const IndexRuns& good_pieces = least > kGoodQuality ? no_pieces : known.cube_pieces;
     const bool is_quick = !(least > kGoodQuality) && frame.leaves == nullptr && frame.level <= kCertainLevel;
     GoodElementsFrame quick;
     quick.origin = frame.origin;
@@ -98,12 +95,7 @@ std::vector<CellId> poor_cells(const Mesh& mesh, const CellFrame& frame, const C
                     list.push_back(cells.index(centroid(mesh, frame, e)));
             };
             GoodElementsFilter filter(mesh, static_cast<ElementType>(t), quick, look);
-            RunFinder pieces(t == kTetrahedra ? good_pieces : no_pieces, before + begin);
             for (std::size_t i = before + begin; i < before + end; ++i) {
-                if (const IndexRun* const run = pieces.run_of(i)) {
-                    i = run->end - 1;
-                    continue;
-                }
                 if (t == 0) i = next_no_cube(block, i, before + end);
                 if (i == before + end) break;
                 if (is_quick)

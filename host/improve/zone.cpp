@@ -23,9 +23,9 @@ constexpr std::size_t kZoneChunk = 4096;
 constexpr int kGrowths = 3;
 static_assert(2 * (kGrowths - 1) + 3 < CellSet::kReach && 3 < CellSet::kShortReach);
 
-std::int64_t needed_reach(const Mesh& mesh) {
+std::int64_t needed_reach(const Mesh& mesh, bool cuts_quads) {
     const bool is_tetrahedral = mesh.element_count() == mesh.block(ElementType::kTetrahedron).size();
-    return is_tetrahedral ? CellSet::kShortReach : CellSet::kReach;
+    return is_tetrahedral || cuts_quads ? CellSet::kShortReach : CellSet::kReach;
 }
 constexpr double kSameDistance = 2e-5;  ///< cells
 constexpr double kLessTurned = 0.1;
@@ -42,12 +42,12 @@ class Opener {
           options_(options),
           threads_(options.threads),
           known_(known),
-          cells_(frame.level, frame.leaves, needed_reach(mesh)) {}
+          cells_(frame.level, frame.leaves, needed_reach(mesh, options.cuts_quads)) {}
 
     Zone open() {
         if (cells_.is_graded()) {
             unit_class_ = finest_class(*frame_.leaves);
-            find_cells(mesh_, frame_, cells_, known_, threads_, places_);
+            find_cells(mesh_, frame_, cells_, threads_, places_);
             find_size_classes(mesh_, frame_, cells_, threads_, places_);
         }
         rounding_ = volume_rounding(frame_, unit_class_);
@@ -60,7 +60,7 @@ class Opener {
         }
         if (poor.empty()) return {};
         for (const CellId cell : poor) options_.is_wide ? cells_.set_two_rings(cell) : cells_.set_ring(cell);
-        if (!cells_.is_graded()) find_cells(mesh_, frame_, cells_, known_, threads_, places_);
+        if (!cells_.is_graded()) find_cells(mesh_, frame_, cells_, threads_, places_);
         if (options_.leaves_cubes) leave_cubes(poor);
         outer_quads_ = outer_quads(mesh_, frame_, cells_, threads_);
         held_quads_ = held_quads(mesh_, options_.held);
@@ -144,7 +144,7 @@ class Opener {
                             });
             append_lists(found, threads_, elements_);
         }
-        mark_kept_quads(mesh_, outer_quads_, held_quads_, threads_, elements_);
+        if (!options_.cuts_quads) mark_kept_quads(mesh_, outer_quads_, held_quads_, threads_, elements_);
         number_nodes();
     }
 

@@ -10,7 +10,6 @@
 #include <utility>
 #include <vector>
 
-#include "host/common/index_run.hpp"
 #include "host/improve/cell_set.hpp"
 #include "host/improve/quality.hpp"
 #include "host/improve/stratum.hpp"
@@ -127,8 +126,6 @@ struct Zone {
 struct Known {
     std::array<std::size_t, kElementTypes> old{};  ///< per type: elements from here on are new
     std::vector<CellId> poor;                      ///< cells of old elements that are poor
-    /// Tetrahedra that cubes inside have been split into, in the order of the cubes' Morton codes.
-    IndexRuns cube_pieces;
 };
 
 /// Where cells lie in model coordinates.
@@ -165,15 +162,13 @@ struct ZoneOptions {
     double least = kGoodQuality;                      ///< elements of less quality are poor
     bool leaves_cubes = false;                        ///< cubes inside are no part of the ring
     bool is_wide = false;                             ///< two rings instead of one
-    int threads = 0;                                  ///< host threads; the result does not depend on them
+    bool cuts_quads = false;  ///< all that are left will be cut, from their lowest nodes
+    int threads = 0;          ///< host threads; the result does not depend on them
 };
 
 /// Collects the zone; cells of tips count as poor.
 Zone open_zone(const Mesh& mesh, const CellFrame& frame, const Surfaces& surfaces,
                const std::vector<Tip>& tips, const ZoneOptions& options, const Known& known);
-
-/// Where runs of elements are when others have been taken: per element, not 0.
-IndexRuns without(const IndexRuns& runs, const std::vector<std::uint8_t>& taken);
 
 /// Puts the zone's elements, facets and moved nodes in place of those that were taken. `trace` may be null;
 /// it is brought up to date. Tells in `known` what needs no second look.

@@ -87,17 +87,41 @@ void correct_cubes(const Mesh& mesh, const IndexRuns& cubes, float* values) {
     }
 }
 
-std::vector<float> scaled_jacobians_in_lanes(const Mesh& mesh, int threads, const IndexRuns* moved_cubes) {
+std::size_t tetrahedra_with_sixths(const Mesh& mesh, const IndexRuns& sixths, int threads, float* values) {
+    const ElementBlock& block = mesh.block(ElementType::kTetrahedron);
+    const std::size_t count = sixths.empty() ? 0 : sixths.back().end;
+    parallel_chunks(count, kChunk, threads, [&](std::size_t begin, std::size_t end, int) {
+        RunFinder finder(sixths, begin);
+        for (std::size_t i = begin; i < end;) {
+            const IndexRun* const run = finder.run_of(i);
+            if (run != nullptr) {
+                const std::size_t to = std::min(end, run->end);
+                std::fill(values + i, values + to, kSixth);
+                i = to;
+                continue;
+            }
+            std::size_t to = i + 1;
+            while (to < end && finder.run_of(to) == nullptr) ++to;
+            tetrahedra(mesh.points.data(), block.nodes.data() + 4 * i, to - i, values + i);
+            i = to;
+        }
+    });
+    return count;
+}
+
+std::vector<float> scaled_jacobians_in_lanes(const Mesh& mesh, int threads, const KnownShapes& known) {
     std::vector<float> values;
     resize_large(values, mesh.element_count(), threads);
     float* out = values.data();
     for (std::size_t t = 0; t < kElementTypes; ++t) {
         const ElementBlock& block = mesh.elements[t];
         const auto size = static_cast<std::size_t>(kElementNodes[t]);
-        parallel_chunks(block.size(), kChunk, threads, [&](std::size_t begin, std::size_t end, int) {
-            for (std::size_t i = begin; i < end; i += kAtOnce) {
-                const std::size_t count = std::min(kAtOnce, end - i);
-                if (t == 0 && moved_cubes != nullptr && are_cubes(block.kind.data() + i, count)) {
+        const std::size_t done =
+            t == 3 && known.sixths != nullptr ? tetrahedra_with_sixths(mesh, *known.sixths, threads, out) : 0;
+        parallel_chunks(block.size() - done, kChunk, threads, [&](std::size_t begin, std::size_t end, int) {
+            for (std::size_t i = done + begin; i < done + end; i += kAtOnce) {
+                const std::size_t count = std::min(kAtOnce, done + end - i);
+                if (t == 0 && known.moved_cubes != nullptr && are_cubes(block.kind.data() + i, count)) {
                     std::fill_n(out + i, count, 1.0f);
                     continue;
                 }
@@ -106,7 +130,7 @@ std::vector<float> scaled_jacobians_in_lanes(const Mesh& mesh, int threads, cons
         });
         out += block.size();
     }
-    if (moved_cubes != nullptr) correct_cubes(mesh, *moved_cubes, values.data());
+    if (known.moved_cubes != nullptr) correct_cubes(mesh, *known.moved_cubes, values.data());
     return values;
 }
 #else
@@ -116,7 +140,9 @@ void correct_cubes(const Mesh& mesh, const IndexRuns& cubes, float* values) {
     for (const IndexRun& run : cubes) std::copy(&all[run.begin], &all[run.end], values + run.begin);
 }
 
-std::vector<float> scaled_jacobians_in_lanes(const Mesh& mesh, int, const IndexRuns*) {
+std::size_t tetrahedra_with_sixths(const Mesh&, const IndexRuns&, int, float*) { return 0; }
+
+std::vector<float> scaled_jacobians_in_lanes(const Mesh& mesh, int, const KnownShapes&) {
     return mortise::scaled_jacobians(mesh);
 }
 #endif

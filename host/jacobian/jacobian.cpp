@@ -112,10 +112,10 @@ std::optional<Method> wanted_method() {
 Method usual_method(std::size_t elements) { return elements < kWorthLoading ? Method::kHost : Method::kOwn; }
 
 std::vector<float> scaled_jacobians(Device& device, const Mesh& mesh, Method method, int threads,
-                                    const IndexRuns* moved_cubes, std::vector<float> old) {
+                                    const KnownShapes& known, std::vector<float> old) {
     const std::size_t points_bytes = mesh.points.size() * sizeof(double);
     if (method == Method::kHost || points_bytes > device.info().max_allocation_bytes)
-        return scaled_jacobians_in_lanes(mesh, threads, moved_cubes);
+        return scaled_jacobians_in_lanes(mesh, threads, known);
     std::vector<float> values;
     take_memory(old, mesh.element_count(), values);
     resize_large(values, mesh.element_count(), threads);
@@ -130,7 +130,10 @@ std::vector<float> scaled_jacobians(Device& device, const Mesh& mesh, Method met
         std::optional<Product> product;
         if (method == Method::kProduct)
             product.emplace(device, kTypes[t], nodes, std::min(chunk, block.size()));
-        for (std::size_t begin = 0; begin < block.size(); begin += chunk) {
+        const bool has_sixths = t == 3 && known.sixths != nullptr && method == Method::kOwn;
+        const std::size_t done =
+            has_sixths ? tetrahedra_with_sixths(mesh, *known.sixths, threads, values.data() + before) : 0;
+        for (std::size_t begin = done; begin < block.size(); begin += chunk) {
             const std::size_t count = std::min(chunk, block.size() - begin);
             const Buffer elements = wrap_constant(device, block.nodes.data() + nodes * begin, nodes * count);
             Buffer results = device.wrap(values.data() + before + begin, count * sizeof(float));
@@ -141,13 +144,14 @@ std::vector<float> scaled_jacobians(Device& device, const Mesh& mesh, Method met
                 const Buffer kinds = wrap_constant(device, block.kind.data() + begin, count);
                 device.launch(device.kernel("jacobian/own.cl", kTypes[t].entry), (count + width - 1) / width,
                               points, elements, kinds, results, static_cast<std::uint32_t>(count),
-                              std::int32_t{moved_cubes != nullptr});
+                              std::int32_t{known.moved_cubes != nullptr});
             }
             device.sync_to_host(results);
         }
         before += block.size();
     }
-    if (moved_cubes != nullptr && method == Method::kOwn) correct_cubes(mesh, *moved_cubes, values.data());
+    if (known.moved_cubes != nullptr && method == Method::kOwn)
+        correct_cubes(mesh, *known.moved_cubes, values.data());
     return values;
 }
 

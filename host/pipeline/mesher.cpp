@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <optional>
 
 #include "host/common/parallel.hpp"
@@ -64,6 +65,13 @@ std::vector<bool> regions_present(const Mesh& mesh) {
         }
     }
     return present;
+}
+
+/// Whether coordinates are small beside what rounding leaves of cells.
+bool are_exact(const pipeline::Root& root) {
+    double most = 0;
+    for (const double x : root.origin) most = std::max({most, std::fabs(x), std::fabs(x + root.side)});
+    return most <= jacobian::kExactEdges * root.cell();
 }
 
 /// Extraction and assembly, range by range of the Morton order; the pieces do not know each other until they
@@ -220,26 +228,33 @@ Mesh Mesher::generate(const Model& model, const MeshOptions& options, MeshReport
                                          out.warnings);
         stages.end(prepared.periodic.size());
     }
-    IndexRuns cube_pieces;
+    const bool raises = improve_options.goal > improve::kGoodQuality;
+    IndexRuns sixths;
     if (options.tetrahedra) {
         stages.begin("tetrahedra", 0.95);
-        mesh = tetrahedra::split(std::move(mesh), options.threads, copy_of.empty() ? nullptr : &copy_of,
-                                 &cube_pieces, arena != nullptr ? &arena->mesh : nullptr);
+        mesh = tetrahedra::split_around_cubes(std::move(mesh), options.threads,
+                                              copy_of.empty() ? nullptr : &copy_of, &moved_cubes);
+        if (options.improve && !raises) {  // what good elements are split into may be worse
+            stages.begin("raise", 0.951);
+            const std::uint64_t before = counters.zone_elements;
+            mesh = improve::mend_parts(std::move(mesh), prepared.bound, improve_options, counters);
+            stages.end(counters.zone_elements - before);
+        }
+        stages.begin("tetrahedra", 0.952);
+        mesh = tetrahedra::split_cubes(std::move(mesh), options.threads, moved_cubes, &sixths,
+                                       arena != nullptr ? &arena->mesh : nullptr);
+        if (raises || !are_exact(prepared.root)) sixths = {};
         moved_cubes = {};
         stages.end(mesh.element_count());
     }
-    // After elements have been split: what good ones are split into may be worse.
-    const bool raises = improve_options.goal > improve::kGoodQuality;
-    if (raises || (options.improve && options.tetrahedra)) {
-        stages.begin("raise", 0.952);
+    if (raises) {
+        stages.begin("raise", 0.953);
         const std::uint64_t before = counters.zone_elements;
-        mesh = raises ? improve::raise(std::move(mesh), prepared.bound, improve_options, counters)
-                      : improve::mend_parts(std::move(mesh), prepared.bound, improve_options,
-                                            std::move(cube_pieces), counters);
+        mesh = improve::raise(std::move(mesh), prepared.bound, improve_options, counters);
         stages.end(counters.zone_elements - before);
     }
     if (options.hanging) {
-        stages.begin("hanging", 0.953);
+        stages.begin("hanging", 0.954);
         hanging::Restored restored = hanging::restore_cells(
             std::move(mesh), {prepared.root.origin, prepared.root.side, &prepared.leaves}, options.threads);
         mesh = std::move(restored.mesh);
@@ -257,7 +272,10 @@ Mesh Mesher::generate(const Model& model, const MeshOptions& options, MeshReport
         stages.begin("jacobians", 0.99);
         out.scaled_jacobians = jacobian::scaled_jacobians(
             device, mesh, jacobian_method.value_or(jacobian::usual_method(mesh.element_count())),
-            options.threads, prepared.periodic.empty() ? &moved_cubes : nullptr, std::move(jacobians));
+            options.threads,
+            prepared.periodic.empty() ? jacobian::KnownShapes{&moved_cubes, &sixths}
+                                      : jacobian::KnownShapes{},
+            std::move(jacobians));
         stages.end(mesh.element_count());
     }
     pipeline::report_cells(prepared, extracted, model, options, out);

@@ -4,6 +4,8 @@
 #include <array>
 #include <string>
 
+#include "host/common/compaction.hpp"
+#include "host/common/cubes.hpp"
 #include "host/common/large_array.hpp"
 #include "host/common/parallel.hpp"
 #include "mortise/error.hpp"
@@ -148,10 +150,6 @@ bool all_positive(const std::vector<double>& points, const Pieces& pieces) {
                        [&](const Tetrahedron& t) { return determinant(points, t) > 0; });
 }
 
-bool is_cube(const ElementBlock& block, const Splitter& splitter, std::size_t i) {
-    return splitter.size() == kMostNodes && block.kind[i] == static_cast<std::uint8_t>(ElementKind::kIn);
-}
-
 /// Elements, ascending, that their lowest node does not split into positive tetrahedra.
 std::vector<std::size_t> find_turned(const std::vector<double>& points, const ElementBlock& block,
                                      const Splitter& splitter, int threads) {
@@ -159,7 +157,6 @@ std::vector<std::size_t> find_turned(const std::vector<double>& points, const El
     parallel_chunks(block.size(), kChunk, threads, [&](std::size_t begin, std::size_t end, int) {
         Pieces pieces;
         for (std::size_t i = begin; i < end; ++i) {
-            if (is_cube(block, splitter, i)) continue;
             splitter.split(block.nodes.data() + i * splitter.size(), pieces);
             if (!all_positive(points, pieces)) found[begin / kChunk].push_back(i);
         }
@@ -198,24 +195,6 @@ Share plan(ElementType type, const ElementBlock& block, const Order& order, std:
         }
     }
     return share;
-}
-
-/// The tetrahedra of a type's cubes.
-IndexRuns pieces_of_cubes(const ElementBlock& block, const Share& share) {
-    IndexRuns runs;
-    auto next = share.turned.begin();
-    std::size_t to = share.begin;
-    for (std::size_t i = 0; i < block.size(); ++i) {
-        const bool is_turned = next != share.turned.end() && *next == i;
-        const std::size_t end = to + share.splitter.usual_count() + (is_turned ? share.more() : 0);
-        if (is_turned) ++next;
-        if (is_cube(block, share.splitter, i)) {
-            if (runs.empty() || runs.back().end != to) runs.push_back({to, to});
-            runs.back().end = end;
-        }
-        to = end;
-    }
-    return runs;
 }
 
 /// Splits the elements of one type into their share of the tetrahedra.
@@ -285,35 +264,154 @@ FacetBlock split_facets(const FacetBlock& facets, const Order& order, int thread
     return result;
 }
 
+/// Which hexahedra split_around_cubes() splits: per element, not 0.
+std::vector<std::uint8_t> find_split(const ElementBlock& hexahedra, const std::vector<NodeId>* rank,
+                                     int threads) {
+    std::vector<std::uint8_t> is_split(hexahedra.size());
+    parallel_chunks(hexahedra.size(), kChunk, threads, [&](std::size_t begin, std::size_t end, int) {
+        for (std::size_t i = begin; i < end; ++i) {
+            const NodeId* const node = hexahedra.nodes.data() + kMostNodes * i;
+            const bool is_ranked = rank != nullptr && std::any_of(node, node + kMostNodes, [&](NodeId n) {
+                                       return n < rank->size() && (*rank)[n] != n;
+                                   });
+            is_split[i] = hexahedra.kind[i] != static_cast<std::uint8_t>(ElementKind::kIn) || is_ranked;
+        }
+    });
+    return is_split;
+}
+
+/// The hexahedra of which `wanted` is set.
+ElementBlock select(const ElementBlock& hexahedra, const std::vector<std::uint8_t>& wanted) {
+    ElementBlock out;
+    for (std::size_t i = 0; i < wanted.size(); ++i) {
+        if (wanted[i] == 0) continue;
+        const auto node = hexahedra.nodes.begin() + static_cast<std::ptrdiff_t>(kMostNodes * i);
+        out.nodes.insert(out.nodes.end(), node, node + kMostNodes);
+        out.region.push_back(hexahedra.region[i]);
+        out.kind.push_back(hexahedra.kind[i]);
+    }
+    return out;
+}
+
+/// The pieces of a cube whose nodes ascend along the axes, as nearly all do.
+class CubeSplitter {
+  public:
+    CubeSplitter() : order_(nullptr), any_(ElementType::kHexahedron, order_) {
+        constexpr std::array<NodeId, kMostNodes> kAscending = {0, 1, 3, 2, 4, 5, 7, 6};
+        Pieces pieces;
+        any_.split(kAscending.data(), pieces);
+        for (std::size_t k = 0; k < kPieceNodes; ++k) {
+            const NodeId number = pieces.list[k / 4][k % 4];
+            usual_[k] = static_cast<std::uint8_t>(std::find(kAscending.begin(), kAscending.end(), number) -
+                                                  kAscending.begin());
+        }
+    }
+
+    static constexpr std::size_t kPieces = 6;
+    static constexpr std::size_t kPieceNodes = 4 * kPieces;
+
+    /// Whether the pieces are sixths around a diagonal of the cube.
+    bool split(const NodeId* n, NodeId* out) const {
+        // The lowest node of the cube, and of the three faces that do not hold it, by steps along edges.
+        const bool ascends = (n[0] < n[1]) & (n[0] < n[3]) & (n[0] < n[4]) & (n[1] < n[2]) & (n[1] < n[5]) &
+                             (n[1] < n[6]) & (n[3] < n[2]) & (n[3] < n[7]) & (n[3] < n[6]) & (n[4] < n[5]) &
+                             (n[4] < n[7]) & (n[4] < n[6]);
+        if (ascends) {
+            for (std::size_t k = 0; k < kPieceNodes; ++k) out[k] = n[usual_[k]];
+            return true;
+        }
+        Pieces pieces;
+        any_.split(n, pieces);
+        for (std::size_t k = 0; k < kPieces; ++k) std::copy_n(pieces.list[k].begin(), 4, out + 4 * k);
+        // The diagonals of the three faces end in one node: the one opposite the cone's apex.
+        const NodeId end = pieces.list[0][1];
+        return (pieces.list[1][2] == end) & (pieces.list[2][1] == end) & (pieces.list[3][2] == end) &
+               (pieces.list[4][1] == end) & (pieces.list[5][2] == end);
+    }
+
+  private:
+    Order order_;
+    Splitter any_;
+    std::array<std::uint8_t, kPieceNodes> usual_;
+};
+
+/// The runs of elements of which `is_one` is set, six tetrahedra for each, but for some elements.
+IndexRuns sixths_of(const std::vector<std::uint8_t>& is_one, const IndexRuns& but) {
+    IndexRuns runs;
+    RunFinder left_out(but, 0);
+    for (std::size_t i = 0; i < is_one.size(); ++i) {
+        if (is_one[i] == 0 || left_out.run_of(i) != nullptr) continue;
+        const std::size_t begin = CubeSplitter::kPieces * i;
+        if (runs.empty() || runs.back().end != begin) runs.push_back({begin, begin});
+        runs.back().end += CubeSplitter::kPieces;
+    }
+    return runs;
+}
+
 }  // namespace
 
-Mesh split(Mesh mesh, int threads, const std::vector<NodeId>* rank, IndexRuns* cube_pieces, Mesh* old) {
+Mesh split_around_cubes(Mesh mesh, int threads, const std::vector<NodeId>* rank, IndexRuns* followed) {
     const Order order(rank);
+    std::array<ElementBlock, kElementTypes> whole;
+    ElementBlock& hexahedra = mesh.elements[0];
+    const std::vector<std::uint8_t> is_split = find_split(hexahedra, rank, threads);
+    whole[0] = select(hexahedra, is_split);
+    const Compaction cubes(is_split, threads);
+    cubes.keep(hexahedra.nodes, kMostNodes);
+    cubes.keep(hexahedra.region, 1);
+    cubes.keep(hexahedra.kind, 1);
+    if (followed != nullptr) *followed = without(*followed, is_split);
     std::vector<Share> shares;
     std::size_t count = 0;
-    for (int t = 0; t < kElementTypes; ++t) {
-        const ElementBlock& block = mesh.elements[static_cast<std::size_t>(t)];
-        shares.push_back(plan(static_cast<ElementType>(t), block, order, count, threads, mesh.points));
-        count += shares.back().count(block.size());
-    }
-    if (cube_pieces != nullptr) *cube_pieces = pieces_of_cubes(mesh.elements[0], shares[0]);
-    ElementBlock tetrahedra;
-    const auto make_room = [&](auto member, std::size_t size) {
-        if (old != nullptr)
-            take_memory(old->block(ElementType::kTetrahedron).*member, size, tetrahedra.*member);
-        resize_large(tetrahedra.*member, size, threads);
-    };
-    make_room(&ElementBlock::nodes, 4 * count);
-    make_room(&ElementBlock::region, count);
-    make_room(&ElementBlock::kind, count);
     for (std::size_t t = 0; t < kElementTypes; ++t) {
-        split_block(mesh.elements[t], shares[t], mesh.points, threads, tetrahedra);
-        ElementBlock block = std::move(mesh.elements[t]);
-        mesh.elements[t] = {};
-        if (old != nullptr) old->elements[t] = std::move(block);
+        if (t > 0) whole[t] = std::move(mesh.elements[t]);
+        shares.push_back(plan(static_cast<ElementType>(t), whole[t], order, count, threads, mesh.points));
+        count += shares.back().count(whole[t].size());
+        if (t > 0) mesh.elements[t] = {};
     }
-    mesh.block(ElementType::kTetrahedron) = std::move(tetrahedra);
+    ElementBlock& tetrahedra = mesh.block(ElementType::kTetrahedron);
+    const std::size_t spare = count / 16;  // what is made better may be more
+    resize_large(tetrahedra.nodes, 4 * count, threads, 4 * spare);
+    resize_large(tetrahedra.region, count, threads, spare);
+    resize_large(tetrahedra.kind, count, threads, spare);
+    for (std::size_t t = 0; t < kElementTypes; ++t)
+        split_block(whole[t], shares[t], mesh.points, threads, tetrahedra);
     mesh.facets = split_facets(mesh.facets, order, threads);
+    return mesh;
+}
+
+Mesh split_cubes(Mesh mesh, int threads, const IndexRuns& moved, IndexRuns* sixths, Mesh* old) {
+    constexpr std::size_t kPieces = CubeSplitter::kPieces;
+    ElementBlock cubes = std::move(mesh.elements[0]);
+    mesh.elements[0] = {};
+    ElementBlock& others = mesh.block(ElementType::kTetrahedron);
+    ElementBlock all;
+    // Room for all, with the others behind the pieces.
+    const auto make_room = [&](auto member, std::size_t stride) {
+        const std::size_t first = stride * kPieces * cubes.size();
+        const auto& values = others.*member;
+        if (old != nullptr)
+            take_memory(old->block(ElementType::kTetrahedron).*member, first + values.size(), all.*member);
+        resize_large(all.*member, first + values.size(), threads);
+        parallel_chunks(values.size(), kChunk, threads, [&](std::size_t begin, std::size_t end, int) {
+            std::copy(&values[begin], &values[end], &(all.*member)[first + begin]);
+        });
+    };
+    make_room(&ElementBlock::nodes, 4);
+    make_room(&ElementBlock::region, 1);
+    make_room(&ElementBlock::kind, 1);
+    const CubeSplitter splitter;
+    std::vector<std::uint8_t> is_alike(cubes.size());
+    parallel_chunks(cubes.size(), kChunk, threads, [&](std::size_t begin, std::size_t end, int) {
+        for (std::size_t i = begin; i < end; ++i) {
+            is_alike[i] = splitter.split(&cubes.nodes[kMostNodes * i], &all.nodes[4 * kPieces * i]);
+            std::fill_n(&all.region[kPieces * i], kPieces, cubes.region[i]);
+            std::fill_n(&all.kind[kPieces * i], kPieces, cubes.kind[i]);
+        }
+    });
+    if (sixths != nullptr) *sixths = sixths_of(is_alike, moved);
+    if (old != nullptr) old->elements[0] = std::move(cubes);
+    mesh.block(ElementType::kTetrahedron) = std::move(all);
     return mesh;
 }
 

@@ -2,6 +2,8 @@
 #include <doctest/doctest.h>
 #include <stdlib.h>  // setenv
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -196,14 +198,62 @@ TEST_CASE("cubes inside are 1 without a look, but for those that have moved") {
     const std::vector<float> all = jacobian::scaled_jacobians(shared_device(), mesh, Method::kHost);
     CHECK(std::count_if(all.begin(), all.begin() + kCount, [](float v) { return v < 1; }) == 12 + 3);
     for (const Method method : {Method::kHost, Method::kOwn, Method::kProduct}) {
-        CHECK(same_bits(all, jacobian::scaled_jacobians(shared_device(), mesh, method, 2, &moved)));
-        CHECK(same_bits(all, jacobian::scaled_jacobians(scalar_device(), mesh, method, 2, &moved)));
+        CHECK(
+            same_bits(all, jacobian::scaled_jacobians(shared_device(), mesh, method, 2, {&moved, nullptr})));
+        CHECK(
+            same_bits(all, jacobian::scaled_jacobians(scalar_device(), mesh, method, 2, {&moved, nullptr})));
     }
     // Far from those that count, so that a look would tell.
     warp(3000);
     for (const Method method : {Method::kHost, Method::kOwn}) {
-        CHECK(same_bits(all, jacobian::scaled_jacobians(shared_device(), mesh, method, 2, &moved)));
+        CHECK(
+            same_bits(all, jacobian::scaled_jacobians(shared_device(), mesh, method, 2, {&moved, nullptr})));
         CHECK_FALSE(same_bits(all, jacobian::scaled_jacobians(shared_device(), mesh, method, 2)));
+    }
+}
+
+TEST_CASE(
+    "sixths of cubes have the scaled Jacobian that their nodes give, as far from the origin as is said") {
+    Random random;
+    for (int repeat = 0; repeat < 200; ++repeat) {
+        // Cubes of one size at places of a grid that lies anywhere.
+        const double edge = std::exp2(20 * random.next());
+        const double reach = jacobian::kExactEdges * edge - 100 * edge;
+        Vec3 origin;
+        for (double& x : origin) x = reach * random.next();
+        Mesh mesh;
+        ElementBlock& block = mesh.block(ElementType::kTetrahedron);
+        const std::size_t cubes = 50;
+        for (std::size_t i = 0; i < cubes; ++i) {
+            Vec3 cell;
+            for (double& x : cell) x = std::floor(49 * (1 + random.next()));
+            // Along the axes one after another, in any of the six orders.
+            std::array<std::size_t, 3> axes = {0, 1, 2};
+            do {
+                std::array<double, 3> at = {cell[0], cell[1], cell[2]};
+                for (std::size_t k = 0; k < 4; ++k) {
+                    block.nodes.push_back(static_cast<NodeId>(mesh.node_count()));
+                    for (std::size_t j = 0; j < 3; ++j) mesh.points.push_back(origin[j] + edge * at[j]);
+                    if (k < 3) at[axes[k]] += 1;
+                }
+                const bool even = axes[1] == (axes[0] + 1) % 3;
+                if (!even)
+                    std::swap(block.nodes[block.nodes.size() - 1], block.nodes[block.nodes.size() - 2]);
+                block.region.push_back(1);
+                block.kind.push_back(static_cast<std::uint8_t>(ElementKind::kIn));
+            } while (std::next_permutation(axes.begin(), axes.end()));
+        }
+        add_random(mesh, ElementType::kTetrahedron, 20, 0.1, random);
+        const std::vector<float> all = mortise::scaled_jacobians(mesh);
+        const IndexRuns sixths = {{0, 60}, {66, 6 * cubes}};
+        for (const Method method : {Method::kHost, Method::kOwn})
+            REQUIRE(same_bits(
+                all, jacobian::scaled_jacobians(shared_device(), mesh, method, 2, {nullptr, &sixths})));
+        if (repeat > 0) continue;
+        // They are not looked at.
+        mesh.points[0] += 0.1 * edge;
+        REQUIRE(same_bits(
+            all, jacobian::scaled_jacobians(shared_device(), mesh, Method::kOwn, 2, {nullptr, &sixths})));
     }
 }
 
