@@ -30,6 +30,40 @@ struct MovedNode {
 /// Two blocks that do not go together; the same one twice if it alone is wrong.
 using Pair = std::pair<std::uint32_t, std::uint32_t>;
 
+/// Where moved nodes lie along kAcross, as bits that fit into a cache: most nodes are near none, and need no
+/// search.
+class Strip {
+  public:
+    /// `moved`, ascending, not empty; `reach`: how far from one is near.
+    Strip(const std::vector<MovedNode>& moved, double reach)
+        : first_(moved.front().along - reach), last_(moved.back().along + reach) {
+        const double most = static_cast<double>(kBitsEach * moved.size());
+        // Wider than what is near, so that a node marks two bits at most.
+        per_bit_ = 1 / std::max((last_ - first_) / most, 2 * reach);
+        bits_.assign(static_cast<std::size_t>((last_ - first_) * per_bit_) / 64 + 1, 0);
+        for (const MovedNode& node : moved) {
+            for (const double end : {node.along - reach, node.along + reach}) {
+                const std::size_t bit = bit_of(end);
+                bits_[bit / 64] |= std::uint64_t{1} << (bit % 64);
+            }
+        }
+    }
+
+    /// False only if no moved node is near.
+    bool holds(double along) const {
+        if (!(along >= first_ && along <= last_)) return false;
+        const std::size_t bit = bit_of(along);
+        return ((bits_[bit / 64] >> (bit % 64)) & 1) != 0;
+    }
+
+  private:
+    static constexpr std::size_t kBitsEach = 64;
+    std::size_t bit_of(double along) const { return static_cast<std::size_t>((along - first_) * per_bit_); }
+
+    double first_, last_, per_bit_;
+    std::vector<std::uint64_t> bits_;
+};
+
 void find_coincident(const PassResult& pass, int threads, std::vector<Pair>& clashing) {
     const double same = kSameNode * pass.unit;
     std::vector<MovedNode> moved;
@@ -39,6 +73,7 @@ void find_coincident(const PassResult& pass, int threads, std::vector<Pair>& cla
     }
     if (moved.empty()) return;
     parallel_sort(moved, threads);
+    const Strip strip(moved, 2 * same);
     std::vector<std::vector<Pair>> found(chunk_count(pass.after.size(), kClashChunk));
     parallel_chunks(pass.after.size(), kClashChunk, threads, [&](std::size_t begin, std::size_t end, int) {
         for (std::size_t n = begin; n < end; ++n) {
@@ -46,6 +81,7 @@ void find_coincident(const PassResult& pass, int threads, std::vector<Pair>& cla
             const Point& at = pass.after[n];
             const bool moves = at != pass.before[n];
             const double along = dot(kAcross, at);
+            if (!strip.holds(along)) continue;
             const double reach = 2 * same;  // kAcross is about 1 long
             const auto first =
                 std::lower_bound(moved.begin(), moved.end(), along - reach,

@@ -282,7 +282,9 @@ std::uint64_t Improver::block_of(const Nodes& nodes, int pairing, double shift) 
     auto key = static_cast<std::uint64_t>(pair);
     for (const double x : place.sum) {
         const double at = x * per_cell / static_cast<double>(nodes.size()) + shift + kBlockCells;
-        key = (key << kPlaceBits) | static_cast<std::uint64_t>(std::max(0.0, std::floor(at / kBlockCells)));
+        // Cut off, which is the same as rounded down: a call, three times for each element.
+        const auto place_on_axis = static_cast<std::int64_t>(std::max(0.0, at / kBlockCells));
+        key = (key << kPlaceBits) | static_cast<std::uint64_t>(place_on_axis);
     }
     return key;
 }
@@ -375,11 +377,14 @@ void Improver::group(int pairing, double shift, double least) {
     std::vector<Run> runs;
     append_lists(found, options_.threads, runs);
     parallel_sort(runs, options_.threads);
-    std::vector<std::uint8_t> waits(zone_.points.size(), 0);
-    for (const auto& tip : zone_.tips) waits[tip.first] = is_unplaced(tip) ? 1 : 0;
+    std::vector<ZoneNode> waiting;
+    for (const auto& tip : zone_.tips) {
+        if (is_unplaced(tip)) waiting.push_back(tip.first);
+    }
+    std::sort(waiting.begin(), waiting.end());
+    const auto waits = [&](ZoneNode n) { return std::binary_search(waiting.begin(), waiting.end(), n); };
     const auto is_poor = [&](const Tetrahedron& t) {
-        return t.quality < least ||
-               std::any_of(t.node.begin(), t.node.end(), [&](ZoneNode n) { return waits[n] != 0; });
+        return t.quality < least || (!waiting.empty() && std::any_of(t.node.begin(), t.node.end(), waits));
     };
     groups_.clear();
     std::vector<std::size_t> begins;

@@ -5,6 +5,7 @@
 #include "host/common/cubes.hpp"
 #include "host/common/large_array.hpp"
 #include "host/common/parallel.hpp"
+#include "host/improve/centroids.hpp"
 
 namespace mortise::improve {
 namespace {
@@ -56,6 +57,8 @@ class CellFinder {
         CellId at = 0;
         if (type_ == 0 && !cells_.is_graded()) {
             add_hexahedra(begin, end, at, found);
+        } else if (!cells_.is_graded()) {
+            add_others(begin, end, found);
         } else {
             for (std::size_t i = begin; i < end; ++i) add_if_near(i, at, found);
         }
@@ -69,10 +72,30 @@ class CellFinder {
             !cells_.is_nearby(in_cells(mesh_, frame_, *element(mesh_, type_, i).node)))
             return;
         const Point place = place_of(mesh_, frame_, type_, i);
-        if (!cells_.is_graded() && !cells_.is_near(place)) return;
+        if (cells_.is_graded() || cells_.is_near(place)) add(i, place, at, found);
+    }
+
+    void add(std::size_t i, const Point& place, CellId& at, Found& found) const {
         at = cells_.index(place, at);
         found.elements.push_back(static_cast<std::uint32_t>(i));
         found.cells.push_back(at < Places::kLookAnew ? static_cast<std::uint32_t>(at) : Places::kLookAnew);
+    }
+
+    /// Wedges, pyramids or tetrahedra of a uniform tree, eight at a time.
+    void add_others(std::size_t begin, std::size_t end, Found& found) const {
+        const auto size = static_cast<std::size_t>(kElementNodes[static_cast<std::size_t>(type_)]);
+        CellId at = 0;
+        for (std::size_t i = begin; i < end; i += kCentroidsAtOnce) {
+            const std::size_t count = std::min(kCentroidsAtOnce, end - i);
+            std::array<const NodeId*, kCentroidsAtOnce> elements;
+            for (std::size_t k = 0; k < kCentroidsAtOnce; ++k)
+                elements[k] = block_.nodes.data() + size * (i + std::min(k, count - 1));
+            const Centroids found_at = centroids(mesh_, frame_, static_cast<ElementType>(type_), elements);
+            for (std::size_t k = 0; k < count; ++k) {
+                if (cells_.is_nearby(found_at.node[k]) && cells_.is_near(found_at.middle[k]))
+                    add(i + k, found_at.middle[k], at, found);
+            }
+        }
     }
 
     /// All cubes of a chunk may be far; else they are judged row by row.

@@ -1,0 +1,86 @@
+#include "host/improve/centroids.hpp"
+
+#include "host/common/point_lanes.hpp"
+
+namespace mortise::improve {
+
+#ifdef MORTISE_HAS_LANES
+namespace {
+
+using lanes::Doubles;
+using lanes::Points;
+using Elements = std::array<const NodeId*, kCentroidsAtOnce>;
+
+template <class Reals>
+[[gnu::always_inline]] inline Reals to_cells(const Reals& model, double origin, const CellFrame& frame) {
+    const Reals cells = (model - origin) * frame.per_cell;
+    return frame.on_lattice ? round_to_lattice(cells) : cells;
+}
+
+/// Node k of some elements, in cells: as in_cells().
+template <std::size_t kWidth>
+[[gnu::always_inline]] inline Points<kWidth> load_in_cells(const double* points,
+                                                           const NodeId* const* elements, std::size_t k,
+                                                           const CellFrame& frame) {
+    const Points<kWidth> model = lanes::load<kWidth>(points, elements, k);
+    return {to_cells(model.x, frame.origin[0], frame), to_cells(model.y, frame.origin[1], frame),
+            to_cells(model.z, frame.origin[2], frame)};
+}
+
+/// In the order of centroid(), for the same bits.
+#define MORTISE_CENTROIDS(name, node_count)                                                            \
+    template <std::size_t kWidth>                                                                      \
+    [[gnu::always_inline]] inline void name##_in(const double* points, const Elements& elements,       \
+                                                 const CellFrame& frame, Centroids& out) {             \
+        for (std::size_t first = 0; first < kCentroidsAtOnce; first += kWidth) {                       \
+            const Points<kWidth> p = load_in_cells<kWidth>(points, &elements[first], 0, frame);        \
+            Points<kWidth> sum = {p.x + 0, p.y + 0, p.z + 0};                                          \
+            for (std::size_t k = 1; k < (node_count); ++k) {                                           \
+                const Points<kWidth> next = load_in_cells<kWidth>(points, &elements[first], k, frame); \
+                sum = {sum.x + next.x, sum.y + next.y, sum.z + next.z};                                \
+            }                                                                                          \
+            constexpr double kPart = 1.0 / (node_count);                                               \
+            for (std::size_t i = 0; i < kWidth; ++i) {                                                 \
+                out.node[first + i] = {p.x[i], p.y[i], p.z[i]};                                        \
+                out.middle[first + i] = {kPart * sum.x[i], kPart * sum.y[i], kPart * sum.z[i]};        \
+            }                                                                                          \
+        }                                                                                              \
+    }                                                                                                  \
+    MORTISE_BY_WIDTH(                                                                                  \
+        void, name,                                                                                    \
+        (const double* points, const Elements& elements, const CellFrame& frame, Centroids& out),      \
+        (points, elements, frame, out))
+
+MORTISE_CENTROIDS(of_wedges, 6)
+MORTISE_CENTROIDS(of_pyramids, 5)
+MORTISE_CENTROIDS(of_tetrahedra, 4)
+#undef MORTISE_CENTROIDS
+
+}  // namespace
+
+Centroids centroids(const Mesh& mesh, const CellFrame& frame, ElementType type, const Elements& elements) {
+    Centroids out;
+    const double* const points = mesh.points.data();
+    if (type == ElementType::kWedge)
+        of_wedges(points, elements, frame, out);
+    else if (type == ElementType::kPyramid)
+        of_pyramids(points, elements, frame, out);
+    else
+        of_tetrahedra(points, elements, frame, out);
+    return out;
+}
+#else
+Centroids centroids(const Mesh& mesh, const CellFrame& frame, ElementType type,
+                    const std::array<const NodeId*, kCentroidsAtOnce>& elements) {
+    Centroids out;
+    for (std::size_t i = 0; i < kCentroidsAtOnce; ++i) {
+        const Element e = {type, elements[i],
+                           static_cast<std::size_t>(kElementNodes[static_cast<std::size_t>(type)])};
+        out.node[i] = in_cells(mesh, frame, *e.node);
+        out.middle[i] = centroid(mesh, frame, e);
+    }
+    return out;
+}
+#endif
+
+}  // namespace mortise::improve
