@@ -28,8 +28,7 @@ CellSet::Brick& CellSet::make_brick(const std::array<std::int64_t, 3>& brick) {
     return stored_[begin + place_in_block(brick)];
 }
 
-void CellSet::mark_near(const std::array<std::int64_t, 3>& at) {
-    const std::array<std::int64_t, 3> centre = brick_at(at);
+void CellSet::mark_near(const std::array<std::int64_t, 3>& centre) {
     bool& holds = make_brick(centre).holds;
     if (holds) return;
     holds = true;
@@ -37,24 +36,18 @@ void CellSet::mark_near(const std::array<std::int64_t, 3>& at) {
     const std::int64_t bricks = reach_ / kBrick;
     std::int64_t low[3], high[3];
     for (std::size_t j = 0; j < 3; ++j) {
-        low[j] = std::max<std::int64_t>(centre[j] - bricks - 1, 0);
-        high[j] = std::min(centre[j] + bricks + 1, bricks_ - 1);
+        low[j] = std::max<std::int64_t>(centre[j] - bricks, 0);
+        high[j] = std::min(centre[j] + bricks, bricks_ - 1);
     }
-    const auto is_within = [&](std::int64_t x, std::size_t j) { return std::abs(x - centre[j]) <= bricks; };
     for (std::int64_t z = low[2]; z <= high[2]; ++z) {
         for (std::int64_t y = low[1]; y <= high[1]; ++y) {
-            const bool is_near_row = is_within(y, 1) && is_within(z, 2);
-            for (std::int64_t x = low[0]; x <= high[0]; ++x) {
-                const bool is_near = is_near_row && is_within(x, 0);
-                std::uint8_t& near = make_brick({x, y, z}).near;
-                near = static_cast<std::uint8_t>(near | kBeside | (is_near ? kNear : 0));
-            }
+            for (std::int64_t x = low[0]; x <= high[0]; ++x) make_brick({x, y, z}).is_near = true;
         }
     }
 }
 
-std::vector<std::uint64_t> CellSet::near_bricks() const {
-    std::vector<std::uint64_t> codes;
+template <class Visit>
+void CellSet::for_bricks(const Visit& visit) const {
     for (std::size_t block = 0; block < directory_.size(); ++block) {
         if (directory_[block] == 0) continue;
         const auto number = static_cast<std::int64_t>(block);
@@ -62,16 +55,58 @@ std::vector<std::uint64_t> CellSet::near_bricks() const {
                                      number / blocks_ / blocks_ * kBlock};
         for (std::size_t k = 0; k < kBlockBricks; ++k) {
             const auto step = static_cast<std::int64_t>(k);
-            const std::int64_t x = low[0] + step % kBlock, y = low[1] + step / kBlock % kBlock,
-                               z = low[2] + step / kBlock / kBlock;
-            const bool is_in_box = x > 0 && y > 0 && z > 0;  // the ring ends in bricks with none in the box
-            if (!is_in_box || (stored_[directory_[block] + k].near & kNear) == 0) continue;
-            codes.push_back(
-                morton_encode(static_cast<u32>(x - 1), static_cast<u32>(y - 1), static_cast<u32>(z - 1)));
+            visit({low[0] + step % kBlock, low[1] + step / kBlock % kBlock, low[2] + step / kBlock / kBlock},
+                  stored_[directory_[block] + k]);
         }
     }
+}
+
+std::vector<std::uint64_t> CellSet::near_bricks() const {
+    std::vector<std::uint64_t> codes;
+    for_bricks([&](const std::array<std::int64_t, 3>& at, const Brick& brick) {
+        // The ring ends in bricks with none in the box.
+        if (!brick.is_near || at[0] == 0 || at[1] == 0 || at[2] == 0) return;
+        codes.push_back(morton_encode(static_cast<u32>(at[0] - 1), static_cast<u32>(at[1] - 1),
+                                      static_cast<u32>(at[2] - 1)));
+    });
     std::sort(codes.begin(), codes.end());
     return codes;
+}
+
+void CellSet::extend_reach(std::int64_t reach) {
+    reach_ = reach;
+    std::vector<std::array<std::int64_t, 3>> centres;
+    for_bricks([&](const std::array<std::int64_t, 3>& at, const Brick& brick) {
+        if (brick.holds) centres.push_back(at);
+    });
+    for (const auto& centre : centres) {
+        make_brick(centre).holds = false;
+        mark_near(centre);
+    }
+}
+
+bool CellSet::any_is_near(const std::array<std::int32_t, 3>& low,
+                          const std::array<std::int32_t, 3>& high) const {
+    std::array<std::int64_t, 3> first, last;
+    for (std::size_t j = 0; j < 3; ++j) {
+        first[j] = std::clamp<std::int64_t>(std::int64_t{low[j]} + 1, 0, size_ - 1);
+        last[j] = std::clamp<std::int64_t>(std::int64_t{high[j]} + 1, 0, size_ - 1);
+    }
+    first = brick_at(first);
+    last = brick_at(last);
+    for (std::int64_t z = first[2]; z <= last[2]; ++z) {
+        for (std::int64_t y = first[1]; y <= last[1]; ++y) {
+            for (std::int64_t x = first[0]; x <= last[0]; ++x) {
+                const std::array<std::int64_t, 3> brick = {x, y, z};
+                const std::uint32_t block = directory_[block_of(brick)];
+                if (block == 0)
+                    x |= kBlock - 1;  // nothing in this block
+                else if (stored_[block + place_in_block(brick)].is_near)
+                    return true;
+            }
+        }
+    }
+    return false;
 }
 
 CellId CellSet::index_graded(const Point& p, CellId hint) const {
@@ -91,7 +126,7 @@ CellId CellSet::index_graded(const Point& p, CellId hint) const {
 void CellSet::set_ring(CellId i) {
     if (leaves_ == nullptr) {
         const auto at = cell_of(i);
-        mark_near({at[0] + 1, at[1] + 1, at[2] + 1});
+        mark_near(brick_at({at[0] + 1, at[1] + 1, at[2] + 1}));
         set_cube(i, 1);
         return;
     }

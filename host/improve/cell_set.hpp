@@ -24,7 +24,7 @@ using CellId = std::uint64_t;
 class CellSet {
   public:
     /// `leaves` may be null: a uniform tree. `reach`: how far is near, in cells.
-    CellSet(int level, const LeafGrid* leaves, std::int64_t reach = kReach);
+    CellSet(int level, const LeafGrid* leaves, std::int64_t reach = kShortReach);
 
     /// The cell that a point belongs to. `hint`: an earlier result for a point that may be near.
     CellId index(const Point& p, CellId hint = 0) const {
@@ -32,9 +32,9 @@ class CellSet {
         return id_of(place(p));
     }
     /// Uniform trees: false only if all cells of the set are at least `reach` cells from p.
-    bool is_near(const Point& p) const { return (near_at(p) & kNear) != 0; }
-    /// Uniform trees: false only if is_near() is, for all points within kNearby cells of p along each axis.
-    bool is_nearby(const Point& p) const { return near_at(p) != 0; }
+    bool is_near(const Point& p) const { return brick_of(place(p)).is_near; }
+    /// Uniform trees: whether is_near() is true of any point in the cells from `low` to `high`.
+    bool any_is_near(const std::array<std::int32_t, 3>& low, const std::array<std::int32_t, 3>& high) const;
     /// Uniform trees: Morton codes, ascending, of the bricks in the root box that hold such points: cubes of
     /// 2^kBrickLevels cells along an edge.
     std::vector<std::uint64_t> near_bricks() const;
@@ -69,6 +69,9 @@ class CellSet {
         return {at[0] - 1, at[1] - 1, at[2] - 1};
     }
 
+    /// Uniform trees: what is within so many cells is near from now on.
+    void extend_reach(std::int64_t reach);
+
     bool is_graded() const { return leaves_ != nullptr; }
     /// Edge of a cell: 2^size_class finest cells.
     int size_class(CellId i) const { return leaves_ == nullptr ? 0 : cube(i).size_class; }
@@ -76,19 +79,18 @@ class CellSet {
     static bool is_outside(CellId i) { return (i & kOutside) != 0; }
 
     static constexpr int kBrickLevels = 2;
-    static constexpr std::int64_t kNearby = std::int64_t{1} << kBrickLevels;
-    static constexpr std::int64_t kReach = 2 * kNearby;  ///< the reaches to choose from
-    static constexpr std::int64_t kShortReach = kNearby;
+    /// The reaches to choose from.
+    static constexpr std::int64_t kShortReach = std::int64_t{1} << kBrickLevels;
+    static constexpr std::int64_t kReach = 2 * kShortReach;
 
   private:
     static constexpr std::int64_t kBrick = std::int64_t{1} << kBrickLevels;  ///< its edge, in cells
     static constexpr int kBlockLevels = 3;
     static constexpr std::int64_t kBlock = std::int64_t{1} << kBlockLevels;  ///< edge of a block, in bricks
     static constexpr std::size_t kBlockBricks = kBlock * kBlock * kBlock;
-    static constexpr std::uint8_t kNear = 1, kBeside = 2;
     struct Brick {
         std::uint64_t cells = 0;  ///< those of the set: 4 x 4 x 4 bits
-        std::uint8_t near = 0;    ///< kNear: near cells of the set; kBeside: beside a brick that is
+        bool is_near = false;     ///< to cells of the set
         bool holds = false;       ///< what is near cells in it has been marked
     };
     static_assert(kBrick * kBrick * kBrick == 64);
@@ -141,8 +143,10 @@ class CellSet {
         return stored_[directory_[block_of(brick)] + place_in_block(brick)];
     }
     Brick& make_brick(const std::array<std::int64_t, 3>& brick);
-    std::uint8_t near_at(const Point& p) const { return brick_of(place(p)).near; }
-    void mark_near(const std::array<std::int64_t, 3>& at);
+    void mark_near(const std::array<std::int64_t, 3>& centre);
+    /// visit(brick's place, brick) for all that are stored.
+    template <class Visit>
+    void for_bricks(const Visit& visit) const;
     CellId index_graded(const Point& p, CellId hint) const;
     bool test_outside(CellId i) const;
     std::vector<GridCube> cubes_around(const GridCube& centre) const;
@@ -153,7 +157,7 @@ class CellSet {
     // of which those with anything in them are stored behind an empty one, and where in stored_ each begins.
     std::int64_t size_ = 0;
     int bits_of_axis_ = 0;
-    std::int64_t reach_ = kReach;
+    std::int64_t reach_ = kShortReach;
     std::int64_t bricks_ = 0;
     std::int64_t blocks_ = 0;
     std::vector<std::uint32_t> directory_;

@@ -91,6 +91,7 @@ Mesh close_zone(Mesh mesh, const CellFrame& frame, const Zone& zone, int threads
         compaction.keep(block.kind, 1);
         if (trace != nullptr) compaction.keep(trace->element[type], 1);
         known.old[type] = block.size();
+        known.chunks[type].take(zone.taken[type]);
     }
     known.poor = zone.left_poor;
     ElementBlock& pyramids = result.block(ElementType::kPyramid);
@@ -120,6 +121,7 @@ Mesh close_zone(Mesh mesh, const CellFrame& frame, const Zone& zone, int threads
     }
     std::sort(fronts.begin(), fronts.end());
     const Compaction compaction(zone.facet_taken, threads);
+    known.facet_chunks.take(zone.facet_taken);
     keep_nodes(facets.nodes, compaction, 4);
     compaction.keep(facets.surface, 1);
     compaction.keep(facets.inside, 1);

@@ -135,10 +135,9 @@ class Session {
     /// None if there is nothing to do, or too little is known of the mesh.
     std::optional<Zone> open(double least, bool leaves_cubes, bool is_wide) {
         if (counters_.reached_open) return std::nullopt;
-        Zone zone = open_zone(
-            mesh_, frame_, surfaces_, tips_,
-            {options_.held, options_.slabs, least, leaves_cubes, is_wide, cuts_quads_, options_.threads},
-            known_);
+        const ZoneOptions options = {options_.held, options_.slabs, least,           leaves_cubes,
+                                     is_wide,       cuts_quads_,    options_.threads};
+        Zone zone = open_zone(mesh_, frame_, surfaces_, tips_, options, place_, known_);
         if (zone.tetrahedra.empty()) return std::nullopt;
         if (options_.is_open != nullptr && holds_open(zone, *options_.is_open, *trace_)) {
             counters_.reached_open = true;
@@ -175,6 +174,7 @@ class Session {
     Trace* trace_;
     Counters counters_;
     Known known_;
+    std::vector<std::uint32_t> place_;  ///< as of open_zone()
     bool cuts_quads_ = false;
 };
 

@@ -21,7 +21,9 @@ struct ElementRef {
 };
 
 /// The quadrilateral facets of the outer boundary, ascending; of a uniform tree those near the set.
-std::vector<QuadKey> outer_quads(const Mesh& mesh, const CellFrame& frame, const CellSet& cells, int threads);
+/// `facet_chunks` of the mesh, as in Known.
+std::vector<QuadKey> outer_quads(const Mesh& mesh, const CellFrame& frame, const CellSet& cells,
+                                 ChunkBounds& facet_chunks, int threads);
 
 /// Those on held surfaces (Options::held; null: none), ascending.
 std::vector<QuadKey> held_quads(const Mesh& mesh, const std::vector<std::uint8_t>* held);

@@ -52,62 +52,98 @@ class CellFinder {
         std::vector<std::uint32_t> cells;
     };
 
+    /// Of a graded tree: all.
     Found find(std::size_t begin, std::size_t end) const {
         Found found;
         CellId at = 0;
-        if (type_ == 0 && !cells_.is_graded()) {
-            add_hexahedra(begin, end, at, found);
-        } else if (!cells_.is_graded()) {
-            add_others(begin, end, found);
-        } else {
-            for (std::size_t i = begin; i < end; ++i) add_if_near(i, at, found);
-        }
+        for (std::size_t i = begin; i < end; ++i) add(i, place_of(mesh_, frame_, type_, i), at, found);
+        return found;
+    }
+
+    /// Of a uniform tree: those near the set.
+    Found find(Chunk& chunk) const {
+        Found found;
+        const bool others_are_far = chunk.is_known && !cells_.any_is_near(chunk.low, chunk.high);
+        if (type_ == 0)
+            find_hexahedra(chunk, others_are_far, found);
+        else if (!others_are_far)
+            find_others(chunk, found);
         return found;
     }
 
   private:
-    void add_if_near(std::size_t i, CellId& at, Found& found) const {
-        // No element reaches kNearby cells.
-        if (!is_cube(block_, type_, i) && !cells_.is_graded() &&
-            !cells_.is_nearby(in_cells(mesh_, frame_, *element(mesh_, type_, i).node)))
-            return;
-        const Point place = place_of(mesh_, frame_, type_, i);
-        if (cells_.is_graded() || cells_.is_near(place)) add(i, place, at, found);
+    /// Elements that are no cubes, eight at a time, in ascending order.
+    class Batch {
+      public:
+        Batch(const CellFinder& finder, Chunk& chunk, Found& found)
+            : finder_(finder), chunk_(chunk), found_(found) {}
+
+        void add(std::size_t i) {
+            index_[count_++] = i;
+            if (count_ == kCentroidsAtOnce) finish();
+        }
+        /// After the last element, and before an element is added without this.
+        void finish() {
+            if (count_ == 0) return;
+            const auto size =
+                static_cast<std::size_t>(kElementNodes[static_cast<std::size_t>(finder_.type_)]);
+            std::array<const NodeId*, kCentroidsAtOnce> elements;
+            for (std::size_t k = 0; k < kCentroidsAtOnce; ++k)
+                elements[k] = finder_.block_.nodes.data() + size * index_[std::min(k, count_ - 1)];
+            const auto middle =
+                centroids(finder_.mesh_, finder_.frame_, static_cast<ElementType>(finder_.type_), elements);
+            for (std::size_t k = 0; k < count_; ++k) {
+                chunk_.include(middle[k]);
+                if (finder_.cells_.is_near(middle[k])) finder_.add(index_[k], middle[k], at_, found_);
+            }
+            count_ = 0;
+        }
+
+      private:
+        const CellFinder& finder_;
+        Chunk& chunk_;
+        Found& found_;
+        CellId at_ = 0;
+        std::array<std::size_t, kCentroidsAtOnce> index_{};
+        std::size_t count_ = 0;
+    };
+
+    void find_others(Chunk& chunk, Found& found) const {
+        chunk.start();
+        Batch batch(*this, chunk, found);
+        for (std::size_t i = chunk.begin; i < chunk.end; ++i) batch.add(i);
+        batch.finish();
+    }
+
+    /// All cubes of a chunk may be far; else they are judged row by row.
+    void find_hexahedra(Chunk& chunk, bool others_are_far, Found& found) const {
+        const bool all_are_far = are_cubes_far(mesh_, frame_, bricks_, chunk.begin, chunk.end);
+        if (all_are_far && others_are_far) return;
+        chunk.start();
+        CellId at = 0;
+        Batch batch(*this, chunk, found);
+        const std::size_t step = all_are_far ? chunk.end - chunk.begin : kRow;
+        for (std::size_t row = chunk.begin; row < chunk.end; row += step) {
+            const std::size_t row_end = std::min(chunk.end, row + step);
+            const bool are_far = all_are_far || are_cubes_far(mesh_, frame_, bricks_, row, row_end);
+            const auto next = [&](std::size_t i) { return are_far ? next_no_cube(block_, i, row_end) : i; };
+            for (std::size_t i = next(row); i < row_end; i = next(i + 1)) {
+                if (!is_cube(block_, 0, i)) {
+                    batch.add(i);
+                    continue;
+                }
+                batch.finish();
+                const Point place = place_of(mesh_, frame_, 0, i);
+                if (cells_.is_near(place)) add(i, place, at, found);
+            }
+        }
+        batch.finish();
     }
 
     void add(std::size_t i, const Point& place, CellId& at, Found& found) const {
         at = cells_.index(place, at);
         found.elements.push_back(static_cast<std::uint32_t>(i));
         found.cells.push_back(at < Places::kLookAnew ? static_cast<std::uint32_t>(at) : Places::kLookAnew);
-    }
-
-    /// Wedges, pyramids or tetrahedra of a uniform tree, eight at a time.
-    void add_others(std::size_t begin, std::size_t end, Found& found) const {
-        const auto size = static_cast<std::size_t>(kElementNodes[static_cast<std::size_t>(type_)]);
-        CellId at = 0;
-        for (std::size_t i = begin; i < end; i += kCentroidsAtOnce) {
-            const std::size_t count = std::min(kCentroidsAtOnce, end - i);
-            std::array<const NodeId*, kCentroidsAtOnce> elements;
-            for (std::size_t k = 0; k < kCentroidsAtOnce; ++k)
-                elements[k] = block_.nodes.data() + size * (i + std::min(k, count - 1));
-            const Centroids found_at = centroids(mesh_, frame_, static_cast<ElementType>(type_), elements);
-            for (std::size_t k = 0; k < count; ++k) {
-                if (cells_.is_nearby(found_at.node[k]) && cells_.is_near(found_at.middle[k]))
-                    add(i + k, found_at.middle[k], at, found);
-            }
-        }
-    }
-
-    /// All cubes of a chunk may be far; else they are judged row by row.
-    void add_hexahedra(std::size_t begin, std::size_t end, CellId& at, Found& found) const {
-        const bool all_are_far = are_cubes_far(mesh_, frame_, bricks_, begin, end);
-        const std::size_t step = all_are_far ? end - begin : kRow;
-        for (std::size_t row = begin; row < end; row += step) {
-            const std::size_t row_end = std::min(end, row + step);
-            const bool are_far = all_are_far || are_cubes_far(mesh_, frame_, bricks_, row, row_end);
-            const auto next = [&](std::size_t i) { return are_far ? next_no_cube(block_, i, row_end) : i; };
-            for (std::size_t i = next(row); i < row_end; i = next(i + 1)) add_if_near(i, at, found);
-        }
     }
 
     const Mesh& mesh_;
@@ -153,20 +189,34 @@ CellId Places::cell(const Mesh& mesh, const CellFrame& frame, const CellSet& cel
     return cells.index(place_of(mesh, frame, type, element[static_cast<std::size_t>(type)][i]));
 }
 
-void find_cells(const Mesh& mesh, const CellFrame& frame, const CellSet& cells, int threads, Places& places) {
+void find_cells(const Mesh& mesh, const CellFrame& frame, const CellSet& cells, Known& known, int threads,
+                Places& places) {
     std::vector<std::uint64_t> bricks;
     if (!cells.is_graded()) bricks = cells.near_bricks();
     for (int t = 0; t < kElementTypes; ++t) {
         const auto type = static_cast<std::size_t>(t);
         const CellFinder finder(mesh, frame, cells, bricks, t);
         const std::size_t count = mesh.elements[type].size();
-        std::vector<std::vector<std::uint32_t>> elements(chunk_count(count, kPlaceChunk));
-        std::vector<std::vector<std::uint32_t>> cells_of(elements.size());
-        parallel_chunks(count, kPlaceChunk, threads, [&](std::size_t begin, std::size_t end, int) {
-            CellFinder::Found found = finder.find(begin, end);
-            elements[begin / kPlaceChunk] = std::move(found.elements);
-            cells_of[begin / kPlaceChunk] = std::move(found.cells);
-        });
+        std::vector<std::vector<std::uint32_t>> elements, cells_of;
+        const auto find_all = [&](std::size_t chunks, std::size_t at_once, const auto& find) {
+            elements.resize(chunks);
+            cells_of.resize(chunks);
+            parallel_chunks(chunks, at_once, threads, [&](std::size_t begin, std::size_t end, int) {
+                for (std::size_t i = begin; i < end; ++i) {
+                    CellFinder::Found found = find(i);
+                    elements[i] = std::move(found.elements);
+                    cells_of[i] = std::move(found.cells);
+                }
+            });
+        };
+        if (cells.is_graded()) {
+            find_all(chunk_count(count, kPlaceChunk), 1, [&](std::size_t i) {
+                return finder.find(kPlaceChunk * i, std::min(count, kPlaceChunk * (i + 1)));
+            });
+        } else {
+            std::vector<Chunk>& chunks = known.chunks[type].of(count);
+            find_all(chunks.size(), 4, [&](std::size_t i) { return finder.find(chunks[i]); });
+        }
         append_lists(elements, threads, places.element[type]);
         append_lists(cells_of, threads, places.cell_of[type]);
     }

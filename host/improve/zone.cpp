@@ -17,16 +17,11 @@ namespace mortise::improve {
 namespace {
 
 constexpr std::size_t kZoneChunk = 4096;
-/// The last growth is not collected, the others reach two cells each, and an element that shares a node with
-/// one of the zone has its centroid within three cells of it: less than CellSet::kReach. Without
-/// quadrilaterals there are no pyramids, and nothing grows.
+/// An element that shares a node with one of the zone has its centroid within three cells of it: less than
+/// CellSet::kShortReach. The last growth is not collected, the others reach two cells each; few zones grow.
 constexpr int kGrowths = 3;
-static_assert(2 * (kGrowths - 1) + 3 < CellSet::kReach && 3 < CellSet::kShortReach);
+static_assert(3 < CellSet::kShortReach && 2 * (kGrowths - 1) + 3 < CellSet::kReach);
 
-std::int64_t needed_reach(const Mesh& mesh, bool cuts_quads) {
-    const bool is_tetrahedral = mesh.element_count() == mesh.block(ElementType::kTetrahedron).size();
-    return is_tetrahedral || cuts_quads ? CellSet::kShortReach : CellSet::kReach;
-}
 constexpr double kSameDistance = 2e-5;  ///< cells
 constexpr double kLessTurned = 0.1;
 constexpr double kFar = 1.5;  ///< cells: of a surface that has no value there
@@ -34,7 +29,7 @@ constexpr double kFar = 1.5;  ///< cells: of a surface that has no value there
 class Opener {
   public:
     Opener(const Mesh& mesh, const CellFrame& frame, const Surfaces& surfaces, const std::vector<Tip>& tips,
-           const ZoneOptions& options, const Known& known)
+           const ZoneOptions& options, std::vector<std::uint32_t>& place, Known& known)
         : mesh_(mesh),
           frame_(frame),
           surfaces_(surfaces),
@@ -42,12 +37,13 @@ class Opener {
           options_(options),
           threads_(options.threads),
           known_(known),
-          cells_(frame.level, frame.leaves, needed_reach(mesh, options.cuts_quads)) {}
+          place_(place),
+          cells_(frame.level, frame.leaves) {}
 
     Zone open() {
         if (cells_.is_graded()) {
             unit_class_ = finest_class(*frame_.leaves);
-            find_cells(mesh_, frame_, cells_, threads_, places_);
+            find_cells(mesh_, frame_, cells_, known_, threads_, places_);
             find_size_classes(mesh_, frame_, cells_, threads_, places_);
         }
         rounding_ = volume_rounding(frame_, unit_class_);
@@ -60,20 +56,22 @@ class Opener {
         }
         if (poor.empty()) return {};
         for (const CellId cell : poor) options_.is_wide ? cells_.set_two_rings(cell) : cells_.set_ring(cell);
-        if (!cells_.is_graded()) find_cells(mesh_, frame_, cells_, threads_, places_);
+        if (!cells_.is_graded()) find_cells(mesh_, frame_, cells_, known_, threads_, places_);
         if (options_.leaves_cubes) leave_cubes(poor);
-        outer_quads_ = outer_quads(mesh_, frame_, cells_, threads_);
+        outer_quads_ = outer_quads(mesh_, frame_, cells_, known_.facet_chunks, threads_);
         held_quads_ = held_quads(mesh_, options_.held);
-        place_.assign(mesh_.node_count(), kNone);
+        if (place_.size() < mesh_.node_count()) make_places();
         for (int round = 0; round < kGrowths; ++round) {
             collect();
             // The others see the faces of an element that has left the zone whole.
             while (!split()) collect();
             if (!grow()) break;
+            if (round == 0 && !cells_.is_graded()) look_farther();
         }
+        near_facets_ = find_near_facets(mesh_, frame_, cells_, place_, threads_, known_);
         finish_nodes();
         find_strata();
-        tag_faces(mesh_, place_, options_.held, threads_, zone_);
+        tag_faces(mesh_, place_, near_facets_, options_.held, threads_, zone_);
         correct_tags();
         find_strata();
         if (assign_tips(tips_, surfaces_, zone_)) find_strata();
@@ -85,6 +83,7 @@ class Opener {
         for (const CellId cell : poor) {
             if (!cells_.test(cell)) zone_.left_poor.push_back(cell);
         }
+        forget_places();
         return std::move(zone_);
     }
 
@@ -117,10 +116,28 @@ class Opener {
         }
     }
 
-    void collect() {
+    void look_farther() {
+        cells_.extend_reach(CellSet::kReach);
+        places_ = {};
+        find_cells(mesh_, frame_, cells_, known_, threads_, places_);
+        outer_quads_ = outer_quads(mesh_, frame_, cells_, known_.facet_chunks, threads_);
+    }
+
+    void make_places() {
+        const std::size_t first = place_.size();
+        const std::size_t count = mesh_.node_count();
+        const std::size_t spare = place_.capacity() < count ? count / 16 : 0;  // nodes are added
+        resize_large(place_, count, threads_, spare);
+        std::fill(place_.begin() + static_cast<std::ptrdiff_t>(first), place_.end(), kNone);
+    }
+    void forget_places() {
         for (const NodeId node : zone_.mesh_node) {
             if (node != kNone) place_[node] = kNone;
         }
+    }
+
+    void collect() {
+        forget_places();
         zone_ = Zone{};
         zone_.finest_class = unit_class_;
         zone_.unit = edge_of(unit_class_);
@@ -214,8 +231,8 @@ class Opener {
                             });
         }
         zone_.frozen.assign(frozen.begin(), frozen.end());
-        for (std::size_t i = 0; i < mesh_.facets.size() && options_.held != nullptr; ++i) {
-            if ((*options_.held)[mesh_.facets.surface[i]] == 0) continue;
+        for (const std::size_t i : near_facets_) {
+            if (!is_held(mesh_.facets.surface[i])) continue;
             for (std::size_t k = 0; k < 4; ++k) {
                 const ZoneNode node = place_[mesh_.facets.nodes[4 * i + k]];
                 if (node != kNone) zone_.frozen[node] = 1;
@@ -234,7 +251,7 @@ class Opener {
             if (first[node] != surface) others.push_back({node, surface});
         };
         const FacetBlock& facets = mesh_.facets;
-        for (std::size_t i = 0; i < facets.size(); ++i) {
+        for (const std::size_t i : near_facets_) {
             if (!zone_.facet_taken.empty() && zone_.facet_taken[i] != 0) continue;
             for (std::size_t k = 0; k < 4; ++k) {
                 const ZoneNode node = place_[facets.nodes[4 * i + k]];
@@ -342,7 +359,8 @@ class Opener {
     const std::vector<Tip>& tips_;
     const ZoneOptions& options_;
     int threads_;
-    const Known& known_;
+    Known& known_;
+    std::vector<std::uint32_t>& place_;  ///< per node of the mesh: its place in the zone
     CellSet cells_;
     Zone zone_;
     Places places_;
@@ -350,14 +368,15 @@ class Opener {
     double rounding_ = kVolumeRounding;
     std::vector<QuadKey> outer_quads_, held_quads_;
     std::vector<ElementRef> elements_;
-    std::vector<std::uint32_t> place_;  ///< per node of the mesh: its place in the zone
+    std::vector<std::uint32_t> near_facets_;  ///< facets with a node in the zone
 };
 
 }  // namespace
 
 Zone open_zone(const Mesh& mesh, const CellFrame& frame, const Surfaces& surfaces,
-               const std::vector<Tip>& tips, const ZoneOptions& options, const Known& known) {
-    return Opener(mesh, frame, surfaces, tips, options, known).open();
+               const std::vector<Tip>& tips, const ZoneOptions& options, std::vector<std::uint32_t>& place,
+               Known& known) {
+    return Opener(mesh, frame, surfaces, tips, options, place, known).open();
 }
 
 }  // namespace mortise::improve

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "host/improve/cell_set.hpp"
+#include "host/improve/chunk_bounds.hpp"
 #include "host/improve/quality.hpp"
 #include "host/improve/stratum.hpp"
 #include "mortise/mesh.hpp"
@@ -124,8 +125,10 @@ struct Zone {
 
 /// What is known of a mesh whose zone has been closed: elements that were not taken are as they were.
 struct Known {
-    std::array<std::size_t, kElementTypes> old{};  ///< per type: elements from here on are new
-    std::vector<CellId> poor;                      ///< cells of old elements that are poor
+    std::array<std::size_t, kElementTypes> old{};   ///< per type: elements from here on are new
+    std::vector<CellId> poor;                       ///< cells of old elements that are poor
+    std::array<ChunkBounds, kElementTypes> chunks;  ///< of elements but cubes, by their centroids
+    ChunkBounds facet_chunks;                       ///< of facets by their nodes
 };
 
 /// Where cells lie in model coordinates.
@@ -166,9 +169,11 @@ struct ZoneOptions {
     int threads = 0;          ///< host threads; the result does not depend on them
 };
 
-/// Collects the zone; cells of tips count as poor.
+/// Collects the zone; cells of tips count as poor. `place`: scratch, all kNone, and left so; kept from zone
+/// to zone it need not be made for each. Fills in the chunks of `known`.
 Zone open_zone(const Mesh& mesh, const CellFrame& frame, const Surfaces& surfaces,
-               const std::vector<Tip>& tips, const ZoneOptions& options, const Known& known);
+               const std::vector<Tip>& tips, const ZoneOptions& options, std::vector<std::uint32_t>& place,
+               Known& known);
 
 /// Puts the zone's elements, facets and moved nodes in place of those that were taken. `trace` may be null;
 /// it is brought up to date. Tells in `known` what needs no second look.

@@ -6,6 +6,7 @@
 #include "host/common/large_array.hpp"
 #include "host/common/parallel.hpp"
 #include "host/common/parallel_sort.hpp"
+#include "host/improve/places.hpp"
 
 namespace mortise::improve {
 namespace {
@@ -33,10 +34,40 @@ std::array<std::array<NodeId, 3>, 2> halves(const NodeId* node) {
              {node[low], node[(low + 2) % 4], node[(low + 3) % 4]}}};
 }
 
+std::vector<std::uint32_t> find_near_facets(const Mesh& mesh, const CellFrame& frame, const CellSet& cells,
+                                            const std::vector<std::uint32_t>& place, int threads,
+                                            Known& known) {
+    const std::vector<NodeId>& nodes = mesh.facets.nodes;
+    std::vector<Chunk>& chunks = known.facet_chunks.of(mesh.facets.size());
+    std::vector<std::vector<std::uint32_t>> found(chunks.size());
+    parallel_chunks(chunks.size(), 4, threads, [&](std::size_t begin, std::size_t end, int) {
+        for (std::size_t c = begin; c < end; ++c) {
+            Chunk& chunk = chunks[c];
+            // What shares a node with the zone is near it.
+            const bool is_uniform = !cells.is_graded();
+            if (is_uniform && chunk.is_known && !cells.any_is_near(chunk.low, chunk.high)) continue;
+            chunk.start();
+            for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
+                const NodeId* const node = nodes.data() + 4 * i;
+                bool is_in_zone = false;
+                for (std::size_t k = 0; k < 4; ++k) {
+                    is_in_zone = is_in_zone || place[node[k]] != kNone;
+                    if (is_uniform) chunk.include(in_cells(mesh, frame, node[k]));
+                }
+                if (is_in_zone) found[c].push_back(static_cast<std::uint32_t>(i));
+            }
+        }
+    });
+    std::vector<std::uint32_t> facets;
+    append_lists(found, threads, facets);
+    return facets;
+}
+
 /// Facets whose triangles are faces of the zone's tetrahedra. Equal nodes are not enough: half of a
 /// quadrilateral that stays whole may have the nodes of a face inside the solid.
 void tag_faces(const Mesh& mesh, const std::vector<std::uint32_t>& place,
-               const std::vector<std::uint8_t>* held, int threads, Zone& zone) {
+               const std::vector<std::uint32_t>& near_facets, const std::vector<std::uint8_t>* held,
+               int threads, Zone& zone) {
     const FacetBlock& facets = mesh.facets;
     std::vector<TriangleKey> triangles;
     const auto add = [&](std::size_t i, const std::array<NodeId, 3>& node, std::uint8_t parts) {
@@ -45,8 +76,9 @@ void tag_faces(const Mesh& mesh, const std::vector<std::uint32_t>& place,
         key.even = sort_three(key.node);
         triangles.push_back(key);
     };
-    for (std::size_t i = 0; i < facets.size(); ++i) {
-        const NodeId* node = facets.nodes.data() + 4 * i;
+    // Facets are numbered in that list until the end.
+    for (std::size_t i = 0; i < near_facets.size(); ++i) {
+        const NodeId* node = facets.nodes.data() + 4 * std::size_t{near_facets[i]};
         if (std::any_of(node, node + 4, [&](NodeId n) { return place[n] == kNone; })) continue;
         if (node[2] == node[3]) {
             add(i, {node[0], node[1], node[2]}, kBothParts);
@@ -92,9 +124,9 @@ void tag_faces(const Mesh& mesh, const std::vector<std::uint32_t>& place,
         bool inside;
     };
     std::vector<Match> matches;
-    std::vector<std::uint8_t> inside_parts(facets.size(), 0);
-    std::vector<std::uint8_t> outside_parts(facets.size(), 0);
-    std::vector<std::uint8_t> lost_parts(facets.size(), 0);
+    std::vector<std::uint8_t> inside_parts(near_facets.size(), 0);
+    std::vector<std::uint8_t> outside_parts(near_facets.size(), 0);
+    std::vector<std::uint8_t> lost_parts(near_facets.size(), 0);
     for (std::size_t i = 0; i < hits.size();) {
         std::size_t end = i + 1;
         while (end < hits.size() && hits[end].triangle == hits[i].triangle) ++end;
@@ -110,7 +142,8 @@ void tag_faces(const Mesh& mesh, const std::vector<std::uint32_t>& place,
             }
             for (std::size_t h = i; h < end; ++h) {
                 const bool inside = triangle.even == hits[h].even;
-                const std::uint16_t region = (inside ? facets.inside : facets.outside)[triangle.facet];
+                const std::uint16_t region =
+                    (inside ? facets.inside : facets.outside)[near_facets[triangle.facet]];
                 std::uint8_t& parts = (inside ? inside_parts : outside_parts)[triangle.facet];
                 parts |= region == region_at(hits[h]) ? triangle.parts : kWrongPart;
                 matches.push_back({hits[h].face, triangle.facet, inside});
@@ -120,19 +153,20 @@ void tag_faces(const Mesh& mesh, const std::vector<std::uint32_t>& place,
     }
     // Facets between the zone and the rest of the mesh stay in the mesh's own list.
     zone.facet_taken.assign(facets.size(), 0);
-    for (std::size_t i = 0; i < facets.size(); ++i) {
-        if (lost_parts[i] == kBothParts) zone.facet_taken[i] = 1;
+    for (std::size_t i = 0; i < near_facets.size(); ++i) {
+        if (lost_parts[i] == kBothParts) zone.facet_taken[near_facets[i]] = 1;
     }
     const auto is_whole = [](int parts, int lost) { return parts == 0 || (parts | lost) == kBothParts; };
     for (const Match& m : matches) {
         const std::uint8_t inside = inside_parts[m.facet], outside = outside_parts[m.facet];
         if (!is_whole(inside, lost_parts[m.facet]) || !is_whole(outside, lost_parts[m.facet])) continue;
-        FaceTag tag = make_tag(facets.surface[m.facet]);
-        if (facets.outside[m.facet] != 0) tag |= kTagInterface;
+        const std::size_t facet = near_facets[m.facet];
+        FaceTag tag = make_tag(facets.surface[facet]);
+        if (facets.outside[facet] != 0) tag |= kTagInterface;
         if (m.inside) tag |= kTagInside;
-        const bool stays = held != nullptr && (*held)[facets.surface[m.facet]] != 0;
-        if (!stays && (facets.outside[m.facet] == 0 || (inside != 0 && outside != 0))) {
-            zone.facet_taken[m.facet] = 1;
+        const bool stays = held != nullptr && (*held)[facets.surface[facet]] != 0;
+        if (!stays && (facets.outside[facet] == 0 || (inside != 0 && outside != 0))) {
+            zone.facet_taken[facet] = 1;
         } else {
             tag |= kTagBorder;
         }

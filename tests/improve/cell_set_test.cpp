@@ -69,7 +69,8 @@ void check_places(const Mesh& mesh, int type, std::int64_t reach) {
     cells.set_ring(cells.index({3.5, 4.5, 30.5}));
     cells.set_ring(cells.index({20.5, 31.9, 7.5}));
     improve::Places places;
-    improve::find_cells(mesh, frame, cells, 2, places);
+    improve::Known known;
+    improve::find_cells(mesh, frame, cells, known, 2, places);
     std::vector<std::uint32_t> expected, cell_of;
     const auto t = static_cast<std::size_t>(type);
     const std::size_t count = mesh.elements[t].size();
