@@ -36,7 +36,7 @@ struct Chunk {
     }
 };
 
-/// The chunks of a list from which items are taken and to whose end others are added.
+/// The chunks of a list to whose end items are added.
 class ChunkBounds {
   public:
     /// Chunks of a list that has so many items now.
@@ -48,19 +48,6 @@ class ChunkBounds {
             chunks_.push_back(chunk);
         }
         return chunks_;
-    }
-
-    /// After items have been taken out of the list: per item, not 0.
-    void take(const std::vector<std::uint8_t>& taken) {
-        std::size_t gone = 0;
-        for (Chunk& chunk : chunks_) {
-            const auto at = [&](std::size_t i) { return taken.begin() + static_cast<std::ptrdiff_t>(i); };
-            const auto inside = static_cast<std::size_t>(chunk.end - chunk.begin) -
-                                static_cast<std::size_t>(std::count(at(chunk.begin), at(chunk.end), 0));
-            chunk.begin -= gone;
-            gone += inside;
-            chunk.end -= gone;
-        }
     }
 
   private:

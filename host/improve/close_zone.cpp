@@ -58,11 +58,11 @@ std::vector<NodeId> remove_nodes(const std::vector<NodeId>& unused, int threads,
 
 }  // namespace
 
-Mesh close_zone(Mesh mesh, const CellFrame& frame, const Zone& zone, int threads, Trace* trace,
-                Known& known) {
+Mesh close_zone(Mesh mesh, const CellFrame& frame, const Zone& zone, Trace* trace, Known& known) {
     Mesh result = std::move(mesh);
     std::vector<NodeId> unused;
-    std::vector<NodeId> node = number_nodes(zone, result.node_count(), &unused);
+    const std::vector<NodeId> node = number_nodes(zone, result.node_count(), &unused);
+    known.gone.nodes.insert(known.gone.nodes.end(), unused.begin(), unused.end());
     for (std::size_t i = 0; i < zone.points.size(); ++i) {
         if (node[i] == kNone) continue;
         if (zone.mesh_node[i] != kNone && zone.points[i] == zone.original[i]) continue;
@@ -71,28 +71,7 @@ Mesh close_zone(Mesh mesh, const CellFrame& frame, const Zone& zone, int threads
             result.points[3 * std::size_t{node[i]} + j] = frame.origin[j] + frame.cell * zone.points[i][j];
         }
     }
-    if (trace != nullptr) trace->node.resize(result.node_count(), kNone);
-    const std::vector<NodeId> number = remove_nodes(unused, threads, result, trace);
-    const auto renumber = [&](NodeId n) { return number.empty() ? n : number[n]; };
-    for (NodeId& n : node) n = n == kNone ? kNone : renumber(n);
-    const auto keep_nodes = [&](std::vector<NodeId>& nodes, const Compaction& compaction,
-                                std::size_t stride) {
-        if (number.empty())
-            compaction.keep(nodes, stride);
-        else
-            compaction.keep(nodes, stride, [&number](NodeId n) { return number[n]; });
-    };
-    for (int t = 0; t < kElementTypes; ++t) {
-        const auto type = static_cast<std::size_t>(t);
-        ElementBlock& block = result.elements[type];
-        const Compaction compaction(zone.taken[type], threads);
-        keep_nodes(block.nodes, compaction, static_cast<std::size_t>(kElementNodes[type]));
-        compaction.keep(block.region, 1);
-        compaction.keep(block.kind, 1);
-        if (trace != nullptr) compaction.keep(trace->element[type], 1);
-        known.old[type] = block.size();
-        known.chunks[type].take(zone.taken[type]);
-    }
+    for (std::size_t t = 0; t < kElementTypes; ++t) known.old[t] = result.elements[t].size();
     known.poor = zone.left_poor;
     ElementBlock& pyramids = result.block(ElementType::kPyramid);
     for (const Pyramid& p : zone.pyramids) {
@@ -120,13 +99,6 @@ Mesh close_zone(Mesh mesh, const CellFrame& frame, const Zone& zone, int threads
         }
     }
     std::sort(fronts.begin(), fronts.end());
-    const Compaction compaction(zone.facet_taken, threads);
-    known.facet_chunks.take(zone.facet_taken);
-    keep_nodes(facets.nodes, compaction, 4);
-    compaction.keep(facets.surface, 1);
-    compaction.keep(facets.inside, 1);
-    compaction.keep(facets.outside, 1);
-    if (trace != nullptr) compaction.keep(trace->facet, 1);
     ElementBlock& tetrahedra = result.block(ElementType::kTetrahedron);
     for (const Tetrahedron& t : zone.tetrahedra) {
         for (const ZoneNode n : t.node) tetrahedra.nodes.push_back(node[n]);
@@ -150,11 +122,48 @@ Mesh close_zone(Mesh mesh, const CellFrame& frame, const Zone& zone, int threads
         }
     }
     if (trace != nullptr) {
+        trace->node.resize(result.node_count(), kNone);
         for (std::size_t t = 0; t < kElementTypes; ++t)
             trace->element[t].resize(result.elements[t].size(), kNone);
         trace->facet.resize(facets.size(), kNone);
     }
     return result;
+}
+
+void drop_zone(const Zone& zone, Known& known) {
+    for (std::size_t t = 0; t < kElementTypes; ++t) {
+        for (const std::uint32_t i : zone.taken[t]) known.gone.element[t][i] = 0;
+    }
+    for (const std::uint32_t i : zone.facets_taken) known.gone.facet[i] = 0;
+}
+
+Mesh remove_gone(Mesh mesh, Gone gone, int threads, Trace* trace) {
+    gone.make_room(mesh);
+    std::sort(gone.nodes.begin(), gone.nodes.end());
+    const std::vector<NodeId> number = remove_nodes(gone.nodes, threads, mesh, trace);
+    const auto keep_nodes = [&](std::vector<NodeId>& nodes, const Compaction& compaction,
+                                std::size_t stride) {
+        if (number.empty())
+            compaction.keep(nodes, stride);
+        else
+            compaction.keep(nodes, stride, [&number](NodeId n) { return number[n]; });
+    };
+    for (std::size_t t = 0; t < kElementTypes; ++t) {
+        ElementBlock& block = mesh.elements[t];
+        const Compaction compaction(gone.element[t], threads);
+        keep_nodes(block.nodes, compaction, static_cast<std::size_t>(kElementNodes[t]));
+        compaction.keep(block.region, 1);
+        compaction.keep(block.kind, 1);
+        if (trace != nullptr) compaction.keep(trace->element[t], 1);
+    }
+    FacetBlock& facets = mesh.facets;
+    const Compaction compaction(gone.facet, threads);
+    keep_nodes(facets.nodes, compaction, 4);
+    compaction.keep(facets.surface, 1);
+    compaction.keep(facets.inside, 1);
+    compaction.keep(facets.outside, 1);
+    if (trace != nullptr) compaction.keep(trace->facet, 1);
+    return mesh;
 }
 
 }  // namespace mortise::improve

@@ -62,39 +62,15 @@ class Session {
 
     /// Until all is good, but for what nothing helps; `loosens`: so it stays.
     void make_good(bool loosens) {
-        for (int run = 0; run < kRuns; ++run) {
-            std::optional<Zone> zone = open(kGoodQuality, false, run + 1 == kRuns);
-            if (!zone) return;
-            if (run == 0) take_out_crumbs(*zone);
-            Improver improver(*zone, surfaces_, options_, {kGoodQuality, run == 0, 0});
-            make_passes(improver, run);
-            // After the first run features may be merged, which may leave room.
-            const bool may_help = run == 0 && options_.merge_distance > 0;
-            const bool done = improver.is_done() || (improver.is_hopeless() && !may_help) || run + 1 == kRuns;
-            if (done && loosens && options_.merge_distance > 0) improver.loosen(counters_);
-            close(*zone);
-            if (done) return;
-        }
+        run_until_good(loosens);
+        settle();
     }
 
     /// From one quality to a higher one, but for what nothing helps. `widens`: with a wider zone at last.
     void raise(double from, double to, bool widens) {
-        known_ = {};
         frame_.on_lattice = false;
-        Options options = options_;
-        options.merge_distance = 0;
-        const int runs = kRaisingRuns + (widens ? 1 : 0);
-        for (int run = 0; run < runs; ++run) {
-            // Most elements are mended without their neighbours inside, and hexahedra are what people want.
-            std::optional<Zone> zone = open(to, run == 0 && !cuts_quads_, run == kRaisingRuns);
-            if (!zone) return;
-            Improver improver(*zone, surfaces_, options, {to, false, from});
-            make_passes(improver, run);
-            const bool persists = to > kMostReached && !(to < options_.goal);
-            const bool done = improver.is_done() || (improver.is_hopeless() && !persists);
-            close(*zone);
-            if (done) return;
-        }
+        run_until_raised(from, to, widens);
+        settle();
     }
 
     /// The same for good quality only, if all elements but cubes have been split.
@@ -106,12 +82,12 @@ class Session {
     /// After the last raise().
     void loosen() {
         if (!(options_.merge_distance > 0)) return;
-        known_ = {};
         frame_.on_lattice = false;
-        std::optional<Zone> zone = open(kLoosenBelow, false, false);
-        if (!zone) return;
-        Improver(*zone, surfaces_, options_, {kGoodQuality, false, 0}).loosen(counters_);
-        close(*zone);
+        if (std::optional<Zone> zone = open(kLoosenBelow, false, false)) {
+            Improver(*zone, surfaces_, options_, {kGoodQuality, false, 0}).loosen(counters_);
+            close(*zone);
+        }
+        settle();
     }
 
     void raise_in_steps() {
@@ -132,15 +108,49 @@ class Session {
     }
 
   private:
+    void run_until_good(bool loosens) {
+        for (int run = 0; run < kRuns; ++run) {
+            std::optional<Zone> zone = open(kGoodQuality, false, run + 1 == kRuns);
+            if (!zone) return;
+            if (run == 0) take_out_crumbs(*zone);
+            Improver improver(*zone, surfaces_, options_, {kGoodQuality, run == 0, 0});
+            make_passes(improver, run);
+            // After the first run features may be merged, which may leave room.
+            const bool may_help = run == 0 && options_.merge_distance > 0;
+            const bool done = improver.is_done() || (improver.is_hopeless() && !may_help) || run + 1 == kRuns;
+            if (done && loosens && options_.merge_distance > 0) improver.loosen(counters_);
+            close(*zone);
+            if (done) return;
+        }
+    }
+
+    void run_until_raised(double from, double to, bool widens) {
+        Options options = options_;
+        options.merge_distance = 0;
+        const int runs = kRaisingRuns + (widens ? 1 : 0);
+        for (int run = 0; run < runs; ++run) {
+            // Most elements are mended without their neighbours inside, and hexahedra are what people want.
+            std::optional<Zone> zone = open(to, run == 0 && !cuts_quads_, run == kRaisingRuns);
+            if (!zone) return;
+            Improver improver(*zone, surfaces_, options, {to, false, from});
+            make_passes(improver, run);
+            const bool persists = to > kMostReached && !(to < options_.goal);
+            const bool done = improver.is_done() || (improver.is_hopeless() && !persists);
+            close(*zone);
+            if (done) return;
+        }
+    }
+
     /// None if there is nothing to do, or too little is known of the mesh.
     std::optional<Zone> open(double least, bool leaves_cubes, bool is_wide) {
         if (counters_.reached_open) return std::nullopt;
         const ZoneOptions options = {options_.held, options_.slabs, least,           leaves_cubes,
                                      is_wide,       cuts_quads_,    options_.threads};
         Zone zone = open_zone(mesh_, frame_, surfaces_, tips_, options, place_, known_);
-        if (zone.tetrahedra.empty()) return std::nullopt;
-        if (options_.is_open != nullptr && holds_open(zone, *options_.is_open, *trace_)) {
-            counters_.reached_open = true;
+        const bool is_open = options_.is_open != nullptr && holds_open(zone, *options_.is_open, *trace_);
+        counters_.reached_open = counters_.reached_open || is_open;
+        if (zone.tetrahedra.empty() || is_open) {
+            drop_zone(zone, known_);
             return std::nullopt;
         }
         counters_.zone_elements += zone.tetrahedra.size() + zone.pyramids.size();
@@ -160,9 +170,18 @@ class Session {
     }
 
     void close(const Zone& zone) {
-        mesh_ = close_zone(std::move(mesh_), frame_, zone, options_.threads, trace_, known_);
-        if (options_.followed != nullptr) *options_.followed = without(*options_.followed, zone.taken[0]);
+        mesh_ = close_zone(std::move(mesh_), frame_, zone, trace_, known_);
         frame_.on_lattice = false;
+    }
+
+    /// Zones leave what they have replaced in the mesh, since to move all behind it takes longer than most of
+    /// them. Nothing is known of the mesh afterwards.
+    void settle() {
+        if (known_.gone.facet.empty()) return;  // no zone has been opened
+        if (options_.followed != nullptr)
+            *options_.followed = without(*options_.followed, known_.gone.element[0]);
+        mesh_ = remove_gone(std::move(mesh_), std::move(known_.gone), options_.threads, trace_);
+        known_ = {};
     }
 
     const std::vector<tape::Pole> no_poles_;

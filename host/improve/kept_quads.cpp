@@ -29,10 +29,10 @@ struct QuadUse {
 
 }  // namespace
 
-std::vector<QuadKey> outer_quads(const Mesh& mesh, const CellFrame& frame, const CellSet& cells,
-                                 ChunkBounds& facet_chunks, int threads) {
+std::vector<QuadKey> outer_quads(const Mesh& mesh, const CellFrame& frame, const CellSet& cells, int threads,
+                                 Known& known) {
     const FacetBlock& facets = mesh.facets;
-    const std::vector<Chunk>& chunks = facet_chunks.of(facets.size());
+    const std::vector<Chunk>& chunks = known.facet_chunks.of(facets.size());
     std::vector<std::vector<QuadKey>> found(chunks.size());
     parallel_chunks(chunks.size(), 4, threads, [&](std::size_t begin, std::size_t end, int) {
         for (std::size_t c = begin; c < end; ++c) {
@@ -40,7 +40,7 @@ std::vector<QuadKey> outer_quads(const Mesh& mesh, const CellFrame& frame, const
             if (!cells.is_graded() && chunk.is_known && !cells.any_is_near(chunk.low, chunk.high)) continue;
             for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
                 const NodeId* node = facets.nodes.data() + 4 * i;
-                if (node[2] == node[3] || facets.outside[i] != 0) continue;
+                if (known.gone.facet[i] != 0 || node[2] == node[3] || facets.outside[i] != 0) continue;
                 if (cells.is_graded() || cells.is_near(in_cells(mesh, frame, *node)))
                     found[c].push_back(quad_key(node));
             }

@@ -21,9 +21,9 @@ struct ElementRef {
 };
 
 /// The quadrilateral facets of the outer boundary, ascending; of a uniform tree those near the set.
-/// `facet_chunks` of the mesh, as in Known.
-std::vector<QuadKey> outer_quads(const Mesh& mesh, const CellFrame& frame, const CellSet& cells,
-                                 ChunkBounds& facet_chunks, int threads);
+/// Of `known` gone facets and chunks of facets are looked at.
+std::vector<QuadKey> outer_quads(const Mesh& mesh, const CellFrame& frame, const CellSet& cells, int threads,
+                                 Known& known);
 
 /// Those on held surfaces (Options::held; null: none), ascending.
 std::vector<QuadKey> held_quads(const Mesh& mesh, const std::vector<std::uint8_t>* held);

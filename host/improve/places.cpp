@@ -223,8 +223,8 @@ void find_cells(const Mesh& mesh, const CellFrame& frame, const CellSet& cells, 
 }
 
 /// Graded trees list every element: the i-th is element i.
-void find_size_classes(const Mesh& mesh, const CellFrame& frame, const CellSet& cells, int threads,
-                       Places& places) {
+void find_size_classes(const Mesh& mesh, const CellFrame& frame, const CellSet& cells, const Gone& gone,
+                       int threads, Places& places) {
     // Which thread lowers a number last does not matter.
     std::vector<std::atomic<std::uint8_t>> least(mesh.node_count());
     for (auto& value : least) value.store(0xff, std::memory_order_relaxed);
@@ -232,6 +232,7 @@ void find_size_classes(const Mesh& mesh, const CellFrame& frame, const CellSet& 
         parallel_chunks(mesh.elements[static_cast<std::size_t>(t)].size(), kPlaceChunk, threads,
                         [&](std::size_t begin, std::size_t end, int) {
                             for (std::size_t i = begin; i < end; ++i) {
+                                if (gone.element[static_cast<std::size_t>(t)][i] != 0) continue;
                                 const Element e = element(mesh, t, i);
                                 const auto size = static_cast<std::uint8_t>(
                                     cells.size_class(places.cell(mesh, frame, cells, t, i)));

@@ -66,7 +66,7 @@ void find_cells(const Mesh& mesh, const CellFrame& frame, const CellSet& cells, 
                 Places& places);
 
 /// Fills Places::node_class, from cell_of.
-void find_size_classes(const Mesh& mesh, const CellFrame& frame, const CellSet& cells, int threads,
-                       Places& places);
+void find_size_classes(const Mesh& mesh, const CellFrame& frame, const CellSet& cells, const Gone& gone,
+                       int threads, Places& places);
 
 }  // namespace mortise::improve

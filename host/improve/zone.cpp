@@ -43,8 +43,9 @@ class Opener {
     Zone open() {
         if (cells_.is_graded()) {
             unit_class_ = finest_class(*frame_.leaves);
+            known_.gone.make_room(mesh_);
             find_cells(mesh_, frame_, cells_, known_, threads_, places_);
-            find_size_classes(mesh_, frame_, cells_, threads_, places_);
+            find_size_classes(mesh_, frame_, cells_, known_.gone, threads_, places_);
         }
         rounding_ = volume_rounding(frame_, unit_class_);
         std::vector<CellId> poor =
@@ -55,10 +56,11 @@ class Opener {
             for (const Slab& slab : *options_.slabs) keep_those_in(slab, poor);
         }
         if (poor.empty()) return {};
+        known_.gone.make_room(mesh_);
         for (const CellId cell : poor) options_.is_wide ? cells_.set_two_rings(cell) : cells_.set_ring(cell);
         if (!cells_.is_graded()) find_cells(mesh_, frame_, cells_, known_, threads_, places_);
         if (options_.leaves_cubes) leave_cubes(poor);
-        outer_quads_ = outer_quads(mesh_, frame_, cells_, known_.facet_chunks, threads_);
+        outer_quads_ = outer_quads(mesh_, frame_, cells_, threads_, known_);
         held_quads_ = held_quads(mesh_, options_.held);
         if (place_.size() < mesh_.node_count()) make_places();
         for (int round = 0; round < kGrowths; ++round) {
@@ -71,7 +73,7 @@ class Opener {
         near_facets_ = find_near_facets(mesh_, frame_, cells_, place_, threads_, known_);
         finish_nodes();
         find_strata();
-        tag_faces(mesh_, place_, near_facets_, options_.held, threads_, zone_);
+        tag_faces(mesh_, place_, near_facets_, options_.held, threads_, known_.gone.facet, zone_);
         correct_tags();
         find_strata();
         if (assign_tips(tips_, surfaces_, zone_)) find_strata();
@@ -83,6 +85,8 @@ class Opener {
         for (const CellId cell : poor) {
             if (!cells_.test(cell)) zone_.left_poor.push_back(cell);
         }
+        for (const ElementRef& r : elements_)
+            zone_.taken[r.type].push_back(static_cast<std::uint32_t>(r.index));
         forget_places();
         return std::move(zone_);
     }
@@ -120,7 +124,7 @@ class Opener {
         cells_.extend_reach(CellSet::kReach);
         places_ = {};
         find_cells(mesh_, frame_, cells_, known_, threads_, places_);
-        outer_quads_ = outer_quads(mesh_, frame_, cells_, known_.facet_chunks, threads_);
+        outer_quads_ = outer_quads(mesh_, frame_, cells_, threads_, known_);
     }
 
     void make_places() {
@@ -142,19 +146,19 @@ class Opener {
         zone_.finest_class = unit_class_;
         zone_.unit = edge_of(unit_class_);
         zone_.rounding = rounding_;
+        for (const ElementRef& r : elements_) known_.gone.element[r.type][r.index] = 0;
         elements_.clear();
         for (int t = 0; t < kElementTypes; ++t) {
             const auto type = static_cast<std::size_t>(t);
             const std::vector<std::uint32_t>& listed = places_.element[type];
-            std::vector<std::uint8_t>& taken = zone_.taken[type];
-            taken.assign(mesh_.elements[type].size(), 0);
+            std::vector<std::uint8_t>& gone = known_.gone.element[type];
             std::vector<std::vector<ElementRef>> found(chunk_count(listed.size(), kZoneChunk));
             parallel_chunks(listed.size(), kZoneChunk, threads_,
                             [&](std::size_t begin, std::size_t end, int) {
                                 for (std::size_t i = begin; i < end; ++i) {
                                     const CellId cell = places_.cell(mesh_, frame_, cells_, t, i);
-                                    if (!cells_.test(cell)) continue;
-                                    taken[listed[i]] = 1;
+                                    if (gone[listed[i]] != 0 || !cells_.test(cell)) continue;
+                                    gone[listed[i]] = 1;
                                     found[begin / kZoneChunk].push_back(
                                         {static_cast<std::uint8_t>(t), listed[i], cell, 0});
                                 }
@@ -216,12 +220,12 @@ class Opener {
         // The listed elements are enough: others share no node with the zone. Threads may mark the same node.
         std::vector<std::atomic<std::uint8_t>> frozen(count);
         for (int t = 0; t < kElementTypes; ++t) {
-            const std::vector<std::uint8_t>& taken = zone_.taken[static_cast<std::size_t>(t)];
+            const std::vector<std::uint8_t>& gone = known_.gone.element[static_cast<std::size_t>(t)];
             const std::vector<std::uint32_t>& listed = places_.element[static_cast<std::size_t>(t)];
             parallel_chunks(listed.size(), kZoneChunk, threads_,
                             [&](std::size_t begin, std::size_t end, int) {
                                 for (std::size_t i = begin; i < end; ++i) {
-                                    if (taken[listed[i]] != 0) continue;
+                                    if (gone[listed[i]] != 0) continue;
                                     const Element e = element(mesh_, t, listed[i]);
                                     for (std::size_t k = 0; k < e.count; ++k) {
                                         const ZoneNode node = place_[e.node[k]];
@@ -252,7 +256,7 @@ class Opener {
         };
         const FacetBlock& facets = mesh_.facets;
         for (const std::size_t i : near_facets_) {
-            if (!zone_.facet_taken.empty() && zone_.facet_taken[i] != 0) continue;
+            if (known_.gone.facet[i] != 0) continue;
             for (std::size_t k = 0; k < 4; ++k) {
                 const ZoneNode node = place_[facets.nodes[4 * i + k]];
                 if (node != kNone) add(node, facets.surface[i]);

@@ -118,13 +118,27 @@ struct Zone {
     // How it goes back into the mesh.
     std::vector<NodeId> mesh_node;  ///< kNone: a new node
     std::vector<Point> original;    ///< points as they were, to tell which nodes moved
-    std::array<std::vector<std::uint8_t>, kElementTypes> taken;  ///< per element of the mesh: in the zone
-    std::vector<std::uint8_t> facet_taken;                       ///< per facet: made anew from tags
-    std::vector<CellId> left_poor;  ///< cells with poor elements that could not be taken
+    std::array<std::vector<std::uint32_t>, kElementTypes> taken;  ///< the mesh's elements in it, ascending
+    std::vector<std::uint32_t> facets_taken;  ///< made anew from tags; each may be there twice
+    std::vector<CellId> left_poor;            ///< cells with poor elements that could not be taken
+};
+
+/// What zones have replaced: it stays in the mesh's arrays, which may be large, until remove_gone().
+struct Gone {
+    std::array<std::vector<std::uint8_t>, kElementTypes> element;  ///< per element, not 0
+    std::vector<std::uint8_t> facet;                               ///< per facet
+    std::vector<NodeId> nodes;                                     ///< in no order
+
+    /// What has been added to the mesh is there.
+    void make_room(const Mesh& mesh) {
+        for (std::size_t t = 0; t < kElementTypes; ++t) element[t].resize(mesh.elements[t].size(), 0);
+        facet.resize(mesh.facets.size(), 0);
+    }
 };
 
 /// What is known of a mesh whose zone has been closed: elements that were not taken are as they were.
 struct Known {
+    Gone gone;
     std::array<std::size_t, kElementTypes> old{};   ///< per type: elements from here on are new
     std::vector<CellId> poor;                       ///< cells of old elements that are poor
     std::array<ChunkBounds, kElementTypes> chunks;  ///< of elements but cubes, by their centroids
@@ -169,14 +183,21 @@ struct ZoneOptions {
     int threads = 0;          ///< host threads; the result does not depend on them
 };
 
-/// Collects the zone; cells of tips count as poor. `place`: scratch, all kNone, and left so; kept from zone
-/// to zone it need not be made for each. Fills in the chunks of `known`.
+/// Collects the zone, whose elements and facets are gone from then on; cells of tips count as poor. `place`:
+/// scratch, all kNone, and left so; kept from zone to zone it need not be made for each. Fills in what
+/// `known` says of chunks.
 Zone open_zone(const Mesh& mesh, const CellFrame& frame, const Surfaces& surfaces,
                const std::vector<Tip>& tips, const ZoneOptions& options, std::vector<std::uint32_t>& place,
                Known& known);
 
-/// Puts the zone's elements, facets and moved nodes in place of those that were taken. `trace` may be null;
-/// it is brought up to date. Tells in `known` what needs no second look.
-Mesh close_zone(Mesh mesh, const CellFrame& frame, const Zone& zone, int threads, Trace* trace, Known& known);
+/// Adds the zone's elements and facets, and moves nodes. `trace` may be null; it is brought up to date. Tells
+/// in `known` what needs no second look.
+Mesh close_zone(Mesh mesh, const CellFrame& frame, const Zone& zone, Trace* trace, Known& known);
+
+/// Instead: nothing of the zone is gone.
+void drop_zone(const Zone& zone, Known& known);
+
+/// Takes out what is gone; the rest keeps its order. `trace` may be null.
+Mesh remove_gone(Mesh mesh, Gone gone, int threads, Trace* trace);
 
 }  // namespace mortise::improve

@@ -49,6 +49,7 @@ std::vector<std::uint32_t> find_near_facets(const Mesh& mesh, const CellFrame& f
             chunk.start();
             for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
                 const NodeId* const node = nodes.data() + 4 * i;
+                if (known.gone.facet[i] != 0) continue;
                 bool is_in_zone = false;
                 for (std::size_t k = 0; k < 4; ++k) {
                     is_in_zone = is_in_zone || place[node[k]] != kNone;
@@ -67,7 +68,7 @@ std::vector<std::uint32_t> find_near_facets(const Mesh& mesh, const CellFrame& f
 /// quadrilateral that stays whole may have the nodes of a face inside the solid.
 void tag_faces(const Mesh& mesh, const std::vector<std::uint32_t>& place,
                const std::vector<std::uint32_t>& near_facets, const std::vector<std::uint8_t>* held,
-               int threads, Zone& zone) {
+               int threads, std::vector<std::uint8_t>& is_gone, Zone& zone) {
     const FacetBlock& facets = mesh.facets;
     std::vector<TriangleKey> triangles;
     const auto add = [&](std::size_t i, const std::array<NodeId, 3>& node, std::uint8_t parts) {
@@ -152,9 +153,12 @@ void tag_faces(const Mesh& mesh, const std::vector<std::uint32_t>& place,
         i = end;
     }
     // Facets between the zone and the rest of the mesh stay in the mesh's own list.
-    zone.facet_taken.assign(facets.size(), 0);
+    const auto take = [&](std::size_t facet) {
+        zone.facets_taken.push_back(static_cast<std::uint32_t>(facet));
+        is_gone[facet] = 1;
+    };
     for (std::size_t i = 0; i < near_facets.size(); ++i) {
-        if (lost_parts[i] == kBothParts) zone.facet_taken[near_facets[i]] = 1;
+        if (lost_parts[i] == kBothParts) take(near_facets[i]);
     }
     const auto is_whole = [](int parts, int lost) { return parts == 0 || (parts | lost) == kBothParts; };
     for (const Match& m : matches) {
@@ -166,7 +170,7 @@ void tag_faces(const Mesh& mesh, const std::vector<std::uint32_t>& place,
         if (m.inside) tag |= kTagInside;
         const bool stays = held != nullptr && (*held)[facets.surface[facet]] != 0;
         if (!stays && (facets.outside[facet] == 0 || (inside != 0 && outside != 0))) {
-            zone.facet_taken[facet] = 1;
+            take(facet);
         } else {
             tag |= kTagBorder;
         }
