@@ -146,7 +146,7 @@ class Session {
         if (counters_.reached_open) return std::nullopt;
         const ZoneOptions options = {options_.held, options_.slabs, least,           leaves_cubes,
                                      is_wide,       cuts_quads_,    options_.threads};
-        Zone zone = open_zone(mesh_, frame_, surfaces_, tips_, options, place_, known_);
+        Zone zone = open_zone(mesh_, frame_, surfaces_, tips_, options, known_);
         const bool is_open = options_.is_open != nullptr && holds_open(zone, *options_.is_open, *trace_);
         counters_.reached_open = counters_.reached_open || is_open;
         if (zone.tetrahedra.empty() || is_open) {
@@ -193,7 +193,6 @@ class Session {
     Trace* trace_;
     Counters counters_;
     Known known_;
-    std::vector<std::uint32_t> place_;  ///< as of open_zone()
     bool cuts_quads_ = false;
 };
 

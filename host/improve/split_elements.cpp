@@ -26,8 +26,8 @@ struct Pieces {
 
 class Splitter {
   public:
-    Splitter(const Mesh& mesh, const CellFrame& frame, const CellSet& cells,
-             const std::vector<std::uint32_t>& place, const Zone& zone)
+    Splitter(const Mesh& mesh, const CellFrame& frame, const CellSet& cells, const ZoneNodes& place,
+             const Zone& zone)
         : mesh_(mesh), frame_(frame), cells_(cells), place_(place), zone_(zone) {}
 
     void split(const ElementRef& r, Pieces& out) const {
@@ -115,7 +115,7 @@ class Splitter {
     const Mesh& mesh_;
     const CellFrame& frame_;
     const CellSet& cells_;
-    const std::vector<std::uint32_t>& place_;
+    const ZoneNodes& place_;
     const Zone& zone_;
 };
 
@@ -133,8 +133,8 @@ void copy(const std::vector<Piece>& pieces, ZoneNode first, Piece* out) {
 }  // namespace
 
 std::vector<CellId> split_elements(const Mesh& mesh, const CellFrame& frame, const CellSet& cells,
-                                   const std::vector<ElementRef>& elements,
-                                   const std::vector<std::uint32_t>& place, int threads, Zone& zone) {
+                                   const std::vector<ElementRef>& elements, const ZoneNodes& place,
+                                   int threads, Zone& zone) {
     const Splitter splitter(mesh, frame, cells, place, zone);
     std::vector<Pieces> parts(chunk_count(elements.size(), kSplitChunk));
     parallel_chunks(elements.size(), kSplitChunk, threads, [&](std::size_t begin, std::size_t end, int) {

@@ -29,7 +29,7 @@ constexpr double kFar = 1.5;  ///< cells: of a surface that has no value there
 class Opener {
   public:
     Opener(const Mesh& mesh, const CellFrame& frame, const Surfaces& surfaces, const std::vector<Tip>& tips,
-           const ZoneOptions& options, std::vector<std::uint32_t>& place, Known& known)
+           const ZoneOptions& options, Known& known)
         : mesh_(mesh),
           frame_(frame),
           surfaces_(surfaces),
@@ -37,7 +37,6 @@ class Opener {
           options_(options),
           threads_(options.threads),
           known_(known),
-          place_(place),
           cells_(frame.level, frame.leaves) {}
 
     Zone open() {
@@ -62,7 +61,6 @@ class Opener {
         if (options_.leaves_cubes) leave_cubes(poor);
         outer_quads_ = outer_quads(mesh_, frame_, cells_, threads_, known_);
         held_quads_ = held_quads(mesh_, options_.held);
-        if (place_.size() < mesh_.node_count()) make_places();
         for (int round = 0; round < kGrowths; ++round) {
             collect();
             // The others see the faces of an element that has left the zone whole.
@@ -87,7 +85,6 @@ class Opener {
         }
         for (const ElementRef& r : elements_)
             zone_.taken[r.type].push_back(static_cast<std::uint32_t>(r.index));
-        forget_places();
         return std::move(zone_);
     }
 
@@ -127,21 +124,7 @@ class Opener {
         outer_quads_ = outer_quads(mesh_, frame_, cells_, threads_, known_);
     }
 
-    void make_places() {
-        const std::size_t first = place_.size();
-        const std::size_t count = mesh_.node_count();
-        const std::size_t spare = place_.capacity() < count ? count / 16 : 0;  // nodes are added
-        resize_large(place_, count, threads_, spare);
-        std::fill(place_.begin() + static_cast<std::ptrdiff_t>(first), place_.end(), kNone);
-    }
-    void forget_places() {
-        for (const NodeId node : zone_.mesh_node) {
-            if (node != kNone) place_[node] = kNone;
-        }
-    }
-
     void collect() {
-        forget_places();
         zone_ = Zone{};
         zone_.finest_class = unit_class_;
         zone_.unit = edge_of(unit_class_);
@@ -171,23 +154,16 @@ class Opener {
 
     /// Nodes of the zone, in the order of their numbers in the mesh.
     void number_nodes() {
-        std::vector<std::uint64_t> used((mesh_.node_count() + 63) / 64);
+        place_.clear(mesh_.node_count());
         for (const ElementRef& r : elements_) {
             const Element e = element(mesh_, r.type, r.index);
-            for (std::size_t k = 0; k < e.count; ++k) {
-                used[e.node[k] / 64] |= std::uint64_t{1} << (e.node[k] % 64);
-            }
+            for (std::size_t k = 0; k < e.count; ++k) place_.add(e.node[k]);
         }
-        for (std::size_t word = 0; word < used.size(); ++word) {
-            for (std::uint64_t bits = used[word]; bits != 0; bits &= bits - 1) {
-                const auto node =
-                    static_cast<NodeId>(64 * word + static_cast<std::size_t>(__builtin_ctzll(bits)));
-                place_[node] = static_cast<std::uint32_t>(zone_.points.size());
-                zone_.points.push_back(in_cells(mesh_, frame_, node));
-                zone_.size_class.push_back(static_cast<std::uint8_t>(places_.size_class(node)));
-                zone_.mesh_node.push_back(node);
-            }
-        }
+        place_.number([this](NodeId node) {
+            zone_.points.push_back(in_cells(mesh_, frame_, node));
+            zone_.size_class.push_back(static_cast<std::uint8_t>(places_.size_class(node)));
+            zone_.mesh_node.push_back(node);
+        });
     }
 
     /// False if an element cannot be split: it leaves the zone with its cell.
@@ -364,7 +340,6 @@ class Opener {
     const ZoneOptions& options_;
     int threads_;
     Known& known_;
-    std::vector<std::uint32_t>& place_;  ///< per node of the mesh: its place in the zone
     CellSet cells_;
     Zone zone_;
     Places places_;
@@ -372,15 +347,15 @@ class Opener {
     double rounding_ = kVolumeRounding;
     std::vector<QuadKey> outer_quads_, held_quads_;
     std::vector<ElementRef> elements_;
+    ZoneNodes place_;                         ///< of the mesh's nodes, without new ones
     std::vector<std::uint32_t> near_facets_;  ///< facets with a node in the zone
 };
 
 }  // namespace
 
 Zone open_zone(const Mesh& mesh, const CellFrame& frame, const Surfaces& surfaces,
-               const std::vector<Tip>& tips, const ZoneOptions& options, std::vector<std::uint32_t>& place,
-               Known& known) {
-    return Opener(mesh, frame, surfaces, tips, options, place, known).open();
+               const std::vector<Tip>& tips, const ZoneOptions& options, Known& known) {
+    return Opener(mesh, frame, surfaces, tips, options, known).open();
 }
 
 }  // namespace mortise::improve

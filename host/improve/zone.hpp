@@ -14,13 +14,13 @@
 #include "host/improve/chunk_bounds.hpp"
 #include "host/improve/quality.hpp"
 #include "host/improve/stratum.hpp"
+#include "host/improve/zone_nodes.hpp"
 #include "mortise/mesh.hpp"
 
 namespace mortise::improve {
 
 /// Index of a node of the zone.
 using ZoneNode = std::uint32_t;
-inline constexpr std::uint32_t kNone = 0xffffffffu;
 
 /// The facet on a face of a tetrahedron: 0 if there is none.
 using FaceTag = std::uint32_t;
@@ -183,12 +183,10 @@ struct ZoneOptions {
     int threads = 0;          ///< host threads; the result does not depend on them
 };
 
-/// Collects the zone, whose elements and facets are gone from then on; cells of tips count as poor. `place`:
-/// scratch, all kNone, and left so; kept from zone to zone it need not be made for each. Fills in what
-/// `known` says of chunks.
+/// Collects the zone, whose elements and facets are gone from then on; cells of tips count as poor. Fills in
+/// what `known` says of chunks.
 Zone open_zone(const Mesh& mesh, const CellFrame& frame, const Surfaces& surfaces,
-               const std::vector<Tip>& tips, const ZoneOptions& options, std::vector<std::uint32_t>& place,
-               Known& known);
+               const std::vector<Tip>& tips, const ZoneOptions& options, Known& known);
 
 /// Adds the zone's elements and facets, and moves nodes. `trace` may be null; it is brought up to date. Tells
 /// in `known` what needs no second look.

@@ -35,8 +35,7 @@ std::array<std::array<NodeId, 3>, 2> halves(const NodeId* node) {
 }
 
 std::vector<std::uint32_t> find_near_facets(const Mesh& mesh, const CellFrame& frame, const CellSet& cells,
-                                            const std::vector<std::uint32_t>& place, int threads,
-                                            Known& known) {
+                                            const ZoneNodes& place, int threads, Known& known) {
     const std::vector<NodeId>& nodes = mesh.facets.nodes;
     std::vector<Chunk>& chunks = known.facet_chunks.of(mesh.facets.size());
     std::vector<std::vector<std::uint32_t>> found(chunks.size());
@@ -52,7 +51,7 @@ std::vector<std::uint32_t> find_near_facets(const Mesh& mesh, const CellFrame& f
                 if (known.gone.facet[i] != 0) continue;
                 bool is_in_zone = false;
                 for (std::size_t k = 0; k < 4; ++k) {
-                    is_in_zone = is_in_zone || place[node[k]] != kNone;
+                    is_in_zone = is_in_zone || place.has(node[k]);
                     if (is_uniform) chunk.include(in_cells(mesh, frame, node[k]));
                 }
                 if (is_in_zone) found[c].push_back(static_cast<std::uint32_t>(i));
@@ -66,9 +65,9 @@ std::vector<std::uint32_t> find_near_facets(const Mesh& mesh, const CellFrame& f
 
 /// Facets whose triangles are faces of the zone's tetrahedra. Equal nodes are not enough: half of a
 /// quadrilateral that stays whole may have the nodes of a face inside the solid.
-void tag_faces(const Mesh& mesh, const std::vector<std::uint32_t>& place,
-               const std::vector<std::uint32_t>& near_facets, const std::vector<std::uint8_t>* held,
-               int threads, std::vector<std::uint8_t>& is_gone, Zone& zone) {
+void tag_faces(const Mesh& mesh, const ZoneNodes& place, const std::vector<std::uint32_t>& near_facets,
+               const std::vector<std::uint8_t>* held, int threads, std::vector<std::uint8_t>& is_gone,
+               Zone& zone) {
     const FacetBlock& facets = mesh.facets;
     std::vector<TriangleKey> triangles;
     const auto add = [&](std::size_t i, const std::array<NodeId, 3>& node, std::uint8_t parts) {
@@ -80,7 +79,7 @@ void tag_faces(const Mesh& mesh, const std::vector<std::uint32_t>& place,
     // Facets are numbered in that list until the end.
     for (std::size_t i = 0; i < near_facets.size(); ++i) {
         const NodeId* node = facets.nodes.data() + 4 * std::size_t{near_facets[i]};
-        if (std::any_of(node, node + 4, [&](NodeId n) { return place[n] == kNone; })) continue;
+        if (std::any_of(node, node + 4, [&](NodeId n) { return !place.has(n); })) continue;
         if (node[2] == node[3]) {
             add(i, {node[0], node[1], node[2]}, kBothParts);
         } else {
