@@ -26,24 +26,16 @@ bool is_row_far(const Mesh& mesh, const CellFrame& frame, const std::vector<std:
     return next == bricks.end() || *next > brick_of(last);
 }
 
-/// The same of the cubes among hexahedra `begin` to `end`.
-bool are_cubes_far(const Mesh& mesh, const CellFrame& frame, const std::vector<std::uint64_t>& bricks,
-                   std::size_t begin, std::size_t end) {
-    const ElementBlock& block = mesh.elements[0];
-    while (begin < end && !is_cube(block, 0, begin)) ++begin;
-    while (begin < end && !is_cube(block, 0, end - 1)) --end;
-    return begin == end || is_row_far(mesh, frame, bricks, begin, end - 1);
-}
-
 /// Lists the elements of one type near the set, chunk by chunk.
 class CellFinder {
   public:
     CellFinder(const Mesh& mesh, const CellFrame& frame, const CellSet& cells,
-               const std::vector<std::uint64_t>& bricks, int type)
+               const std::vector<std::uint64_t>& bricks, const Gone& gone, int type)
         : mesh_(mesh),
           frame_(frame),
           cells_(cells),
           bricks_(bricks),
+          gone_(gone.element[static_cast<std::size_t>(type)]),
           block_(mesh.elements[static_cast<std::size_t>(type)]),
           type_(type) {}
 
@@ -111,13 +103,23 @@ class CellFinder {
     void find_others(Chunk& chunk, Found& found) const {
         chunk.start();
         Batch batch(*this, chunk, found);
-        for (std::size_t i = chunk.begin; i < chunk.end; ++i) batch.add(i);
+        for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
+            if (gone_[i] == 0) batch.add(i);
+        }
         batch.finish();
+    }
+
+    /// Whether none of the cubes among hexahedra `begin` to `end` is near the set.
+    bool are_cubes_far(std::size_t begin, std::size_t end) const {
+        const auto counts = [this](std::size_t i) { return gone_[i] == 0 && is_cube(block_, 0, i); };
+        while (begin < end && !counts(begin)) ++begin;
+        while (begin < end && !counts(end - 1)) --end;
+        return begin == end || is_row_far(mesh_, frame_, bricks_, begin, end - 1);
     }
 
     /// All cubes of a chunk may be far; else they are judged row by row.
     void find_hexahedra(Chunk& chunk, bool others_are_far, Found& found) const {
-        const bool all_are_far = are_cubes_far(mesh_, frame_, bricks_, chunk.begin, chunk.end);
+        const bool all_are_far = are_cubes_far(chunk.begin, chunk.end);
         if (all_are_far && others_are_far) return;
         chunk.start();
         CellId at = 0;
@@ -125,9 +127,10 @@ class CellFinder {
         const std::size_t step = all_are_far ? chunk.end - chunk.begin : kRow;
         for (std::size_t row = chunk.begin; row < chunk.end; row += step) {
             const std::size_t row_end = std::min(chunk.end, row + step);
-            const bool are_far = all_are_far || are_cubes_far(mesh_, frame_, bricks_, row, row_end);
+            const bool are_far = all_are_far || are_cubes_far(row, row_end);
             const auto next = [&](std::size_t i) { return are_far ? next_no_cube(block_, i, row_end) : i; };
             for (std::size_t i = next(row); i < row_end; i = next(i + 1)) {
+                if (gone_[i] != 0) continue;
                 if (!is_cube(block_, 0, i)) {
                     batch.add(i);
                     continue;
@@ -150,6 +153,7 @@ class CellFinder {
     const CellFrame& frame_;
     const CellSet& cells_;
     const std::vector<std::uint64_t>& bricks_;
+    const std::vector<std::uint8_t>& gone_;  ///< nodes of such elements may be anywhere
     const ElementBlock& block_;
     int type_;
 };
@@ -191,11 +195,12 @@ CellId Places::cell(const Mesh& mesh, const CellFrame& frame, const CellSet& cel
 
 void find_cells(const Mesh& mesh, const CellFrame& frame, const CellSet& cells, Known& known, int threads,
                 Places& places) {
+    known.gone.make_room(mesh);
     std::vector<std::uint64_t> bricks;
     if (!cells.is_graded()) bricks = cells.near_bricks();
     for (int t = 0; t < kElementTypes; ++t) {
         const auto type = static_cast<std::size_t>(t);
-        const CellFinder finder(mesh, frame, cells, bricks, t);
+        const CellFinder finder(mesh, frame, cells, bricks, known.gone, t);
         const std::size_t count = mesh.elements[type].size();
         std::vector<std::vector<std::uint32_t>> elements, cells_of;
         const auto find_all = [&](std::size_t chunks, std::size_t at_once, const auto& find) {

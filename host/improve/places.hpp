@@ -61,7 +61,8 @@ struct Places {
 
 /// Fills `element` and `cell_of`; of a uniform tree with the elements near the set, where hexahedra of IN
 /// cells must be in the order of the cells' Morton codes, and others are told to be far by the chunks of
-/// `known`, which are filled in. `threads` host threads, here and below; results do not depend on them.
+/// `known`, which are filled in; what is gone is told of graded trees only. `threads` host threads, here and
+/// below; results do not depend on them.
 void find_cells(const Mesh& mesh, const CellFrame& frame, const CellSet& cells, Known& known, int threads,
                 Places& places);
 

@@ -42,7 +42,6 @@ class Opener {
     Zone open() {
         if (cells_.is_graded()) {
             unit_class_ = finest_class(*frame_.leaves);
-            known_.gone.make_room(mesh_);
             find_cells(mesh_, frame_, cells_, known_, threads_, places_);
             find_size_classes(mesh_, frame_, cells_, known_.gone, threads_, places_);
         }
@@ -55,7 +54,6 @@ class Opener {
             for (const Slab& slab : *options_.slabs) keep_those_in(slab, poor);
         }
         if (poor.empty()) return {};
-        known_.gone.make_room(mesh_);
         for (const CellId cell : poor) options_.is_wide ? cells_.set_two_rings(cell) : cells_.set_ring(cell);
         if (!cells_.is_graded()) find_cells(mesh_, frame_, cells_, known_, threads_, places_);
         if (options_.leaves_cubes) leave_cubes(poor);

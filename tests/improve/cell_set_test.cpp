@@ -59,31 +59,43 @@ improve::Point corner_of(std::uint64_t code) {
             static_cast<double>(gather_bits(code >> 2))};
 }
 
-/// The elements of one type near two cells, and their cells, against a look at each.
-void check_places(const Mesh& mesh, int type, std::int64_t reach) {
+/// The elements of one type near two cells, and their cells, against a look at each; from the second set on
+/// some elements are gone, and their nodes, which no others have, are anywhere.
+void check_places(Mesh mesh, int type, std::int64_t reach, RandomSource& random) {
     improve::CellFrame frame{};
     frame.cell = frame.per_cell = 1;
     frame.level = kSetLevel;
     frame.on_lattice = false;
-    improve::CellSet cells(kSetLevel, nullptr, reach);
-    cells.set_ring(cells.index({3.5, 4.5, 30.5}));
-    cells.set_ring(cells.index({20.5, 31.9, 7.5}));
-    improve::Places places;
+    // Later sets skip the chunks that the first has seen far from them.
     improve::Known known;
-    improve::find_cells(mesh, frame, cells, known, 2, places);
-    std::vector<std::uint32_t> expected, cell_of;
-    const auto t = static_cast<std::size_t>(type);
-    const std::size_t count = mesh.elements[t].size();
-    for (std::size_t i = 0; i < count; ++i) {
-        const improve::Point place = improve::place_of(mesh, frame, type, i);
-        if (!cells.is_near(place)) continue;
-        expected.push_back(static_cast<std::uint32_t>(i));
-        cell_of.push_back(static_cast<std::uint32_t>(cells.index(place)));
+    for (const improve::Point& other : {improve::Point{20.5, 31.9, 7.5}, {9.5, 9.5, 9.5}, {3.5, 4.5, 30.5}}) {
+        improve::CellSet cells(kSetLevel, nullptr, reach);
+        cells.set_ring(cells.index({3.5, 4.5, 30.5}));
+        cells.set_ring(cells.index(other));
+        improve::Places places;
+        improve::find_cells(mesh, frame, cells, known, 2, places);
+        std::vector<std::uint32_t> expected, cell_of;
+        const auto t = static_cast<std::size_t>(type);
+        const std::size_t count = mesh.elements[t].size();
+        for (std::size_t i = 0; i < count; ++i) {
+            const improve::Point place = improve::place_of(mesh, frame, type, i);
+            if (known.gone.element[t][i] != 0 || !cells.is_near(place)) continue;
+            expected.push_back(static_cast<std::uint32_t>(i));
+            cell_of.push_back(static_cast<std::uint32_t>(cells.index(place)));
+        }
+        CHECK(expected.size() > 500);
+        CHECK(expected.size() < count / 2);
+        CHECK(places.element[t] == expected);
+        CHECK(places.cell_of[t] == cell_of);
+        for (std::size_t i = 0; i < count; ++i) {
+            if (!random.chance(0.1)) continue;
+            known.gone.element[t][i] = 1;
+            const improve::Element gone = improve::element(mesh, type, i);
+            for (std::size_t k = 0; k < gone.count; ++k)
+                for (std::size_t j = 0; j < 3; ++j)
+                    mesh.points[3 * gone.node[k] + j] = random.uniform(0, std::ldexp(1.0, kSetLevel));
+        }
     }
-    CHECK(expected.size() > 1000);
-    CHECK(expected.size() < count / 2);
-    CHECK(places.element[t] == expected);
-    CHECK(places.cell_of[t] == cell_of);
 }
 
 }  // namespace
@@ -106,7 +118,7 @@ TEST_CASE("elements near the zone are found whether rows of cubes are skipped or
         block.region.push_back(1);
         block.kind.push_back(static_cast<std::uint8_t>(is_cube ? ElementKind::kIn : ElementKind::kSnio));
     }
-    check_places(mesh, 0, improve::CellSet::kReach);
+    check_places(mesh, 0, improve::CellSet::kReach, random);
 }
 
 TEST_CASE("tetrahedra near the zone are found, whatever their number") {
@@ -124,7 +136,47 @@ TEST_CASE("tetrahedra near the zone are found, whatever their number") {
             block.kind.push_back(static_cast<std::uint8_t>(ElementKind::kSnio));
         }
     }
-    check_places(mesh, 3, improve::CellSet::kShortReach);
+    check_places(mesh, 3, improve::CellSet::kShortReach, random);
+}
+
+TEST_CASE("a set that looks farther is one that has done so from the start") {
+    RandomSource random(9);
+    for (const int level : {2, 4, 6}) {
+        improve::CellSet grown(level, nullptr, improve::CellSet::kShortReach);
+        improve::CellSet far(level, nullptr, improve::CellSet::kReach);
+        const double side = std::ldexp(1.0, level);
+        for (int k = 0; k < 4; ++k) {
+            const improve::CellId cell = far.index(
+                {random.uniform(-1, side + 1), random.uniform(-1, side + 1), random.uniform(-1, side + 1)});
+            grown.set_ring(cell);
+            far.set_ring(cell);
+        }
+        grown.extend_reach(improve::CellSet::kReach);
+        CHECK(grown.near_bricks() == far.near_bricks());
+    }
+}
+
+TEST_CASE("nodes of a zone are numbered in their order") {
+    RandomSource random(10);
+    for (const std::size_t count : {1u, 64u, 65u, 5000u}) {
+        std::vector<std::uint32_t> expected(count, improve::kNone);
+        improve::ZoneNodes nodes;
+        nodes.clear(count);
+        for (std::size_t i = 0; i < count; ++i) {
+            if (!random.chance(0.3)) continue;
+            expected[i] = 0;
+            nodes.add(static_cast<NodeId>(i));
+            nodes.add(static_cast<NodeId>(i));
+        }
+        std::uint32_t next = 0;
+        nodes.number([&](NodeId node) { expected[node] = next++; });
+        for (std::size_t i = 0; i < count; ++i) {
+            CHECK(nodes[static_cast<NodeId>(i)] == expected[i]);
+            CHECK(nodes.has(static_cast<NodeId>(i)) == (expected[i] != improve::kNone));
+        }
+        nodes.clear(count);
+        CHECK_FALSE(nodes.has(0));
+    }
 }
 
 TEST_CASE("sorting on threads sorts, whatever their number") {
