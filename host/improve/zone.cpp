@@ -115,7 +115,14 @@ class Opener {
         }
     }
 
+    /// The elements of the zone are in the mesh again.
+    void put_back() {
+        for (const ElementRef& r : elements_) known_.gone.element[r.type][r.index] = 0;
+        elements_.clear();
+    }
+
     void look_farther() {
+        put_back();
         cells_.extend_reach(CellSet::kReach);
         places_ = {};
         find_cells(mesh_, frame_, cells_, known_, threads_, places_);
@@ -127,8 +134,7 @@ class Opener {
         zone_.finest_class = unit_class_;
         zone_.unit = edge_of(unit_class_);
         zone_.rounding = rounding_;
-        for (const ElementRef& r : elements_) known_.gone.element[r.type][r.index] = 0;
-        elements_.clear();
+        put_back();
         for (int t = 0; t < kElementTypes; ++t) {
             const auto type = static_cast<std::size_t>(t);
             const std::vector<std::uint32_t>& listed = places_.element[type];
