@@ -1,6 +1,5 @@
 #include "host/common/good_elements.hpp"
 
-#include "host/common/lattice_rounding.hpp"
 #include "host/common/point_lanes.hpp"
 #include "host/common/wide.hpp"
 #include "kernels/shared/corners.h"
@@ -47,23 +46,6 @@ template <std::size_t kWidth>
     return good & (uu >= shortest) & (vv >= shortest) & (ww >= shortest);
 }
 
-template <class Reals>
-[[gnu::always_inline]] inline Reals in_cells(const Reals& model, double origin,
-                                             const GoodElementsFrame& frame) {
-    const Reals cells = (model - origin) * frame.per_cell;
-    return frame.on_lattice ? round_to_lattice(cells) : cells;
-}
-
-/// Node k of some elements, in cells.
-template <std::size_t kWidth>
-[[gnu::always_inline]] inline Points<kWidth> load_in_cells(const double* points,
-                                                           const NodeId* const* elements, std::size_t k,
-                                                           const GoodElementsFrame& frame) {
-    const Points<kWidth> model = lanes::load<kWidth>(points, elements, k);
-    return {in_cells(model.x, frame.origin[0], frame), in_cells(model.y, frame.origin[1], frame),
-            in_cells(model.z, frame.origin[2], frame)};
-}
-
 using Elements = std::array<const NodeId*, kLookedAtOnce>;
 
 #define MORTISE_CORNER(node, first, second, third) \
@@ -77,7 +59,7 @@ using Elements = std::array<const NodeId*, kLookedAtOnce>;
         for (std::size_t first = 0; first < kLookedAtOnce; first += kWidth) {                          \
             Points<kWidth> p[nodes];                                                                   \
             for (std::size_t k = 0; k < nodes; ++k)                                                    \
-                p[k] = load_in_cells<kWidth>(points, &elements[first], k, frame);                      \
+                p[k] = lanes::load_in_cells<kWidth>(points, &elements[first], k, frame);               \
             Mask<kWidth> good = Mask<kWidth>{} - 1;                                                    \
             CORNERS(MORTISE_CORNER)                                                                    \
             for (std::size_t i = 0; i < kWidth; ++i) bits |= (good[i] != 0 ? 1u : 0u) << (first + i);  \

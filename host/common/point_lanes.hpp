@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <utility>
 
+#include "host/common/lattice_rounding.hpp"
 #include "host/common/wide.hpp"
 #include "mortise/mesh.hpp"
 
@@ -47,6 +48,23 @@ template <std::size_t kWidth>
 [[gnu::always_inline]] inline Points<kWidth> load(const double* points, const NodeId* const* elements,
                                                   std::size_t k) {
     return load<kWidth>(points, elements, k, std::make_index_sequence<kWidth>{});
+}
+
+template <class Reals, class Frame>
+[[gnu::always_inline]] inline Reals to_cells(const Reals& model, double origin, const Frame& frame) {
+    const Reals cells = (model - origin) * frame.per_cell;
+    return frame.on_lattice ? round_to_lattice(cells) : cells;
+}
+
+/// Node k of some elements, in cells: `frame` has the grid's origin, cells in a model unit (per_cell), and
+/// whether nodes lie on the lattice of positions but for the rounding of model coordinates (on_lattice).
+template <std::size_t kWidth, class Frame>
+[[gnu::always_inline]] inline Points<kWidth> load_in_cells(const double* points,
+                                                           const NodeId* const* elements, std::size_t k,
+                                                           const Frame& frame) {
+    const Points<kWidth> model = load<kWidth>(points, elements, k);
+    return {to_cells(model.x, frame.origin[0], frame), to_cells(model.y, frame.origin[1], frame),
+            to_cells(model.z, frame.origin[2], frame)};
 }
 
 }  // namespace mortise::lanes

@@ -12,32 +12,17 @@ using lanes::Points;
 using Elements = std::array<const NodeId*, kCentroidsAtOnce>;
 using Middles = std::array<Point, kCentroidsAtOnce>;
 
-template <class Reals>
-[[gnu::always_inline]] inline Reals to_cells(const Reals& model, double origin, const CellFrame& frame) {
-    const Reals cells = (model - origin) * frame.per_cell;
-    return frame.on_lattice ? round_to_lattice(cells) : cells;
-}
-
-/// Node k of some elements, in cells: as in_cells().
-template <std::size_t kWidth>
-[[gnu::always_inline]] inline Points<kWidth> load_in_cells(const double* points,
-                                                           const NodeId* const* elements, std::size_t k,
-                                                           const CellFrame& frame) {
-    const Points<kWidth> model = lanes::load<kWidth>(points, elements, k);
-    return {to_cells(model.x, frame.origin[0], frame), to_cells(model.y, frame.origin[1], frame),
-            to_cells(model.z, frame.origin[2], frame)};
-}
-
 /// In the order of centroid(), for the same bits.
 #define MORTISE_CENTROIDS(name, node_count)                                                                  \
     template <std::size_t kWidth>                                                                            \
     [[gnu::always_inline]] inline void name##_in(const double* points, const Elements& elements,             \
                                                  const CellFrame& frame, Middles& out) {                     \
         for (std::size_t first = 0; first < kCentroidsAtOnce; first += kWidth) {                             \
-            const Points<kWidth> p = load_in_cells<kWidth>(points, &elements[first], 0, frame);              \
+            const Points<kWidth> p = lanes::load_in_cells<kWidth>(points, &elements[first], 0, frame);       \
             Points<kWidth> sum = {p.x + 0, p.y + 0, p.z + 0};                                                \
             for (std::size_t k = 1; k < (node_count); ++k) {                                                 \
-                const Points<kWidth> next = load_in_cells<kWidth>(points, &elements[first], k, frame);       \
+                const Points<kWidth> next =                                                                  \
+                    lanes::load_in_cells<kWidth>(points, &elements[first], k, frame);                        \
                 sum = {sum.x + next.x, sum.y + next.y, sum.z + next.z};                                      \
             }                                                                                                \
             constexpr double kPart = 1.0 / (node_count);                                                     \
