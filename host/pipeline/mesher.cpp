@@ -67,11 +67,11 @@ std::vector<bool> regions_present(const Mesh& mesh) {
     return present;
 }
 
-/// Whether coordinates are small beside what rounding leaves of cells.
-bool are_exact(const pipeline::Root& root) {
+/// Whether coordinates round little beside cells of a level.
+bool are_exact(const pipeline::Root& root, int level) {
     double most = 0;
     for (const double x : root.origin) most = std::max({most, std::fabs(x), std::fabs(x + root.side)});
-    return most <= jacobian::kExactEdges * root.cell();
+    return most <= jacobian::kExactEdges * std::ldexp(root.side, -level);
 }
 
 /// Extraction and assembly, range by range of the Morton order; the pieces do not know each other until they
@@ -229,30 +229,28 @@ Mesh Mesher::generate(const Model& model, const MeshOptions& options, MeshReport
         stages.end(prepared.periodic.size());
     }
     const bool raises = improve_options.goal > improve::kGoodQuality;
+    const auto raise = [&](double progress) {
+        stages.begin("raise", progress);
+        const std::uint64_t before = counters.zone_elements;
+        mesh = raises ? improve::raise(std::move(mesh), prepared.bound, improve_options, counters)
+                      : improve::mend_parts(std::move(mesh), prepared.bound, improve_options, counters);
+        stages.end(counters.zone_elements - before);
+    };
     IndexRuns sixths;
     if (options.tetrahedra) {
         stages.begin("tetrahedra", 0.95);
         mesh = tetrahedra::split_around_cubes(std::move(mesh), options.threads,
                                               copy_of.empty() ? nullptr : &copy_of, &moved_cubes);
-        if (options.improve && !raises) {  // what good elements are split into may be worse
-            stages.begin("raise", 0.951);
-            const std::uint64_t before = counters.zone_elements;
-            mesh = improve::mend_parts(std::move(mesh), prepared.bound, improve_options, counters);
-            stages.end(counters.zone_elements - before);
-        }
+        // What good elements are split into may be worse.
+        if (options.improve && !raises) raise(0.951);
         stages.begin("tetrahedra", 0.952);
         mesh = tetrahedra::split_cubes(std::move(mesh), options.threads, moved_cubes, &sixths,
                                        arena != nullptr ? &arena->mesh : nullptr);
-        if (raises || !are_exact(prepared.root)) sixths = {};
+        if (raises || !are_exact(prepared.root, prepared.tree.level)) sixths = {};
         moved_cubes = {};
         stages.end(mesh.element_count());
     }
-    if (raises) {
-        stages.begin("raise", 0.953);
-        const std::uint64_t before = counters.zone_elements;
-        mesh = improve::raise(std::move(mesh), prepared.bound, improve_options, counters);
-        stages.end(counters.zone_elements - before);
-    }
+    if (raises) raise(0.953);
     if (options.hanging) {
         stages.begin("hanging", 0.954);
         hanging::Restored restored = hanging::restore_cells(

@@ -351,4 +351,22 @@ TEST_CASE("a graded tetrahedral mesh and one with a report are valid, too") {
     REQUIRE(meshed.report.quality.has_value());
 }
 
+TEST_CASE("scaled Jacobians of tetrahedra are those of their nodes, however far away small cells are") {
+    Model model;
+    const auto block = model.add_primitive(box({3000, 2000, 1000}, {3001, 2001, 1001}));
+    Region region;
+    region.name = "block";
+    region.root = block;
+    model.regions.push_back(region);
+    MeshOptions options;
+    options.level = 4;
+    options.tetrahedra = true;
+    options.sizes = {{{3000.5, 2000.5, 1000.5}, 1.0 / 1000, 1.5}};
+    MeshReport report;
+    const Mesh mesh = generate(model, options, &report);
+    CHECK(report.leaves.size() > 4 + 4);
+    CHECK(mesh.block(ElementType::kTetrahedron).kind.size() > 1000);
+    CHECK(report.scaled_jacobians == scaled_jacobians(mesh));
+}
+
 }  // namespace mortise::test
