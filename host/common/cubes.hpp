@@ -9,6 +9,10 @@
 
 namespace mortise {
 
+inline bool is_cube(const ElementBlock& hexahedra, std::size_t i) {
+    return hexahedra.kind[i] == static_cast<std::uint8_t>(ElementKind::kIn);
+}
+
 /// The next hexahedron from `i` on that is none; at most `end`. Eight are looked at at a time.
 inline std::size_t next_no_cube(const ElementBlock& hexahedra, std::size_t i, std::size_t end) {
     static_assert(static_cast<std::uint8_t>(ElementKind::kIn) == 0);

@@ -111,7 +111,7 @@ class CellFinder {
 
     /// Whether none of the cubes among hexahedra `begin` to `end` is near the set.
     bool are_cubes_far(std::size_t begin, std::size_t end) const {
-        const auto counts = [this](std::size_t i) { return gone_[i] == 0 && is_cube(block_, 0, i); };
+        const auto counts = [this](std::size_t i) { return gone_[i] == 0 && mortise::is_cube(block_, i); };
         while (begin < end && !counts(begin)) ++begin;
         while (begin < end && !counts(end - 1)) --end;
         return begin == end || is_row_far(mesh_, frame_, bricks_, begin, end - 1);
@@ -131,7 +131,7 @@ class CellFinder {
             const auto next = [&](std::size_t i) { return are_far ? next_no_cube(block_, i, row_end) : i; };
             for (std::size_t i = next(row); i < row_end; i = next(i + 1)) {
                 if (gone_[i] != 0) continue;
-                if (!is_cube(block_, 0, i)) {
+                if (!mortise::is_cube(block_, i)) {
                     batch.add(i);
                     continue;
                 }
@@ -161,7 +161,7 @@ class CellFinder {
 }  // namespace
 
 bool is_cube(const ElementBlock& block, int type, std::size_t i) {
-    return type == 0 && block.kind[i] == static_cast<std::uint8_t>(ElementKind::kIn);
+    return type == 0 && mortise::is_cube(block, i);
 }
 
 Element element(const Mesh& mesh, int t, std::size_t i) {

@@ -274,7 +274,7 @@ std::vector<std::uint8_t> find_split(const ElementBlock& hexahedra, const std::v
             const bool is_ranked = rank != nullptr && std::any_of(node, node + kMostNodes, [&](NodeId n) {
                                        return n < rank->size() && (*rank)[n] != n;
                                    });
-            is_split[i] = hexahedra.kind[i] != static_cast<std::uint8_t>(ElementKind::kIn) || is_ranked;
+            is_split[i] = !is_cube(hexahedra, i) || is_ranked;
         }
     });
     return is_split;

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "tests/mesher/meshed.hpp"
+#include "tests/model/triangle_measures.hpp"
 #include "tests/triangles/shapes.hpp"
 
 namespace mortise::test {
@@ -62,7 +63,7 @@ TEST_CASE("random stars: valid, the right volume") {
         const TriangleSurface star = random_star(seed, 1, 0.6, 1.4);
         const Meshed m = mesh_and_check(solid_of(star, 0), 5);
         CHECK(m.defects.empty());
-        CHECK(m.check.volume == doctest::Approx(volume_of(star)).epsilon(2e-3));
+        CHECK(m.check.volume == doctest::Approx(volume(star)).epsilon(2e-3));
         const Meshed certified = mesh_and_check(solid_of(star, 0), 4, false);
         CHECK(certified.defects.empty());
     }
@@ -74,7 +75,7 @@ TEST_CASE("a smooth surface of triangles meshes like a smooth solid") {
     CHECK(m.defects.empty());
     CHECK(m.check.min_dihedral > 17.5);
     CHECK(m.check.max_dihedral < 155.5);
-    CHECK(m.check.volume == doctest::Approx(volume_of(sphere)).epsilon(5e-3));
+    CHECK(m.check.volume == doctest::Approx(volume(sphere)).epsilon(5e-3));
     CHECK(m.report.unresolved == 0);
 }
 
@@ -86,7 +87,7 @@ TEST_CASE("patches meet in sharp creases: a round post of triangles") {
     const TriangleSurface post = prism(outline, 1.7, true);
     const Meshed m = mesh_and_check(solid_of(post, 20, rotation({1, 2, 3}, 0.7)), 5);
     CHECK(m.defects.empty());
-    CHECK(m.check.volume == doctest::Approx(volume_of(post)).epsilon(2e-3));
+    CHECK(m.check.volume == doctest::Approx(volume(post)).epsilon(2e-3));
     CHECK(m.check.min_dihedral > 12);
     double length = 0;
     for (const auto& curve : m.report.features.curves) length += curve.length;

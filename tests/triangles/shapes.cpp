@@ -73,18 +73,6 @@ TriangleSurface random_star(std::uint64_t seed, int depth, double low, double hi
     return s;
 }
 
-double volume_of(const TriangleSurface& surface) {
-    double sum = 0;
-    for (const auto& t : surface.triangles) {
-        const Vec3& a = surface.points[t[0]];
-        const Vec3& b = surface.points[t[1]];
-        const Vec3& c = surface.points[t[2]];
-        sum += a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) +
-               a[2] * (b[0] * c[1] - b[1] * c[0]);
-    }
-    return sum / 6;
-}
-
 Model solid_of(TriangleSurface surface, double sharp_angle, const Affine& map) {
     Model model;
     model.source = "test model";

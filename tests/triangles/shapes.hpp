@@ -20,9 +20,6 @@ TriangleSurface unit_sphere(int depth);
 /// unit_sphere with a random radius in [low, high] for every corner: not convex.
 TriangleSurface random_star(std::uint64_t seed, int depth, double low, double high);
 
-/// What the triangles enclose, by the divergence theorem.
-double volume_of(const TriangleSurface& surface);
-
 /// A model of one region that holds the surface.
 Model solid_of(TriangleSurface surface, double sharp_angle, const Affine& map = kIdentity);
 
