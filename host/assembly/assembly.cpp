@@ -119,8 +119,8 @@ class Assembler {
     void number() {
         extras_ = rank_extras(input_, cells_, numbering_.used);
         const std::size_t meshed = meshed_count();
-        used_ = device_.upload(numbering_.used);
-        Buffer extra_counts = device_.upload(of_range(extras_.owned_count));
+        used_ = device_.lend(numbering_.used.data(), numbering_.used.size());
+        const Buffer extra_counts = device_.lend(extras_.owned_count.data() + nio_begin_, nio_count());
         const auto share = [&](std::vector<std::uint32_t>& values, std::vector<std::uint32_t> Arena::*old,
                                std::size_t count) {
             if (input_.arena != nullptr) take_memory(input_.arena->*old, count, values);
@@ -173,7 +173,7 @@ class Assembler {
         const OriginSide box{origin[0], origin[1], origin[2], input_.model.side};
         const PieceRange range = piece_range();
         foreign_ = device_.upload(numbering_.foreign_grid);
-        leaves_ = device_.upload(of_range(input_.classification.leaves));
+        leaves_ = device_.lend(input_.classification.leaves.data() + nio_begin_, nio_count());
         plans_ = device_.allocate(sizeof(FacePlans));
         device_.upload(plans_, &snio::face_plans(), 1);
         offset_buffer_ =
@@ -181,7 +181,7 @@ class Assembler {
         for (std::size_t t = 0; t < kElementTypes; ++t) {
             device_.upload(offset_buffer_, offsets_[t].data(), stride + 1, t * (stride + 1));
         }
-        facet_offset_buffer_ = device_.upload(facet_offsets_);
+        facet_offset_buffer_ = device_.lend(facet_offsets_.data(), facet_offsets_.size());
         launch("place_nodes", word_count_, leaves_, tree.surfaces, tree.ops, owned_, base_, points_, box,
                range, first_word());
         launch("write_hexahedra", word_count_, used_, owned_, base_, offset_buffer_, foreign_,

@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
+#include "host/common/large_pages.hpp"
 #include "host/common/parallel.hpp"
 
 namespace mortise {
@@ -15,13 +17,17 @@ namespace mortise {
 template <class T>
 void touch_large(std::vector<T>& values, std::size_t count, int threads, std::size_t spare = 0) {
     constexpr std::size_t kPage = 4096;
-    constexpr std::size_t kChunk = 256;  // pages
     values.reserve(count + spare);
     // Between the vector's end and its capacity: nobody's bytes until resize() writes them.
     auto* const bytes = reinterpret_cast<volatile unsigned char*>(values.data() + values.size());
-    const std::size_t pages = (count - values.size()) * sizeof(T) / kPage;
-    parallel_chunks(pages, kChunk, threads, [&](std::size_t begin, std::size_t end, int) {
-        for (std::size_t page = begin; page < end; ++page) bytes[page * kPage] = 0;
+    const std::size_t size = (count - values.size()) * sizeof(T);
+    ask_for_large_pages(values.data() + values.size(), size);
+    // Chunks are large pages: one of which two threads write to is zeroed twice.
+    const std::size_t before = reinterpret_cast<std::uintptr_t>(bytes) % kLargePage;
+    parallel_chunks(before + size, kLargePage, threads, [&](std::size_t begin, std::size_t end, int) {
+        begin = std::max(begin, before) - before;
+        end -= std::min(before, end);
+        for (std::size_t page = begin; page < end; page += kPage) bytes[page] = 0;
     });
 }
 

@@ -234,6 +234,15 @@ class Device {
     void sync_to_host(Buffer& buffer);    ///< Waits for the launches before it.
     void sync_to_device(Buffer& buffer);  ///< Whole buffer.
 
+    /// An array that kernels only read, and that outlives the buffer: wrapped, and on the device.
+    template <class T>
+    Buffer lend(const T* data, std::size_t count) {
+        static_assert(std::is_trivially_copyable_v<T>);
+        Buffer buffer = wrap(const_cast<T*>(data), count * sizeof(T));
+        sync_to_device(buffer);
+        return buffer;
+    }
+
     /// Copies `count` values into the buffer from element `offset` on; the range must lie inside.
     template <class T>
     void upload(Buffer& buffer, const T* data, std::size_t count, std::size_t offset = 0) {

@@ -1,11 +1,17 @@
 // Buffers: allocation, mapping and copies. On CPU devices host code reaches a buffer by mapping only, which
 // costs nothing there; elsewhere uploads and downloads use the driver's transfers.
+#include <cstdlib>
 #include <cstring>
+#include <memory>
 
+#include "host/common/large_pages.hpp"
 #include "host/device/device_state.hpp"
 
 namespace mortise::device {
 namespace {
+
+/// From here on buffers lie in large pages, whose last is half empty as a rule.
+constexpr std::size_t kLargeBuffer = 4 * kLargePage;
 
 void check_range(std::size_t bytes, std::size_t offset, std::size_t size, const char* what) {
     if (offset > size || bytes > size - offset) {
@@ -13,6 +19,21 @@ void check_range(std::size_t bytes, std::size_t offset, std::size_t size, const 
                std::to_string(offset + bytes) + " lie outside a buffer of " + std::to_string(size) +
                " bytes");
     }
+}
+
+void CL_CALLBACK give_back(cl_mem, void* host) { std::free(host); }
+
+/// Memory of ours that a device on it uses, in large pages; the driver's where there is none.
+compute::buffer in_large_pages(const compute::context& context, std::size_t bytes) {
+    const std::size_t size = (bytes + kLargePage - 1) / kLargePage * kLargePage;
+    std::unique_ptr<void, decltype(&std::free)> host(std::aligned_alloc(kLargePage, size), &std::free);
+    if (!host) return compute::buffer(context, bytes);
+    ask_for_large_pages(host.get(), size);
+    compute::buffer memory(context, bytes, CL_MEM_READ_WRITE | CL_MEM_USE_HOST_PTR, host.get());
+    // When nothing that has been launched uses it any more.
+    memory.set_destructor_callback(&give_back, host.get());
+    host.release();
+    return memory;
 }
 
 }  // namespace
@@ -34,8 +55,10 @@ Buffer Device::allocate(std::size_t bytes) {
     if (!self.found.is_cpu && bytes > info().global_bytes) does_not_fit(CL_MEM_OBJECT_ALLOCATION_FAILURE);
     Buffer buffer;
     try {
+        const bool is_large = self.shares_memory() && bytes >= kLargeBuffer;
         buffer.implementation_ = std::make_shared<Buffer::Implementation>(
-            compute::buffer(self.context, bytes), bytes, self.memory);
+            is_large ? in_large_pages(self.context, bytes) : compute::buffer(self.context, bytes), bytes,
+            self.memory);
     } catch (const compute::opencl_error& error) {
         does_not_fit(error.error_code());
     }

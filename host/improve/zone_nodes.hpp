@@ -37,7 +37,7 @@ class ZoneNodes {
     std::uint32_t operator[](NodeId node) const {
         const Word& word = words_[node / 64];
         if ((word.bits & bit_of(node)) == 0) return kNone;
-        return word.before + static_cast<std::uint32_t>(__builtin_popcountll(word.bits & (bit_of(node) - 1)));
+        return word.before + count(word.bits & (bit_of(node) - 1));
     }
 
   private:
@@ -45,6 +45,13 @@ class ZoneNodes {
         std::uint64_t bits = 0;
         std::uint32_t before = 0;
     };
+    /// Plain x86-64 has no instruction for it, and compilers call a library.
+    static std::uint32_t count(std::uint64_t bits) {
+        bits -= (bits >> 1) & 0x5555555555555555u;
+        bits = (bits & 0x3333333333333333u) + ((bits >> 2) & 0x3333333333333333u);
+        bits = (bits + (bits >> 4)) & 0x0f0f0f0f0f0f0f0fu;
+        return static_cast<std::uint32_t>((bits * 0x0101010101010101u) >> 56);
+    }
     static std::uint64_t bit_of(NodeId node) { return std::uint64_t{1} << (node % 64); }
 
     std::vector<Word> words_;

@@ -58,14 +58,6 @@ std::vector<double> edge_matrix(const TypeTable& table, std::size_t nodes) {
     return matrix;
 }
 
-/// Kernels only read it.
-template <class T>
-Buffer wrap_constant(Device& device, const T* data, std::size_t count) {
-    Buffer buffer = device.wrap(const_cast<T*>(data), count * sizeof(T));
-    device.sync_to_device(buffer);
-    return buffer;
-}
-
 /// The matrices of one element type, kept from chunk to chunk.
 class Product {
   public:
@@ -120,7 +112,7 @@ std::vector<float> scaled_jacobians(Device& device, const Mesh& mesh, Method met
     take_memory(old, mesh.element_count(), values);
     resize_large(values, mesh.element_count(), threads);
     if (values.empty()) return values;
-    const Buffer points = wrap_constant(device, mesh.points.data(), mesh.points.size());
+    const Buffer points = device.lend(mesh.points.data(), mesh.points.size());
     const std::size_t chunk = method == Method::kOwn ? kOwnChunk : kProductChunk;
     std::size_t before = 0;
     for (std::size_t t = 0; t < kElementTypes; ++t) {
@@ -135,13 +127,13 @@ std::vector<float> scaled_jacobians(Device& device, const Mesh& mesh, Method met
             has_sixths ? tetrahedra_with_sixths(mesh, *known.sixths, threads, values.data() + before) : 0;
         for (std::size_t begin = done; begin < block.size(); begin += chunk) {
             const std::size_t count = std::min(chunk, block.size() - begin);
-            const Buffer elements = wrap_constant(device, block.nodes.data() + nodes * begin, nodes * count);
+            const Buffer elements = device.lend(block.nodes.data() + nodes * begin, nodes * count);
             Buffer results = device.wrap(values.data() + before + begin, count * sizeof(float));
             if (product) {
                 product->run(points, elements, count, results);
             } else {
                 const std::size_t width = device.lanes() == 8 ? 8 : 1;  // WIDTH of own.cl
-                const Buffer kinds = wrap_constant(device, block.kind.data() + begin, count);
+                const Buffer kinds = device.lend(block.kind.data() + begin, count);
                 device.launch(device.kernel("jacobian/own.cl", kTypes[t].entry), (count + width - 1) / width,
                               points, elements, kinds, results, static_cast<std::uint32_t>(count),
                               std::int32_t{known.moved_cubes != nullptr});

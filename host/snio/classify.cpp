@@ -196,16 +196,18 @@ Classification Classifier::all_complex() const {
 
 Classification Classifier::fill() {
     Classification result;
-    Buffer leaves = device_.allocate(count() * sizeof(SnioLeaf));
-    Buffer used = device_.allocate(count() * sizeof(std::uint32_t));
+    const auto make = [&](auto& values) {
+        values.resize(count());
+        return device_.wrap(values.data(), values.size() * sizeof(values[0]));
+    };
+    Buffer leaves = make(result.leaves);
+    Buffer used = make(result.used);
+    Buffer facets = make(result.facets);
     Buffer counts = device_.allocate(kElementTypes * count() * sizeof(std::uint32_t));
-    Buffer facets = device_.allocate(count() * sizeof(std::uint32_t));
     launch("snio/fill.cl", "fill", rows(kLeavesInChunk), on_device_.nio, candidates_, vetoes_, points_,
            promoted_points_, point_of_, plans_, leaves, used, counts, facets,
            static_cast<std::uint32_t>(count()), snap_);
-    result.leaves = device_.download<SnioLeaf>(leaves, count());
-    result.used = device_.download<std::uint32_t>(used, count());
-    result.facets = device_.download<std::uint32_t>(facets, count());
+    for (Buffer* buffer : {&leaves, &used, &facets}) device_.sync_to_host(*buffer);
     for (std::size_t t = 0; t < kElementTypes; ++t) {
         result.elements[t] = device_.download<std::uint32_t>(counts, count(), t * count());
     }

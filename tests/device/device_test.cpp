@@ -2,7 +2,9 @@
 #include "host/device/device.hpp"
 
 #include <doctest/doctest.h>
+#include <unistd.h>
 
+#include <fstream>
 #include <numeric>
 #include <thread>
 
@@ -46,6 +48,14 @@ struct Example {
         options.kernels_folder = folder.path();
     }
 };
+
+/// Of this process.
+std::size_t resident_bytes() {
+    std::ifstream file("/proc/self/statm");
+    std::size_t pages = 0, resident = 0;
+    file >> pages >> resident;
+    return resident * static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
+}
 
 DeviceInfo fake(const std::string& name, const std::string& platform, bool is_gpu, bool has_double) {
     DeviceInfo info;
@@ -176,6 +186,28 @@ TEST_CASE("buffers count as memory while they live, and may outlive the device")
     CHECK(survivor.bytes() == 24);
 }
 
+TEST_CASE("large buffers hold what is put there, and give their memory back") {
+    constexpr std::size_t kCount = (std::size_t{40} << 20) / sizeof(std::uint32_t) + 5;
+    std::vector<std::uint32_t> values(kCount);
+    std::iota(values.begin(), values.end(), 1u);
+    Buffer survivor;
+    {
+        Device device;
+        Buffer copy = device.allocate(kCount * sizeof(std::uint32_t));
+        device.copy(device.upload(values), copy, copy.bytes());
+        CHECK(device.download<std::uint32_t>(copy, kCount) == values);
+        const std::size_t before = resident_bytes();
+        for (int i = 0; i < 20; ++i) {
+            Buffer buffer = device.allocate(kCount * sizeof(std::uint32_t));
+            device.fill_zero(buffer);  // may still run when the buffer goes
+        }
+        device.finish();
+        CHECK(resident_bytes() < before + 4 * kCount * sizeof(std::uint32_t));
+        survivor = std::move(copy);
+    }
+    CHECK(survivor.bytes() == kCount * sizeof(std::uint32_t));
+}
+
 TEST_CASE("a buffer over the device's largest allocation is refused with figures") {
     Device device;
     const std::string message = device_error([&] { device.allocate(std::size_t{1} << 52); });
@@ -243,6 +275,10 @@ TEST_CASE("wrapped host memory is what kernels see, and the other way round") {
         device.sync_to_host(buffer);
         CHECK(values[998] == 10.0);
         CHECK(values[999] == 5.0);
+        const std::vector<double> lent = {1, 2, 3};
+        Buffer sums = device.upload(std::vector<double>(3, 0.0));
+        device.copy(device.lend(lent.data() + 1, 2), sums, 2 * sizeof(double));
+        CHECK(device.download<double>(sums, 3) == std::vector<double>{2, 3, 0});
         CHECK(device.wrap(nullptr, 0).bytes() == 0);
     }
 }
