@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <tuple>
 
 #include "host/common/parallel.hpp"
 #include "host/octree/odd_corner.hpp"
@@ -129,8 +130,8 @@ void Snapping::judge_simple(const std::vector<std::uint32_t>& simple) {
     });
 }
 
-/// Vertices that one of these leaves does not bear, some of them more than once. Leaves that may or may not
-/// keep a template must bear both.
+/// Vertices to take back since one of these leaves does not bear them, some of them more than once. Leaves
+/// that may or may not keep a template must bear both.
 std::vector<std::uint32_t> Snapping::find_unfit(const std::vector<std::uint32_t>& dirty) {
     tree_.snapped.clear();
     for (std::size_t v = 0; v < vertices_.size(); ++v) {
@@ -148,20 +149,50 @@ std::vector<std::uint32_t> Snapping::find_unfit(const std::vector<std::uint32_t>
     }
     cnio::extract_again(prepared_.bound, tree_, cells, prepared_.apexes, threads_, extraction_);
     if (!keep_) extraction_.arenas.clear();
-    std::vector<std::uint32_t> unfit;
+    std::vector<Blame> blames;
     for (const std::uint32_t i : dirty) {
         Touched& touched = touched_[i];
-        u32 corners = 0;
+        const u32 snapped = touched.corners.snapped;
         if (touched.needs_certificate()) {
             const cnio::CellRecord& record = extraction_.records[i];
-            corners = record.unresolved + record.limited > 0 ? touched.corners.snapped : record.unfit;
+            const bool is_lost = record.unresolved + record.limited > 0;
+            blames.push_back({i, is_lost ? snapped : record.unfit, is_lost});
         } else if (touched.is_in && (!find_surface(touched) || !snio::stays_hexahedron(touched.corners))) {
-            corners = touched.corners.snapped;
+            blames.push_back({i, snapped, true});
         }
-        for (; corners != 0; corners &= corners - 1)
-            unfit.push_back(touched.vertex[mortise_lowest_bit(corners)]);
     }
-    return unfit;
+    return choose(blames);
+}
+
+/// Of what a leaf blames one vertex, unless it needs all: the others may do without. The one that most leaves
+/// blame, so that few go; else on the fewest surfaces, which others are more likely to reach; else that moves
+/// farthest.
+std::vector<std::uint32_t> Snapping::choose(const std::vector<Blame>& blames) const {
+    std::vector<std::uint32_t> times(vertices_.size(), 0);
+    for (const Blame& blame : blames) {
+        for (u32 rest = blame.corners; rest != 0; rest &= rest - 1)
+            ++times[touched_[blame.leaf].vertex[mortise_lowest_bit(rest)]];
+    }
+    const auto weight = [&](std::uint32_t v) {
+        const SnappedVertex& vertex = vertices_[v];
+        std::int64_t way = 0;
+        for (const std::int64_t x : vertex.moved) way += x * x;
+        return std::make_tuple(times[v], -int{vertex.surface_count}, way);
+    };
+    std::vector<std::uint32_t> chosen;
+    std::vector<std::uint32_t> blamed;
+    for (const Blame& blame : blames) {
+        blamed.clear();
+        for (u32 rest = blame.corners; rest != 0; rest &= rest - 1)
+            blamed.push_back(touched_[blame.leaf].vertex[mortise_lowest_bit(rest)]);
+        if (!blame.needs_all && blamed.size() > 1) {
+            std::swap(blamed[0], *std::max_element(blamed.begin(), blamed.end(),
+                                                   [&](auto a, auto b) { return weight(a) < weight(b); }));
+            blamed.resize(1);
+        }
+        chosen.insert(chosen.end(), blamed.begin(), blamed.end());
+    }
+    return chosen;
 }
 
 /// The simple leaf beyond a face all of whose corners snap; else null.

@@ -46,11 +46,19 @@ class Snapping {
         }
     };
 
+    /// Corners that a leaf does not bear together.
+    struct Blame {
+        std::uint32_t leaf;  ///< its place in touched_
+        u32 corners;
+        bool needs_all;  ///< all of them are to stay where they were
+    };
+
     std::vector<std::uint32_t> find_complex();
     void list_touched();
     void update(Touched& touched) const;
     void judge_simple(const std::vector<std::uint32_t>& simple);
     std::vector<std::uint32_t> find_unfit(const std::vector<std::uint32_t>& dirty);
+    std::vector<std::uint32_t> choose(const std::vector<Blame>& blames) const;
     const SnioCandidate* simple_beyond(const Touched& touched, int f) const;
     bool has_face_on_other(const Touched& touched) const;
     bool find_surface(Touched& touched) const;
