@@ -74,6 +74,7 @@ typedef struct SnioPoints {
 #define kCandidateSimple 1    // one surface, and a template for the corners as they are
 #define kCandidateSafe 2      // a template whichever of the `near` corners are moved
 #define kCandidatePromoted 4  // was an IN leaf
+#define kCandidateTorn 8      // promoted for one surface, and has a face on another: no `near` corner moves
 
 // Corners that may not move after all, whatever their leaves' `near` says: a bit for each, eight to a leaf.
 // Each leaf around a vertex takes the bits of all of them; the order does not matter.

@@ -196,8 +196,12 @@ MORTISE_KERNEL void snap_corners_of(__global const SnappedLeaf* snapped, __globa
         candidates[leaf].near &= ~(uchar)corners;
         if (snapped[item].region != 0) {
             candidates[leaf].region = snapped[item].region;
-            if (snapped[item].surface != kNoCandidateSurface)
+            if (snapped[item].surface != kNoCandidateSurface) {
+                // Which surface a corner moves onto is told by the leaf's.
+                if (candidates[leaf].near != 0 && candidates[leaf].surface != snapped[item].surface)
+                    candidates[leaf].flags |= kCandidateTorn;
                 candidates[leaf].surface = snapped[item].surface;
+            }
         }
         for (uint rest = corners; rest != 0; rest &= rest - 1) {
             const uint c = mortise_lowest_bit(rest);
@@ -208,6 +212,7 @@ MORTISE_KERNEL void snap_corners_of(__global const SnappedLeaf* snapped, __globa
 
 // Whether a leaf's subsets are to be tested, and what decides about them.
 static int is_to_test(const SnioCandidate candidate) {
+    if ((candidate.flags & kCandidateTorn) != 0) return 0;
     return (candidate.flags & kCandidateSimple) != 0 && (candidate.needed & ~candidate.near) == 0;
 }
 static Look look_of_candidate(const SnioCandidate candidate) {
