@@ -265,7 +265,7 @@ ExitCode batch_command(const Arguments& arguments) {
         arguments.jobs > 0 ? static_cast<std::size_t>(arguments.jobs) : cores, items.size());
     if (jobs > 1 && options.threads == 0) {
         options.threads = static_cast<int>(std::max<std::size_t>(1, cores / jobs));
-        device::limit_driver_threads(options.threads, options.device);
+        device::limit_driver_threads(options.threads);
     }
     options.progress = [](const char*, double) {
         report_aborts();

@@ -1,7 +1,6 @@
 // See build_options.hpp. Never a fast-math option: results must equal the host's bit for bit.
 #include "host/device/build_options.hpp"
 
-#include <cstring>
 #include <iomanip>
 #include <sstream>
 #include <vector>
@@ -33,24 +32,11 @@ std::string with_prelude(const std::string& source) {
            source;
 }
 
-namespace {
-
-/// PoCL's drivers for the host, with and without threads, compile alike.
-std::string without_driver(const std::string& name) {
-    for (const char* const driver : {"pthread-", "basic-", "cpu-minimal-", "cpu-"}) {
-        if (name.rfind(driver, 0) == 0) return name.substr(std::strlen(driver));
-    }
-    return name;
-}
-
-}  // namespace
-
 std::string binary_key(const FoundDevice& device, const std::string& options) {
     const DeviceInfo& info = device.info;
-    const std::string name = device.is_pocl ? without_driver(info.name) : info.name;
     std::string key;
     for (const std::string& part :
-         {info.platform, device.platform_version, name, info.version, info.driver, options}) {
+         {info.platform, device.platform_version, info.name, info.version, info.driver, options}) {
         key += part + "\n";
     }
     return key;

@@ -72,11 +72,8 @@ void prepare_environment() {
     });
 }
 
-void limit_driver_threads(int threads, const std::string& choice) {
+void limit_driver_threads(int threads) {
     setenv("POCL_MAX_PTHREAD_COUNT", std::to_string(threads).c_str(), 0);
-    // Its drivers by their names before version 4 and since; those it has not are passed over.
-    if (threads == 1 && choice.empty() && variable("MORTISE_DEVICE").empty())
-        setenv("POCL_DEVICES", "basic cpu-minimal pthread cpu", 0);
 }
 
 std::string find_on_path(const std::string& program) {

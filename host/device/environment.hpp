@@ -15,11 +15,9 @@ namespace mortise::device {
 void prepare_environment();
 
 /// For processes that share a machine, before the first OpenCL call of this one and those it starts: PoCL
-/// gets so many threads instead of one for each core, unless POCL_MAX_PTHREAD_COUNT says otherwise. With one
-/// thread each, and no device chosen (`choice`, or MORTISE_DEVICE), kernels run in the thread that waits for
-/// them, unless POCL_DEVICES says otherwise: to wake another for each of some fifty launches is a tenth of
-/// the time of a small model. No other thread may read the environment meanwhile.
-void limit_driver_threads(int threads, const std::string& choice);
+/// gets so many threads instead of one for each core, unless POCL_MAX_PTHREAD_COUNT says otherwise. No other
+/// thread may read the environment meanwhile.
+void limit_driver_threads(int threads);
 
 /// Where PoCL keeps its compiled kernels; empty if neither HOME nor XDG_CACHE_HOME says.
 std::string pocl_cache_folder();
