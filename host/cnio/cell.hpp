@@ -24,7 +24,6 @@ namespace mortise::cnio {
 
 using LocalNode = std::uint16_t;  ///< index into CellNodes
 
-inline constexpr std::uint16_t kNoCap = 0xffff;
 inline constexpr LocalNode kNoNode = 0xffff;
 
 /// Rounds of bisection. One is enough unless a simplex is mixed along an edge of a face where the surface is
@@ -48,7 +47,6 @@ struct Node {
     std::uint8_t faces = 0;           ///< bit f: lies on face f of the cell
     std::uint8_t middles = 0;         ///< bit j: lies on a split face's line across the middle of axis j
     std::uint16_t code = kExtraCode;  ///< 0–7 corner, 8–19 single root of edge code - 8, else kExtraCode
-    std::uint16_t cap = kNoCap;       ///< index of the quad whose pyramid this node is the apex of
 };
 
 /// A triangle or quadrilateral of a face mesh, counter-clockwise in the face's frame.
@@ -152,6 +150,11 @@ class Cell {
     }
     /// Whether corners will be moved (Node::target).
     bool snaps() const { return snapped_ != 0; }
+    /// Whether corners of a patch will be: what the cells on both sides know.
+    bool snaps(const Patch& patch) const {
+        return std::any_of(patch.corner.begin(), patch.corner.end(),
+                           [this](LocalNode c) { return c < 8 && ((snapped_ >> c) & 1) != 0; });
+    }
     /// Gives the nodes from `first` on a target where signs put them on surfaces that do not pass through
     /// them: they lie between nodes that snap. `active`, if given, restricts the surfaces.
     void settle_targets(std::size_t first, const std::uint8_t* active);
@@ -217,7 +220,6 @@ class Cell {
         keep_nodes(border_nodes_);
         misplaced_ = border_misplaced_;
     }
-    void set_cap(LocalNode node, std::uint16_t quad) { nodes_[node].cap = quad; }
 
     /// The point at t, 0 to 1, between two points, on the lattice.
     LatticePoint between(const LatticePoint& from, const LatticePoint& to, double t) const;

@@ -81,7 +81,6 @@ void Certificate::clear() {
     simplices_.clear();
     incident_.clear();
     pyramids_.clear();
-    quads_.clear();
     simplex_region_.clear();
     pyramid_region_.clear();
     refused_.clear();
@@ -244,22 +243,20 @@ LocalNode Certificate::add_cap(const Facet& quad, const LatticePoint& apex) {
         }
         if (agrees || halving == kCapHalvings) {
             if (!agrees) ++cell_.counters.forced_caps;
-            cell_.set_cap(cap, static_cast<std::uint16_t>(quads_.size()));
-            quads_.push_back(quad);
             return cap;
         }
         cell_.remove_last_node();
     }
 }
 
-bool Certificate::locked(LocalNode a, LocalNode b) const {
-    for (int turn = 0; turn < 2; ++turn, std::swap(a, b)) {
-        const std::uint16_t cap = cell_.nodes()[a].cap;
-        if (cap == kNoCap) continue;
-        const LocalNode* v = quads_[cap].node;
-        if (v[0] == b || v[1] == b || v[2] == b || v[3] == b) return true;
-    }
-    return false;
+/// Whether a pyramid, which is not cut, has an edge from its apex.
+bool Certificate::is_of_pyramid(LocalNode a, LocalNode b) const {
+    return std::any_of(pyramids_.begin(), pyramids_.end(), [a, b](const Pyramid& pyramid) {
+        const LocalNode* base = pyramid.node.data();
+        const LocalNode* apex = base + 4;
+        return (*apex == a && std::find(base, apex, b) != apex) ||
+               (*apex == b && std::find(base, apex, a) != apex);
+    });
 }
 
 /// Whether the signs that the simplex has for certain already tell its region: it need not be split then.
@@ -285,7 +282,7 @@ void Certificate::list_edges(std::size_t p, bool different) {
                 const LocalNode b = std::max(s.node[i], s.node[j]);
                 const int product = cell_.sign(a, p) * cell_.sign(b, p);
                 if (different ? product >= 0 : product <= 0) continue;
-                if ((cell_.nodes()[a].faces & cell_.nodes()[b].faces) != 0 || locked(a, b)) continue;
+                if ((cell_.nodes()[a].faces & cell_.nodes()[b].faces) != 0 || is_of_pyramid(a, b)) continue;
                 if (!refused_.empty() && refused_.count({static_cast<std::uint32_t>(p), a, b}) != 0) continue;
                 mixed_.push_back({a, b});
             }

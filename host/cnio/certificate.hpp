@@ -140,7 +140,7 @@ class Certificate {
     void show_bulges(const std::vector<std::size_t>& order, std::size_t k, int round);
     bool bisect(const std::vector<std::size_t>& order, std::size_t k, int round);
     bool is_resolved(const Simplex& simplex);
-    bool locked(LocalNode a, LocalNode b) const;
+    bool is_of_pyramid(LocalNode a, LocalNode b) const;
     std::int32_t common_region(const LocalNode* node, std::size_t count);
     bool is_filled_by(std::int32_t region, const LocalNode* node, std::size_t count);
     std::int32_t label(const LocalNode* node, std::size_t count, std::int8_t* signs);
@@ -157,7 +157,6 @@ class Certificate {
     const octree::Octree& tree_;
     std::vector<Simplex> simplices_;
     std::vector<Pyramid> pyramids_;
-    std::vector<Facet> quads_;  ///< by cap index
     std::vector<std::int32_t> simplex_region_;
     std::vector<std::int32_t> pyramid_region_;
     std::vector<std::int8_t> simplex_signs_;  ///< simplices × surfaces

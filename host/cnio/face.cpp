@@ -322,7 +322,7 @@ void Cell::fan_patch(const std::vector<LocalNode>& loop, const Patch& patch, std
         const LocalNode c = fan_nodes_[t[2]];
         facets.push_back({{fan_nodes_[t[0]], fan_nodes_[t[1]], c, c}, 3});
     }
-    settle_targets(first, active);
+    if (snaps(patch)) settle_targets(first, active);
     if (!has_stand_in() || active[n - 1] != 0) return;
     for (std::size_t i = first; i < nodes_.size(); ++i) {
         const auto node = static_cast<LocalNode>(i);

@@ -292,9 +292,8 @@ Prepared prepare(const std::function<device::Device&()>& open_device, const Mode
     }
     result.apexes = std::move(probed.apexes);
     snio::Classifier classifier(device, tree, result.on_device, options.templates, options.snap, complex);
-    // Not where surfaces or cells must match others across the model, or hold in one cell each.
-    const bool snaps_all =
-        options.templates && options.snap && result.periodic.empty() && !result.on_device.local_formulas;
+    // Not where surfaces or cells must match others across the model.
+    const bool snaps_all = options.templates && options.snap && result.periodic.empty();
     if (snaps_all) {
         Snapping snapping(classifier, result, options.memory == 0 && options.pieces <= 1, options.threads);
         stages.end(0);

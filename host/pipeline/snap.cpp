@@ -80,6 +80,7 @@ void Snapping::list_touched() {
             if (touched.is_in) {
                 touched.leaf.morton = entry.leaf.code;
                 touched.corners.region = octree::in_region(tree_, entry.leaf.code);
+                touched.is_misfit = is_misfit(entry.leaf.code);
             } else {
                 touched.leaf = tree_.nio[entry.leaf.index];
                 const SnioCandidate& candidate = classifier_.candidates()[entry.leaf.index];
@@ -91,6 +92,27 @@ void Snapping::list_touched() {
         touched_.back().corners.snapped |= static_cast<u8>(1u << entry.corner);
     }
     extraction_.records.resize(touched_.size());
+}
+
+/// Whether an IN leaf will not fit the leaves beyond its faces, where formulas hold in one cell each.
+bool Snapping::is_misfit(std::uint64_t code) const {
+    if (prepared_.bound.polyhedra.empty()) return false;
+    const Tree tree = tree_.view();
+    for (int f = 0; f < 6; ++f) {
+        const int axis = f / 2;
+        i32 direction[3] = {0, 0, 0};
+        direction[axis] = (f & 1) != 0 ? 1 : -1;
+        const Leaf beyond = leaf_beside(&tree, code, tree_.level_of(code), direction);
+        if (beyond.kind == kLeafNone) return true;
+        if (beyond.kind != kLeafNio) continue;
+        const SnioCandidate& candidate = classifier_.candidates()[beyond.index];
+        if ((candidate.flags & kCandidateSimple) == 0) continue;
+        const u32 solid = u32{candidate.inside} | candidate.zero;
+        for (const u8 c : kFaceCorners[f]) {
+            if (((solid >> (c ^ (1u << axis))) & 1) == 0) return true;
+        }
+    }
+    return false;
 }
 
 /// A leaf's corners by the vertices that still snap.
@@ -255,7 +277,8 @@ void Snapping::classify() {
         if (!touched.is_in && (touched.is_split || touched.keeps == snio::Keeps::kNothing)) {
             complex.push_back(touched.corners.leaf);
         } else if (touched.corners.snapped != 0 && touched.is_in) {
-            in_leaves.push_back({touched.leaf.morton, touched.corners, touched.is_split});
+            in_leaves.push_back(
+                {touched.leaf.morton, touched.corners, touched.is_split || touched.is_misfit});
         } else if (touched.corners.snapped != 0) {
             simple.push_back(touched.corners);
         }

@@ -22,6 +22,8 @@ Classifier::Classifier(Device& device, octree::Octree& tree, octree::DeviceTree&
     launch("snio/classify.cl", "classify", count(), on_device_.nio, on_device_.tapes, on_device_.surfaces,
            on_device_.ops, candidates_, snap_);
     leave_to_certificate(complex);
+    // Before vertices of complex leaves snap: that makes no leaf a misfit, and cannot mend one.
+    if (on_device_.local_formulas) drop_misfits();
 }
 
 const std::vector<SnioCandidate>& Classifier::candidates() {

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "tests/mesher/meshed.hpp"
+#include "tests/mesher/random_source.hpp"
 #include "tests/model/triangle_measures.hpp"
 #include "tests/triangles/shapes.hpp"
 
@@ -67,6 +68,68 @@ TEST_CASE("random stars: valid, the right volume") {
         const Meshed certified = mesh_and_check(solid_of(star, 0), 4, false);
         CHECK(certified.defects.empty());
     }
+}
+
+TEST_CASE("rugged stars whose triangles make curved patches: what bulges through an edge cuts no pyramid") {
+    std::size_t curved = 0;
+    for (std::uint64_t seed = 0; seed < 30; ++seed) {
+        CAPTURE(seed);
+        MeshOptions options;
+        options.level = 4;
+        options.improve = false;
+        const Meshed m = mesh_and_check(solid_of(random_star(seed, 2, 0.75, 1.3), 30), options);
+        CHECK(m.defects == "");
+        curved += m.mesh.surface_names.size() < 128 ? 1 : 0;
+    }
+    CHECK(curved == 30);
+}
+
+TEST_CASE("rugged stars and cones: nodes of a face move with its own corners, for both cells") {
+    for (std::uint64_t seed = 0; seed < 60; ++seed) {
+        CAPTURE(seed);
+        RandomSource random(seed);
+        Model model = solid_of(random_star(seed, 2, 0.8, 1.25), 30);
+        const std::uint32_t cone =
+            add_frustum(model, random.uniform(0.4, 0.8), random.uniform(0.4, 0.8), -2, 2);
+        const std::uint32_t turned = model.add_transform(
+            rotation({random.uniform(-1, 1), random.uniform(-1, 1), 1}, random.uniform(0, 3)), cone);
+        model.regions[0].root = seed % 2 == 0 ? unite(model, {model.regions[0].root, turned})
+                                              : subtract(model, {model.regions[0].root, turned});
+        MeshOptions options;
+        options.level = 4;
+        options.improve = false;
+        CHECK(mesh_and_check(model, options).defects == "");
+    }
+}
+
+TEST_CASE("vertices beside creases of triangles snap as beside those of other solids") {
+    std::uint64_t poor[3] = {};  // of triangles, of planes, of triangles without snapping
+    for (std::uint64_t seed = 0; seed < 10; ++seed) {
+        CAPTURE(seed);
+        RandomSource random(seed);
+        const Affine turn = rotation({random.uniform(-1, 1), random.uniform(-1, 1), 1}, random.uniform(0, 3));
+        const Model triangles = solid_of(l_block(), 0, turn);
+        const Model planes = transformed(
+            one_solid([](Model& m) {
+                return unite(m, {add_box(m, {0, 0, 0}, {3, 1, 1}), add_box(m, {0, 0, 0}, {1, 3, 1})});
+            }),
+            turn);
+        MeshOptions options;
+        options.level = 5;
+        options.improve = false;
+        for (int i = 0; i < 3; ++i) {
+            options.snap = i < 2;
+            const Meshed m = mesh_and_check(i == 1 ? planes : triangles, options);
+            CHECK(m.defects == "");
+            CHECK(m.check.volume == doctest::Approx(5).epsilon(1e-7));
+            const auto& jacobians = m.report.scaled_jacobians;
+            poor[i] += static_cast<std::uint64_t>(
+                std::count_if(jacobians.begin(), jacobians.end(), [](float x) { return x < 0.2f; }));
+        }
+    }
+    MESSAGE("poor elements: ", poor[0], ", of planes ", poor[1], ", without snapping ", poor[2]);
+    CHECK(10 * poor[0] < 11 * poor[1]);
+    CHECK(7 * poor[0] < poor[2]);
 }
 
 TEST_CASE("a smooth surface of triangles meshes like a smooth solid") {
