@@ -201,6 +201,28 @@ TEST_CASE("surfaces with holes, and triangles that overlap, make valid meshes") 
     CHECK(mesh_and_check(half, 4).defects.empty());
 }
 
+TEST_CASE("open stars: leaves whose neighbours do not agree bear their moved vertices") {
+    for (std::uint64_t seed = 0; seed < 60; ++seed) {
+        CAPTURE(seed);
+        RandomSource random(seed);
+        TriangleSurface star = random_star(seed, 2, 0.85, 1.15);
+        for (int holes = 2; holes > 0; --holes) {
+            const auto first = static_cast<std::ptrdiff_t>(random.uniform(0, 120));
+            star.triangles.erase(star.triangles.begin() + first, star.triangles.begin() + first + 3);
+        }
+        Model model = solid_of(star, 30);
+        const std::uint32_t cone =
+            add_frustum(model, random.uniform(0.4, 0.6), random.uniform(0.4, 0.6), -1.5, 1.5);
+        const std::uint32_t turned = model.add_transform(
+            rotation({random.uniform(-1, 1), random.uniform(-1, 1), 1}, random.uniform(0, 3)), cone);
+        model.regions[0].root = subtract(model, {model.regions[0].root, turned});
+        MeshOptions options;
+        options.level = 4;
+        options.improve = false;
+        CHECK(mesh_and_check(model, options).defects == "");
+    }
+}
+
 TEST_CASE("set operations with primitives; the same bytes for any threads and pieces") {
     Model model = solid_of(random_star(3, 2, 0.8, 1.2), 40);
     const auto hole = add_cylinder(model, 0.3, -2, 2);
