@@ -52,9 +52,7 @@ Neighbour across(const Here& here, int p, bool quarter) {
         half[v] = (p >> 1) & 1;
         leaf = octree::leaf_at_half(tree, here.code, here.level, half[0], half[1], half[2]);
     } else {
-        i32 direction[3] = {0, 0, 0};
-        direction[axis] = (f & 1) != 0 ? 1 : -1;
-        leaf = leaf_beside(&tree, here.code, here.level, direction);
+        leaf = leaf_beyond(&tree, here.code, here.level, f);
     }
     if (leaf.kind == kLeafIn) {
         result.kind = Neighbour::Kind::kIn;

@@ -233,10 +233,8 @@ class Placing {
         Vec3 slid = slide(pole, local, axis, high ? 1 : 0);
         if (!is_inside(slid, axis)) return false;
         const int face = 2 * static_cast<int>(axis) + (high ? 1 : 0);
-        i32 direction[3] = {0, 0, 0};
-        direction[axis] = high ? 1 : -1;
         const Tree tree = tree_.view();
-        const Leaf beyond = leaf_beside(&tree, leaf.code, leaf.level, direction);
+        const Leaf beyond = leaf_beyond(&tree, leaf.code, leaf.level, face);
         if (beyond.kind != kLeafNio || beyond.level != leaf.level || is_taken(leaf.code) ||
             is_taken(beyond.code))
             return false;

@@ -80,7 +80,7 @@ void Snapping::list_touched() {
             if (touched.is_in) {
                 touched.leaf.morton = entry.leaf.code;
                 touched.corners.region = octree::in_region(tree_, entry.leaf.code);
-                touched.is_misfit = is_misfit(entry.leaf.code);
+                touched.is_complex = is_misfit(entry.leaf.code);
             } else {
                 touched.leaf = tree_.nio[entry.leaf.index];
                 const SnioCandidate& candidate = classifier_.candidates()[entry.leaf.index];
@@ -99,18 +99,10 @@ bool Snapping::is_misfit(std::uint64_t code) const {
     if (prepared_.bound.polyhedra.empty()) return false;
     const Tree tree = tree_.view();
     for (int f = 0; f < 6; ++f) {
-        const int axis = f / 2;
-        i32 direction[3] = {0, 0, 0};
-        direction[axis] = (f & 1) != 0 ? 1 : -1;
-        const Leaf beyond = leaf_beside(&tree, code, tree_.level_of(code), direction);
+        const Leaf beyond = leaf_beyond(&tree, code, tree_.level_of(code), f);
         if (beyond.kind == kLeafNone) return true;
         if (beyond.kind != kLeafNio) continue;
-        const SnioCandidate& candidate = classifier_.candidates()[beyond.index];
-        if ((candidate.flags & kCandidateSimple) == 0) continue;
-        const u32 solid = u32{candidate.inside} | candidate.zero;
-        for (const u8 c : kFaceCorners[f]) {
-            if (((solid >> (c ^ (1u << axis))) & 1) == 0) return true;
-        }
+        if (sides_agree(corners_of_face(f), 0, classifier_.candidates()[beyond.index], f) == 0) return true;
     }
     return false;
 }
@@ -222,10 +214,8 @@ const SnioCandidate* Snapping::simple_beyond(const Touched& touched, int f) cons
     const u32 corners = corners_of_face(f);
     if ((touched.corners.snapped & corners) != corners) return nullptr;
     const Tree tree = tree_.view();
-    i32 direction[3] = {0, 0, 0};
-    direction[f / 2] = (f & 1) != 0 ? 1 : -1;
-    const Leaf beyond =
-        leaf_beside(&tree, touched.leaf.morton, tree_.level_of(touched.leaf.morton), direction);
+    const std::uint64_t code = touched.leaf.morton;
+    const Leaf beyond = leaf_beyond(&tree, code, tree_.level_of(code), f);
     if (beyond.kind != kLeafNio) return nullptr;
     const SnioCandidate& candidate = classifier_.candidates()[beyond.index];
     return (candidate.flags & kCandidateSimple) != 0 ? &candidate : nullptr;
@@ -273,12 +263,12 @@ void Snapping::classify() {
     std::vector<snio::SnappedInLeaf> in_leaves;
     std::vector<std::uint32_t> complex;
     for (const Touched& touched : touched_) {
-        if (touched.is_complex) continue;
+        if (touched.is_complex && !touched.is_in) continue;
         if (!touched.is_in && (touched.is_split || touched.keeps == snio::Keeps::kNothing)) {
             complex.push_back(touched.corners.leaf);
         } else if (touched.corners.snapped != 0 && touched.is_in) {
             in_leaves.push_back(
-                {touched.leaf.morton, touched.corners, touched.is_split || touched.is_misfit});
+                {touched.leaf.morton, touched.corners, touched.is_split || touched.is_complex});
         } else if (touched.corners.snapped != 0) {
             simple.push_back(touched.corners);
         }

@@ -35,15 +35,14 @@ class Snapping {
     struct Touched {
         TreeNode leaf;  ///< of an IN leaf: without a tape
         bool is_in;
-        bool is_complex;         ///< from the start
-        bool is_misfit = false;  ///< an IN leaf beside leaves that do not agree (snio/misfits.cl)
-        bool is_split = false;   ///< a face is (octree::odd_corner)
+        bool is_complex;        ///< from the start; of an IN leaf: it will be a misfit (snio/misfits.cl)
+        bool is_split = false;  ///< a face is (octree::odd_corner)
         snio::Keeps keeps = snio::Keeps::kTemplate;
         SnappedLeaf corners{};
         std::array<std::uint32_t, 8> vertex{};  ///< of corners.snapped: its place in vertices_
 
         bool needs_certificate() const {
-            return is_complex || is_misfit || is_split || (!is_in && keeps != snio::Keeps::kTemplate);
+            return is_complex || is_split || (!is_in && keeps != snio::Keeps::kTemplate);
         }
     };
 

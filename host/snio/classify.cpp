@@ -22,7 +22,7 @@ Classifier::Classifier(Device& device, octree::Octree& tree, octree::DeviceTree&
     launch("snio/classify.cl", "classify", count(), on_device_.nio, on_device_.tapes, on_device_.surfaces,
            on_device_.ops, candidates_, snap_);
     leave_to_certificate(complex);
-    // Before vertices of complex leaves snap: that makes no leaf a misfit, and cannot mend one.
+    // Now, as complex leaves are about to snap vertices, which makes no leaf a misfit that was none.
     if (on_device_.local_formulas) drop_misfits();
 }
 

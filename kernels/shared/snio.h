@@ -92,6 +92,19 @@ MORTISE_FUNCTION int stays_simple(SnioCandidate candidate, u32 moved) {
     return (candidate.flags & kCandidateSimple) != 0 && (candidate.needed & ~moved) == 0;
 }
 
+// Whether a leaf beyond face f, if it is simple, has these corners of the face on the same sides.
+MORTISE_FUNCTION int sides_agree(u32 inside, u32 outside, SnioCandidate beyond, i32 f) {
+    if ((beyond.flags & kCandidateSimple) == 0) return 1;
+    for (int i = 0; i < 4; ++i) {
+        const u32 here = kFaceCorners[f][i];
+        const u32 there = here ^ (1u << (f / 2));
+        const u32 other = ((u32)beyond.inside >> there) & 1;
+        if ((((u32)beyond.zero >> there) & 1) != 0) continue;
+        if ((((other != 0 ? outside : inside) >> here) & 1) != 0) return 0;
+    }
+    return 1;
+}
+
 // Edges between an inside and an outside corner.
 MORTISE_FUNCTION u32 cut_edges(u32 inside, u32 on) {
     u32 cuts = 0;

@@ -292,6 +292,13 @@ MORTISE_FUNCTION Leaf leaf_beside(const Tree* tree, u64 code, i32 level, const i
     return other != kNoOwner ? leaf_at(tree, other) : no_leaf(level);
 }
 
+// The same beyond face f of a leaf.
+MORTISE_FUNCTION Leaf leaf_beyond(const Tree* tree, u64 code, i32 level, i32 f) {
+    i32 direction[3] = {0, 0, 0};
+    direction[f / 2] = (f & 1) != 0 ? 1 : -1;
+    return leaf_beside(tree, code, level, direction);
+}
+
 // Leaf d of those around grid vertex (x, y, z), in finest cells: it lies behind the vertex along each axis
 // whose bit of d is clear. If it has the vertex as a corner, that is corner 7 - d.
 MORTISE_FUNCTION Leaf leaf_at_vertex(const Tree* tree, u32 x, u32 y, u32 z, u32 d) {

@@ -7,10 +7,7 @@
 //   0: no volume there, and no certificate; 1: volume, or the certificate, which lists facets itself.
 static int has_volume(const Tree* tree, __global const SnioCandidate* candidates, __global const uint* vetoes,
                       int level, ulong morton, int f) {
-    int direction[3] = {0, 0, 0};
-    Leaf beyond;
-    direction[f / 2] = (f & 1) ? 1 : -1;
-    beyond = leaf_beside(tree, morton, level, direction);
+    const Leaf beyond = leaf_beyond(tree, morton, level, f);
     if (beyond.kind != kLeafNio) return beyond.kind == kLeafIn;
     {
         const SnioCandidate candidate = candidates[beyond.index];

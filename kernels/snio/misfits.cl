@@ -29,9 +29,7 @@ MORTISE_KERNEL void mark_exposed(TREE_PARAMETERS, __global uint* promoted, uint 
             const ulong code = word_code(&tree, word) | bit;
             const int level = leaf_level(&tree, code);
             for (int f = 0; f < 6; ++f) {
-                int direction[3] = {0, 0, 0};
-                direction[f >> 1] = (f & 1) ? 1 : -1;
-                if (leaf_beside(&tree, code, level, direction).kind == kLeafNone) promoted[word] |= 1u << bit;
+                if (leaf_beyond(&tree, code, level, f).kind == kLeafNone) promoted[word] |= 1u << bit;
             }
         }
     }
@@ -42,32 +40,17 @@ MORTISE_KERNEL void mark_exposed(TREE_PARAMETERS, __global uint* promoted, uint 
 static int face_fits(const Tree* tree, __global const TreeNode* nio, __global const uint* tapes,
                      __global const SnioCandidate* candidates, const SnioCandidate candidate, ulong code,
                      int level, int f) {
-    const int axis = f >> 1;
-    int direction[3] = {0, 0, 0};
+    const Leaf beyond = leaf_beyond(tree, code, level, f);
     uint corners = 0;
     uint inside;
     uint outside;
-    Leaf beyond;
     for (int i = 0; i < 4; ++i) corners |= 1u << kFaceCorners[f][i];
     inside = corners & candidate.inside & ~(uint)candidate.zero;
     outside = corners & ~(uint)candidate.inside & ~(uint)candidate.zero;
-    direction[axis] = (f & 1) ? 1 : -1;
-    beyond = leaf_beside(tree, code, level, direction);
     if (beyond.kind == kLeafIn) return outside == 0;
     if (beyond.kind == kLeafNone) return inside == 0;
     if (inside && outside && !depends_on(tapes, nio[beyond.index], candidate.surface)) return 0;
-    {
-        const SnioCandidate other = candidates[beyond.index];
-        if (!(other.flags & kCandidateSimple)) return 1;
-        for (int i = 0; i < 4; ++i) {
-            const uint here = kFaceCorners[f][i];
-            const uint there = here ^ (1u << axis);
-            if ((other.zero >> there) & 1) continue;
-            if (((inside >> here) & 1) && !((other.inside >> there) & 1)) return 0;
-            if (((outside >> here) & 1) && ((other.inside >> there) & 1)) return 0;
-        }
-    }
-    return 1;
+    return sides_agree(inside, outside, candidates[beyond.index], f);
 }
 
 // Finds the candidates that do not fit the leaves around them: misfit[i].
