@@ -4,7 +4,7 @@
 // pieces made apart merge into the same bytes as the whole.
 //
 // Counts first, then fills at the offsets that follow from them, so every part can be made by anyone, in any
-// order (architecture.md). Grid vertices, IN hexahedra and templates are written by
+// order (invariant 6 of ARCHITECTURE.md). Grid vertices, IN hexahedra and templates are written by
 // kernels/assembly/number.cl, the certificate's cells by host threads.
 #pragma once
 

@@ -1,4 +1,4 @@
-// Where the apexes of cells and of faces that are fans lie (algorithms.md §2: corner before crease before
+// Where the apexes of cells and of faces that are fans lie (corner before crease before
 // surface before centre).
 #include <algorithm>
 #include <cmath>

@@ -3,7 +3,7 @@
 // Everything on a face or an edge is computed from data of that face or edge alone: the surfaces that are
 // active in all leaves around it, signs that are pure functions of position, and a fixed frame
 // (kernels/shared/lattice.h). So two cells that share a face make the same mesh of it, without talking to
-// each other (algorithms.md §2).
+// each other (invariant 1 of ARCHITECTURE.md).
 //
 // In a graded tree the finest leaf around an entity owns it. Where finer leaves lie in a place beside the
 // cell (one of its own size), the cell's edges and faces there are split at their middles: `HalfGrid` says
@@ -55,7 +55,8 @@ struct Facet {
     std::uint8_t count;
 };
 
-/// F0, F1, F2 of algorithms.md §2; whole, but with middles of split edges; whole, but for its diagonal.
+/// F0, F1, F2 of docs/design/certificate.md; whole, but with middles of split edges; whole, but for its
+/// diagonal.
 enum class FaceMode : std::uint8_t { kWhole, kCut, kFan, kHanging, kSplit };
 
 /// What did not go as planned, for the report.

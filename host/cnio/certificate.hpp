@@ -1,4 +1,4 @@
-// The certificate: a conforming mesh of any boundary cell, that always ends (algorithms.md §5).
+// The certificate: a conforming mesh of any boundary cell, that always ends (docs/design/certificate.md).
 //
 // 1. Cone: every triangle of the face meshes becomes a tetrahedron to the cell's apex, every quadrilateral a
 //    pyramid; where a surface passes between, that has an apex of its own, the cap, and four tetrahedra join

@@ -1,5 +1,5 @@
 // What a cell makes of corners that snap: it is meshed while they are where they were, on their surfaces
-// (ARCHITECTURE.md, "Snapping beside complex cells").
+// (docs/design/snapping.md).
 #include <algorithm>
 #include <cmath>
 

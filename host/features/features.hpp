@@ -3,7 +3,7 @@
 // The facets tell which surfaces pass through a node; their normals tell how these meet. An edge between
 // facets of different surfaces that meet at an angle, or whose facets separate different pairs of regions,
 // is a crease edge. A node is a corner where crease edges end or branch, where three of its surfaces meet in
-// a point, or at a singular point of its surface (algorithms.md §8). At a pole (host/tape/pole.hpp), where
+// a point, or at a singular point of its surface. At a pole (host/tape/pole.hpp), where
 // two creases cross, the angle vanishes: edges between the two surfaces belong to the creases all the way
 // there.
 #pragma once

@@ -3,7 +3,7 @@
 // A block's elements are those of the zone with their centroid in it, of one or two sizes. Nodes all of whose
 // elements are in the block are free: they move along their stratum, and edges collapse and flip where only
 // they are concerned. Everything else stays, so blocks do not know each other and may be done at once
-// (algorithms.md §7).
+// (docs/design/improvement.md).
 //
 // Every change is accepted only if the worst element that it touches gets better, and all stay positive.
 #pragma once

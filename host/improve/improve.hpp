@@ -1,5 +1,5 @@
 // Improves a mesh's poor elements: collapses, swaps and repositioning in fixed blocks of the lattice
-// (algorithms.md §4, §7).
+// (docs/design/improvement.md).
 #pragma once
 
 #include "host/common/index_run.hpp"

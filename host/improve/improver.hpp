@@ -1,4 +1,4 @@
-// Passes over the blocks of a zone (ARCHITECTURE.md, Improvement).
+// Passes over the blocks of a zone (docs/design/improvement.md).
 #pragma once
 
 #include <array>

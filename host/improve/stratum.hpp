@@ -2,7 +2,7 @@
 //
 // A node's stratum is the set of surfaces that its boundary and interface facets lie on: none (inside a
 // region), one (a model face), two (a crease), three or more (a corner). A node leaves its stratum in the
-// last resort only (loosen.cpp; algorithms.md §7, §8).
+// last resort only (loosen.cpp).
 #pragma once
 
 #include <cstdint>

@@ -192,8 +192,8 @@ struct Grading {
 using SplitNodes = std::vector<std::vector<std::uint64_t>>;
 
 /// Adds the nodes that must be split for 2:1 balance across faces, edges and corners: the places around each
-/// split node, of its own size, are nodes themselves (p4est; algorithms.md §6). So are those around each node
-/// of `ringed`, by level: no larger leaf touches them.
+/// split node, of its own size, are nodes themselves (as in p4est; docs/design/graded.md). So are those
+/// around each node of `ringed`, by level: no larger leaf touches them.
 void balance(SplitNodes& split, const SplitNodes& ringed, int threads);
 
 /// Builds a graded tree, 2:1 balanced. Its finest level may be less than Grading::finest. Guarantees as for

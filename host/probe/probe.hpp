@@ -1,4 +1,4 @@
-// Features smaller than a cell: what passes between all samples of the grid (algorithms.md §1, last point).
+// Features smaller than a cell: what passes between all samples of the grid (docs/design/probe.md).
 //
 // A small ball inside a cell, a rod or a thin torus between vertices, a small void: templates and certificate
 // see a surface only where its sign changes between samples. This stage looks between them, tells what the

@@ -1,5 +1,5 @@
-// Repositioning of nodes at poor elements, before anything is taken apart (algorithms.md §7): what moving
-// nodes mends keeps its hexahedra, wedges and pyramids, and need not be searched by host/improve.
+// Repositioning of nodes at poor elements, before anything is taken apart (docs/design/improvement.md): what
+// moving nodes mends keeps its hexahedra, wedges and pyramids, and need not be searched by host/improve.
 //
 // Only elements of templates are mended, away from those of complex cells, whose tetrahedra have too little
 // room for moves: that is for host/improve. Nodes move inside a region, or slide on the one surface that they

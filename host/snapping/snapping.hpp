@@ -1,4 +1,4 @@
-// Which grid vertices beside complex leaves are snapped (ARCHITECTURE.md, "Snapping beside complex cells").
+// Which grid vertices beside complex leaves are snapped (docs/design/snapping.md).
 #pragma once
 
 #include <cstdint>

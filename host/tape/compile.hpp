@@ -1,4 +1,4 @@
-// From the CSG tree to surfaces and a tape (architecture.md, stage "compile").
+// From the CSG tree to surfaces and a tape (ARCHITECTURE.md, stage "compile").
 //
 // Every primitive is split into its smooth surfaces; complements are pushed down to them; what is left is a
 // monotone formula over signed surfaces, emitted as a postfix tape whose stack depth is logarithmic in its

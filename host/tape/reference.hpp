@@ -1,7 +1,7 @@
 // Host reference of the device's cell classification: scalar, in double precision, without pruned tapes'
 // tricks.
 //
-// Used to find the bounds of a model before there is a tree, and as the oracle of kernels/descend.cl.
+// Used to find the bounds of a model before there is a tree, and as the oracle of kernels/octree/descend.cl.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,5 @@
-// Node numbering by ownership, node positions and connectivity (algorithms.md §2; rule in shared/tree.h).
+// Node numbering by ownership, node positions and connectivity (invariant 6 of ARCHITECTURE.md; rule in
+// shared/tree.h).
 //
 // A piece is the leaves of one range [begin, end) of Morton codes, whole words of the bitmaps; kernels run
 // over its words or its NIO leaves, from `first` on. Nodes that leaves outside the range own are foreign:

@@ -1,6 +1,6 @@
 // One level of the octree: every node whose region is unknown is split into eight children, each classified
-// by interval arithmetic on the node's pruned tape (algorithms.md §1; Saxena & Perucchio 1992, §3: IN / OUT /
-// ? cells).
+// by interval arithmetic on the node's pruned tape (docs/design/octree.md; Saxena & Perucchio 1992, §3: IN /
+// OUT / ? cells).
 //
 // Reads   parents[first_item + i], tapes (words of the parents), surfaces, ops, spatial
 //         (kernels/shared/spatial.h).

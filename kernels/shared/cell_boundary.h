@@ -6,8 +6,8 @@
 // edges from I to O are cut. Positions are in cell edges from the cell's minimum corner; corners on the
 // surface may be displaced onto it, all by multiples of the lattice step, so differences are exact.
 //
-// A face mesh is a function of the face alone (algorithms.md §2): states, positions, the order of corners.
-// Face rule (quality.md), by the polygon that the face's inside part makes:
+// A face mesh is a function of the face alone (invariant 1 of ARCHITECTURE.md): states, positions, the order
+// of corners. Face rule, by the polygon that the face's inside part makes:
 //   triangles, and the quadrilateral of two I corners and two cuts, stay;
 //   five nodes (three corners and two cuts): a fan from the middle corner, which is opposite to the outside
 //   one, if it is I; else from the lower one of the two others;

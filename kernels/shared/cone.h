@@ -2,8 +2,7 @@
 // that does not hold the apex, joined to it. The apex is a node of the boundary or one new node inside.
 //
 // Triangles become tetrahedra and quadrilaterals pyramids. Γ is divided by diagonals so that the worst
-// element over it is best; from an apex on Γ it is a fan. The decompositions without a new node that
-// quality.md lists are all of this kind, for the diagonals that its cells had.
+// element over it is best; from an apex on Γ it is a fan.
 //
 // Quality of an element: over its scaled Jacobian / 0.15 and the sines of its dihedral angles over those of
 // 15° (acute) and 160° (obtuse), the smallest, squared; 1 or more where it meets the targets, <= 0 where it

@@ -1,5 +1,5 @@
 // Elementary functions for formulas: our own sequences of correctly rounded operations, because the ones of
-// OpenCL differ between devices and no sign may depend on the device (opencl.md, decision 7).
+// OpenCL differ between devices and no sign may depend on the device.
 //
 // Relative error below 1e-14 (tests/shared/elementary_test.cpp), except: sin and cos, whose error is relative
 // to 1, for |x| < 1e6 (they and tan are not numbers from 1e9 on); exp, power and mod where the result is

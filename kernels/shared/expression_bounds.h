@@ -1,7 +1,7 @@
 // Interval arithmetic for general expressions, in float with outward rounding.
 //
 // Every result holds all values of expression_value over the argument intervals: each operation widens its
-// result by a relative 2^-22 (multiplying by 1 ± 2^-24 is not conservative, opencl.md), except those whose
+// result by a relative 2^-22 (multiplying by 1 ± 2^-24 is not conservative), except those whose
 // results are exact. Infinite ends mean any size. `partial` tells that some value may not be a number, such
 // as a root of [-1, 1]; the ends hold the others then, and there may be none (low > high). What is not a
 // number is outside: it keeps a cell from being inside, not from being outside.

@@ -3,7 +3,7 @@
 // The root box is [0, 1]^3 in box-local coordinates. A cell of level L has integer coordinates
 // (x, y, z) in [0, 2^L). Every node of the mesh lies on a lattice of kCellUnits steps per edge of the finest
 // cell, so positions are exact in double precision (18 + 26 bits) and orientation tests on them are exact in
-// 128-bit integers (algorithms.md §2).
+// 128-bit integers.
 //
 // Corners, edges and faces of a cell are numbered as follows everywhere in Mortise:
 //   corner c = x + 2y + 4z;

@@ -1,5 +1,5 @@
-// Repositioning of one node: where it may lie so that the worst element around it gets better (algorithms.md
-// §7).
+// Repositioning of one node: where it may lie so that the worst element around it gets better
+// (docs/design/improvement.md).
 //
 // Everything is in box-local coordinates. A node is inside a region, and free, or on one surface, and slides
 // on it. A move makes no element around the node worse, but those that are good and stay so. For one lane

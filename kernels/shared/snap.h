@@ -4,7 +4,7 @@
 
 #include "surface.h"
 
-// A vertex closer than this, in edges of the finest cell, may be moved (quality.md, snapping rule).
+// A vertex closer than this, in edges of the finest cell, may be moved (docs/design/snapping.md).
 #define kVertexSnapDistance 0.335
 // The same for a plane of the grid's directions, which all vertices beside it are equally far from: where
 // they do not move, edges from them to the plane are long enough (kRepositionShortestEdge), so that not the

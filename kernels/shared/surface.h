@@ -1,7 +1,7 @@
 // Surfaces: the smooth functions f(x) whose zero sets bound the solid, in box-local coordinates.
 //
 // f < 0 inside, f > 0 outside. Every surface is one smooth sheet family (a box is six surfaces, a capped
-// cylinder three), so that signs, roots and active sets are per surface (algorithms.md §1). Values,
+// cylinder three), so that signs, roots and active sets are per surface. Values,
 // gradients, signs and roots are pure functions in double precision: bit-identical on host and device.
 #ifndef MORTISE_SHARED_SURFACE_H
 #define MORTISE_SHARED_SURFACE_H

@@ -9,13 +9,13 @@
 // ascends with p. The directory says how many pages come before each cell of a coarse level.
 //
 // In a uniform tree all leaves have the finest level, and a page is one cell of the directory. A graded tree
-// (2:1 across faces, edges and corners, algorithms.md §6) has pages of one word; leaf_marks tells the level
-// of each meshed leaf in Morton order, and whether finer ones are around it.
+// (2:1 across faces, edges and corners, docs/design/graded.md) has pages of one word; leaf_marks tells the
+// level of each meshed leaf in Morton order, and whether finer ones are around it.
 //
-// Ownership (algorithms.md §2): a grid vertex, or the single root on a leaf's edge, belongs to the
-// Morton-first of the finest leaves that use it. IN leaves use their eight corners; NIO leaves use what their
-// mask says: bits 0–7 corners, bits 8–19 edges, bit 20 the template's interior node. The mask is all that a
-// leaf tells others. Vertices in the middle of a leaf's edge or face do not count as its own.
+// Ownership (invariant 6 of ARCHITECTURE.md): a grid vertex, or the single root on a leaf's edge, belongs to
+// the Morton-first of the finest leaves that use it. IN leaves use their eight corners; NIO leaves use what
+// their mask says: bits 0–7 corners, bits 8–19 edges, bit 20 the template's interior node. The mask is all
+// that a leaf tells others. Vertices in the middle of a leaf's edge or face do not count as its own.
 #ifndef MORTISE_SHARED_TREE_H
 #define MORTISE_SHARED_TREE_H
 

@@ -2,10 +2,10 @@
 // to the certificate.
 //
 // A leaf is a candidate only if one side of its surface is a region and the other is outside, and if each
-// face is whole or cut by one chord, for the certificate as for templates (F0 and F1 of algorithms.md §2): no
-// face or cell centre contradicts corners that agree. A face close to a surface nearly parallel to it may be
-// neither, a bulge, or a saddle with two opposite corners inside; it is simple once all four corners are on
-// the surface, so they are needed there.
+// face is whole or cut by one chord, for the certificate as for templates (F0 and F1 of
+// docs/design/certificate.md): no face or cell centre contradicts corners that agree. A face close to a
+// surface nearly parallel to it may be neither, a bulge, or a saddle with two opposite corners inside; it is
+// simple once all four corners are on the surface, so they are needed there.
 #include "shared/bounds.h"
 #include "shared/snio.h"
 #include "shared/surface.h"

@@ -1,4 +1,4 @@
-// Decides which grid vertices are moved onto the surface (algorithms.md §4).
+// Decides which grid vertices are moved onto the surface (docs/design/snapping.md).
 //
 // A vertex may move only if all leaves around it know one surface at most (IN and OUT leaves: none), the same
 // one, and if each of them keeps a valid template whichever of its own vertices move. So one pass decides, in

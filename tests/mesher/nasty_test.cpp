@@ -1,4 +1,4 @@
-// Special positions by name: what breaks meshers (ARCHITECTURE.md lists them with their oracles).
+// Special positions by name: what breaks meshers.
 //
 // `kUnit` blocks are laid out so that whole coordinates are planes of the grid at level 5: the root box has
 // one cell of margin on each side of the longest extent.

@@ -76,7 +76,7 @@ TEST_CASE("two pipes of one radius: four creases from pole to pole, in any pose"
         CHECK(m.report.features.curves.size() == 4);
         CHECK(m.check.min_dihedral >= 17);
         CHECK(worst_jacobian(m.check) >= 0.19);
-        // At one of some sixty poles two creases end early (ARCHITECTURE.md, known limits).
+        // At one of some sixty poles two creases end early (docs/design/limits.md).
         if (m.report.features.corners.size() != 2) {
             ++incomplete;
             continue;

@@ -21,7 +21,7 @@ constexpr double kNextToVertex = 2.5e-4;  ///< cells
 
 /// Boundary nodes on the planes of the cell grid: what a template and the certificate must agree on. Those
 /// next to a vertex are left out: there the certificate may count an end of an edge as the root
-/// (ARCHITECTURE.md).
+/// (docs/design/certificate.md).
 std::set<Vec3> nodes_on_cell_faces(const Meshed& meshed) {
     std::set<Vec3> result;
     const MeshReport& report = meshed.report;
