@@ -21,8 +21,10 @@ std::uint64_t memory_now() {
 void check_memory(std::uint64_t needed, const char* what, const MeshOptions& options) {
     if (needed <= options.memory) return;
     constexpr std::uint64_t kMega = std::uint64_t{1} << 20;
+    const std::string allowed = options.memory < 10 * kMega ? std::to_string(options.memory) + " bytes"
+                                                            : std::to_string(options.memory / kMega) + " MiB";
     throw Error(ExitCode::kDevice, std::string(what) + " need about " + std::to_string(needed / kMega + 1) +
-                                       " MiB of memory, and " + std::to_string(options.memory / kMega) +
+                                       " MiB of memory, and " + allowed +
                                        " are allowed; allow more by --memory, or use larger cells");
 }
 

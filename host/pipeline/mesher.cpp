@@ -12,6 +12,8 @@
 #include "host/hanging/restore.hpp"
 #include "host/improve/improve.hpp"
 #include "host/jacobian/jacobian.hpp"
+#include "host/pipeline/check_options.hpp"
+#include "host/pipeline/findings.hpp"
 #include "host/pipeline/names.hpp"
 #include "host/pipeline/periodic.hpp"
 #include "host/pipeline/periodic_improvement.hpp"
@@ -182,9 +184,11 @@ void Mesher::recycle(Mesh&& mesh) {
     mesh = {};
 }
 
-Mesh Mesher::generate(const Model& model, const MeshOptions& options, MeshReport* report) {
+Mesh Mesher::generate(const Model& model, const MeshOptions& asked, MeshReport* report) {
     refuse_moved(implementation_ == nullptr);
     const Work work(implementation_->is_busy);
+    MeshOptions options = asked;
+    options.memory = 0;  // what there is
     MeshReport local;
     MeshReport& out = report != nullptr ? *report : local;
     std::vector<float> jacobians = std::move(out.scaled_jacobians);
@@ -265,6 +269,7 @@ Mesh Mesher::generate(const Model& model, const MeshOptions& options, MeshReport
     stages.end(mesh.element_count());
     describe_mesh(prepared.compiled, prepared.bound, prepared.leaves, options, model.source, stages, mesh,
                   out);
+    pipeline::report_false_facets(prepared, mesh.points, mesh.facets, options, model.source, out);
     pipeline::warn_of_empty_regions(mesh.region_names, regions_present(mesh), model.source, out);
     if (report != nullptr) {
         stages.begin("jacobians", 0.99);

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "host/common/parallel.hpp"
+#include "host/pipeline/findings.hpp"
 #include "host/pipeline/memory_limit.hpp"
 
 namespace mortise::pipeline {

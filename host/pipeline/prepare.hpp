@@ -7,7 +7,6 @@
 #include "host/cnio/extract.hpp"
 #include "host/common/leaf_grid.hpp"
 #include "host/device/device.hpp"
-#include "host/features/hinges.hpp"
 #include "host/improve/improve.hpp"
 #include "host/octree/octree.hpp"
 #include "host/pipeline/root_box.hpp"
@@ -30,6 +29,7 @@ struct Prepared {
     snio::Classification classification;
     cnio::Extraction extraction;  ///< of all complex leaves, if it is kept; else empty
     std::vector<probe::Apex> apexes;
+    std::vector<std::uint64_t> folded;  ///< as Probe::folded
     LeafGrid leaves;
     std::uint64_t transition_cells = 0;
 };
@@ -42,12 +42,6 @@ struct Extracted {
     std::uint64_t first_troubled = ~std::uint64_t{0};  ///< Morton code of the first of them
 };
 
-/// Throws Error(kUsage) for a negative size.
-void check_work_group(int size);
-
-/// Throws Error(kUsage) for options out of range.
-void check_options(const MeshOptions& options);
-
 /// `open_device` is called when the device is needed. Warnings and counts go to `out`.
 Prepared prepare(const std::function<device::Device&()>& open_device, const Model& model,
                  const MeshOptions& options, Stages& stages, MeshReport& out);
@@ -58,26 +52,5 @@ improve::Options improvement_options(const Prepared& prepared, const MeshOptions
 /// Returns reposition::Counters::moved_cubes.
 IndexRuns reposition_nodes(device::Device& device, const Prepared& prepared, const MeshOptions& options,
                            const std::vector<std::uint8_t>* held, Stages& stages, Mesh& mesh);
-/// Throws Error(kMeshing) if something was left out and MeshOptions::strict is set.
-void report_improvement(const improve::Counters& counters, const MeshOptions& options,
-                        const std::string& source, MeshReport& out);
-
-/// Warns where the skin of the mesh touches itself. Throws Error(kMeshing) if MeshOptions::strict
-/// is set. `points` of the nodes that the hinges number.
-void report_hinges(const features::Hinges& hinges, const std::vector<double>& points,
-                   const MeshOptions& options, const std::string& source, MeshReport& out);
-
-/// What the report tells of leaves and lost features. Throws Error(kMeshing) if the options forbid these.
-void report_cells(const Prepared& prepared, const Extracted& extracted, const Model& model,
-                  const MeshOptions& options, MeshReport& out);
-
-/// Where a region has no element, by region: named in the file, but not in the mesh.
-void warn_of_empty_regions(const std::vector<std::string>& names, const std::vector<bool>& present,
-                           const std::string& source, MeshReport& report);
-
-/// Error(kInput): a model without elements.
-[[noreturn]] void refuse_empty(const std::string& source);
-/// Of a mesh whose faces do not fit together.
-[[noreturn]] void refuse_unpaired(const std::string& source);
 
 }  // namespace mortise::pipeline

@@ -12,6 +12,8 @@
 #include "host/common/element_block.hpp"
 #include "host/features/features.hpp"
 #include "host/jacobian/jacobian.hpp"
+#include "host/pipeline/check_options.hpp"
+#include "host/pipeline/findings.hpp"
 #include "host/pipeline/memory_limit.hpp"
 #include "host/pipeline/names.hpp"
 #include "host/pipeline/partial_improvement.hpp"
@@ -113,9 +115,12 @@ class Streamer {
         for (const NodeId node : skin_.node) {
             while (outer != outer_.end() && outer->node < node) ++outer;
             placed = std::lower_bound(placed, changes_.placed.end(), node);
-            const double* point = outer != outer_.end() ? outer->point.data() : nullptr;
+            const double* point =
+                outer != outer_.end() && outer->node == node ? outer->point.data() : nullptr;
             if (placed != changes_.placed.end() && *placed == node)
                 point = changes_.added.points.data() + 3 * (placed - changes_.placed.begin());
+            if (point == nullptr)
+                throw Error(ExitCode::kMeshing, "internal error: a facet's node is missing");
             skin_.mesh.points.insert(skin_.mesh.points.end(), point, point + 3);
         }
         outer_ = {};
@@ -137,6 +142,7 @@ class Streamer {
         out.features.model_dimension = {};
         report_hinges(features::find_hinges(skin_.mesh.facets, skin_.mesh.node_count(), options_.threads),
                       skin_.mesh.points, options_, source, out);
+        report_false_facets(prepared_, skin_.mesh.points, skin_.mesh.facets, options_, source, out);
         const auto number = [this](NodeId local) { return changes_.final_number(skin_.node[local]); };
         for (FeatureCurve& curve : out.features.curves) {
             for (NodeId& node : curve.nodes) node = number(node);

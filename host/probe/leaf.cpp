@@ -64,6 +64,7 @@ void LeafProbe::load_tape(const TreeNode& leaf) {
 /// Finds the hidden surfaces, and the winding ones; false if none of the hidden ones may hide a feature.
 bool LeafProbe::load(const TreeNode& leaf) {
     winding_.clear();
+    folds_ = false;
     if (leaf.tape_length == 0) return false;  // an IN leaf among the others
     edge_ = octree::Octree::edge_of(tree_.level_of(leaf.morton));
     for (int j = 0; j < 3; ++j) low_[j] = gather_bits(leaf.morton >> j) * tree_.finest_edge();
@@ -96,6 +97,7 @@ bool LeafProbe::load(const TreeNode& leaf) {
         hidden_.push_back(s);
         hidden_sign_.push_back(sign);
     }
+    folds_ = !winding_.empty() || !steady;
     // Two caps together may still hide something between them: a lens.
     return !hidden_.empty() && !(hidden_.size() == 1 && steady);
 }

@@ -50,6 +50,8 @@ class LeafProbe {
 
     /// Leaves so far that were subdivided.
     std::uint64_t probed() const { return probed_; }
+    /// Of the leaf of the last run: whether a curved surface turns by 90 degrees or more in it.
+    bool folds() const { return folds_; }
 
     /// Region of the solid at a point of a leaf, by the leaf's tape.
     std::int32_t region_at(const TreeNode& leaf, const Vec3& x);
@@ -112,7 +114,8 @@ class LeafProbe {
     const octree::Octree& tree_;
     std::uint64_t probed_ = 0;
     double low_[3] = {};
-    double edge_ = 0;                      ///< of the leaf
+    double edge_ = 0;  ///< of the leaf
+    bool folds_ = false;
     std::vector<std::uint32_t> surfaces_;  ///< of the leaf's tape, ascending
     tape::LocalTape local_tape_;
     std::vector<std::uint32_t> hidden_;     ///< indices into surfaces_

@@ -18,6 +18,9 @@ namespace {
 /// curved surface; no feature is lost.
 constexpr int kShallow = kSide / 4;
 
+/// Bases of a cap are one where their pieces lie within so many pieces: its rim is rough.
+constexpr std::int32_t kBesides = 2;
+
 constexpr std::size_t kChunk = 256;
 
 /// Nothing thinner than this, in cells, is a feature: signs are known to kSignTolerance only.
@@ -177,6 +180,42 @@ class Clusters {
         return queue.size() == pieces;
     }
 
+    /// Whether a cluster touches what is meshed in places apart from each other: a hole through a plate, a
+    /// bar between two walls. However short, it is no cap, which has one base.
+    bool joins_apart(const std::vector<std::size_t>& cluster) const {
+        using Place = std::array<std::int32_t, 3>;  // in the cluster's largest pieces
+        double widest = 0;
+        for (const std::size_t i : cluster) widest = std::max(widest, edge(components_[i]) / kSide);
+        std::vector<Place> bases;
+        for (const std::size_t i : cluster) {
+            const Component& component = components_[i];
+            for (const std::uint16_t piece : component.open) {
+                const Vec3 x = middle(corner(component), edge(component), piece);
+                Place place{};
+                for (std::size_t j = 0; j < 3; ++j)
+                    place[j] = static_cast<std::int32_t>(std::floor(x[j] / widest));
+                bases.push_back(place);
+            }
+        }
+        std::sort(bases.begin(), bases.end());
+        bases.erase(std::unique(bases.begin(), bases.end()), bases.end());
+        DisjointSets sets(bases.size());
+        for (std::uint32_t i = 0; i < bases.size(); ++i) {
+            const Place& at = bases[i];
+            for (std::int32_t x = at[0]; x <= at[0] + kBesides; ++x) {
+                for (std::int32_t y = at[1] - kBesides; y <= at[1] + kBesides; ++y) {
+                    auto k = std::lower_bound(bases.begin(), bases.end(), Place{x, y, at[2] - kBesides});
+                    for (; k != bases.end() && *k <= Place{x, y, at[2] + kBesides}; ++k)
+                        sets.join(i, static_cast<std::uint32_t>(k - bases.begin()));
+                }
+            }
+        }
+        for (std::uint32_t i = 0; i < bases.size(); ++i) {
+            if (sets.find(i) != 0) return true;
+        }
+        return false;
+    }
+
     void report(const std::vector<std::size_t>& cluster, Probe& out) {
         bool attached = false;
         bool torn = false;
@@ -198,7 +237,7 @@ class Clusters {
                 }
             }
         }
-        if (attached && !torn && is_shallow(cluster)) return;
+        if (attached && !torn && is_shallow(cluster) && !joins_apart(cluster)) return;
         const Component& main = components_[deepest];
         MissedFeature feature;
         double size = 0;
@@ -245,17 +284,21 @@ Probe find_features(const tape::BoundModel& model, const octree::Octree& tree, i
     Probe result;
     const std::size_t chunks = chunk_count(tree.nio.size(), kChunk);
     std::vector<std::vector<Component>> found(chunks);
+    std::vector<std::vector<std::uint64_t>> folded(chunks);
     const int workers = thread_count(threads);
     std::vector<std::unique_ptr<LeafProbe>> probes(static_cast<std::size_t>(workers));
     parallel_chunks(tree.nio.size(), kChunk, workers, [&](std::size_t begin, std::size_t end, int thread) {
         std::unique_ptr<LeafProbe>& probe = probes[static_cast<std::size_t>(thread)];
         if (!probe) probe = std::make_unique<LeafProbe>(model, tree);
-        for (std::size_t i = begin; i < end; ++i)
+        for (std::size_t i = begin; i < end; ++i) {
             probe->run(static_cast<std::uint32_t>(i), found[begin / kChunk]);
+            if (probe->folds()) folded[begin / kChunk].push_back(tree.nio[i].morton);
+        }
     });
     for (const auto& probe : probes) {
         if (probe) result.probed += probe->probed();
     }
+    for (const auto& part : folded) result.folded.insert(result.folded.end(), part.begin(), part.end());
     std::vector<Component> components;
     for (std::vector<Component>& part : found) {
         components.insert(components.end(), std::make_move_iterator(part.begin()),

@@ -25,7 +25,10 @@ struct Probe {
     std::vector<MissedFeature> features;  ///< the largest first
     std::vector<Apex> apexes;             ///< of the features that are kept, by Morton code
     std::vector<std::uint32_t> leaves;    ///< theirs, indices into Octree::nio; must go to the certificate
-    std::uint64_t probed = 0;             ///< leaves with a hidden surface that may be more than a cap
+    /// Codes of leaves in which a curved surface turns by 90 degrees or more, ascending: see
+    /// false_facets.hpp.
+    std::vector<std::uint64_t> folded;
+    std::uint64_t probed = 0;  ///< leaves with a hidden surface that may be more than a cap
 };
 
 /// Probes all NIO leaves, before any is promoted. The same result for any number of threads.

@@ -1,6 +1,7 @@
 // What other programs may do wrong with the headers of include/mortise: each an Error, never a crash.
 #include <doctest/doctest.h>
 
+#include <cmath>
 #include <filesystem>
 #include <functional>
 #include <limits>
@@ -180,14 +181,40 @@ TEST_CASE("options out of range are wrong usage") {
     const std::pair<const char*, std::function<void(MeshOptions&)>> cases[] = {
         {"level 12", [](MeshOptions& o) { o.level = 12; }},
         {"both given", [](MeshOptions& o) { o.size = 0.1; }},
-        {"smoothing by -5", [](MeshOptions& o) { o.smooth = -5; }},
-        {"smoothing by 101", [](MeshOptions& o) { o.smooth = 101; }},
+        {"smooth -5 is out of range; use 0 to 100 rounds", [](MeshOptions& o) { o.smooth = -5; }},
+        {"smooth 101", [](MeshOptions& o) { o.smooth = 101; }},
         {"threads -3", [](MeshOptions& o) { o.threads = -3; }},
         {"work-group size -1", [](MeshOptions& o) { o.work_group_size = -1; }},
         {"smallest cell size 1 is above",
          [](MeshOptions& o) {
              o.size_min = 1;
              o.size_max = 0.1;
+         }},
+        {"size_min nan", [](MeshOptions& o) { o.size_min = NAN; }},
+        {"size_max -1", [](MeshOptions& o) { o.size_max = -1; }},
+        {"size of 'ball' 0",
+         [](MeshOptions& o) {
+             o.named_sizes = {{"ball", 0}};
+         }},
+        {"size around (0, 0, 0) -1",
+         [](MeshOptions& o) {
+             o.sizes = {{{0, 0, 0}, -1, 1}};
+         }},
+        {"grading -1 of the size around (1, 2, 3)",
+         [](MeshOptions& o) {
+             o.sizes = {{{1, 2, 3}, 0.1, -1}};
+         }},
+        {"refine 99 is out of range; use 0 to 18 levels", [](MeshOptions& o) { o.refine = 99; }},
+        {"interior_coarsening 99", [](MeshOptions& o) { o.interior_coarsening = 99; }},
+        {"curvature_elements 12 works within refine", [](MeshOptions& o) { o.curvature_elements = 12; }},
+        {"pieces 0", [](MeshOptions& o) { o.pieces = 0; }},
+        {"the box is not finite along x",
+         [](MeshOptions& o) {
+             o.box = Box3{{NAN, 0, 0}, {1, 1, 1}};
+         }},
+        {"the box is empty along y",
+         [](MeshOptions& o) {
+             o.box = Box3{{0, 1, 0}, {1, 1, 1}};
          }},
     };
     for (const auto& [message, spoil] : cases) {
@@ -201,6 +228,33 @@ TEST_CASE("options out of range are wrong usage") {
     }
     CHECK(contains(refusal(ExitCode::kUsage, [] { Mesher("", -1).generate(good_model(), coarse()); }),
                    "work-group size -1"));
+}
+
+TEST_CASE("cells larger than the model are told of, much larger ones refused") {
+    const Model ball = parse_model("sphere(r = 5, $fn = 0);", "csg", "ball");
+    MeshOptions options;
+    options.size = 1e9;
+    CHECK(contains(refusal(ExitCode::kUsage, [&] { generate_mesh(ball, options); }),
+                   "cells of size 1e+09 are larger than the model, which is 10"));
+    options.size = 12;
+    MeshReport report;
+    generate_mesh(ball, options, &report);
+    REQUIRE(report.warnings.size() == 1);
+    CHECK(contains(report.warnings[0], "are larger than the model"));
+    options.strict = true;
+    CHECK(contains(refusal(ExitCode::kMeshing, [&] { generate_mesh(ball, options); }), "strict"));
+    options = coarse();
+    CHECK(generate_mesh(ball, options, &report).element_count() > 0);
+    CHECK(report.warnings.empty());
+}
+
+TEST_CASE("a limit of memory is for meshes in parts alone") {
+    MeshOptions options = coarse();
+    options.memory = 1;
+    CHECK(generate_mesh(good_model(), options).element_count() > 0);
+    Sink sink;
+    CHECK(contains(refusal(ExitCode::kDevice, [&] { Mesher().stream(good_model(), options, sink); }),
+                   "and 1 bytes are allowed"));
 }
 
 TEST_CASE("a format is named with or without dot, in any case of letters") {
