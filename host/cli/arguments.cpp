@@ -252,9 +252,10 @@ Arguments parse_arguments(int count, const char* const* values) {
         const std::vector<std::string> extra = app.remaining(true);
         refuse_extra(app, extra.empty() ? "" : extra.front());
     } catch (const CLI::ArgumentMismatch& error) {
-        // CLI11 says "--level: 1 required TEXT missing".
+        // CLI11 says "--level: 1 required TEXT missing", "--level: At Most 1 required but received 2".
         const std::string what = error.what();
         const std::string option = what.substr(0, what.find(':'));
+        if (what.find("At Most") != std::string::npos) refuse(option + " is given twice; expected it once");
         refuse(option + ": expected " + values_of(option) + "; see mortise --help");
     } catch (const CLI::ParseError& error) {
         refuse(std::string(error.what()) + "; see mortise --help");

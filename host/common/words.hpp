@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cctype>
 #include <cstddef>
 #include <numeric>
 #include <string>
@@ -19,6 +20,27 @@ inline std::string excerpt(std::string_view text) {
         if ((c >= 0 && c < ' ') || c == 0x7f) c = ' ';
     }
     return text.size() > kLongest ? result + "..." : result;
+}
+
+/// A message with what is no word any more (10 MB without a blank) cut.
+inline std::string with_short_words(const std::string& message) {
+    constexpr std::size_t kLongest = 400;  // paths stay whole
+    std::string result;
+    for (std::size_t first = 0; first < message.size();) {
+        const std::size_t last = std::min(message.find(' ', first), message.size() - 1) + 1;
+        const std::string_view word = std::string_view(message).substr(first, last - first);
+        if (word.size() > kLongest) {
+            // With what ends it: a quote, a comma, the blank.
+            std::size_t end = word.size();
+            while (end > word.size() - 4 && std::isalnum(static_cast<unsigned char>(word[end - 1])) == 0)
+                --end;
+            result += excerpt(word) + std::string(word.substr(end));
+        } else {
+            result += word;
+        }
+        first = last;
+    }
+    return result;
 }
 
 /// "; did you mean 'sphere'?" for the known word that is nearest to this one; empty if none is near.

@@ -20,7 +20,7 @@ std::string place_text(const std::string& source, SourceLocation where) {
 }
 
 void fail(const std::string& source, SourceLocation where, const std::string& message) {
-    throw Error(ExitCode::kInput, place_text(source, where) + message);
+    throw Error(ExitCode::kInput, place_text(source, where) + with_short_words(message));
 }
 
 TextCursor::TextCursor(std::string_view text, const std::string& source)
@@ -82,11 +82,13 @@ std::string TextCursor::found() const {
         std::snprintf(buffer.data(), buffer.size(), "byte 0x%02x (is this a text file?)", byte);
         return buffer.data();
     }
-    constexpr std::ptrdiff_t kLongest = 30;
     const char* last = at_;
-    while (last != end_ && last - at_ < kLongest && (is_name_part(*last) || *last == '.')) ++last;
+    // With the sign of an exponent.
+    long double ignored = 0;
+    if (is_digit(*at_) || *at_ == '.') last = std::from_chars(at_, end_, ignored).ptr;
+    while (last != end_ && (is_name_part(*last) || *last == '.')) ++last;
     if (last == at_) ++last;
-    return "'" + std::string(at_, last) + "'";
+    return "'" + excerpt({at_, static_cast<std::size_t>(last - at_)}) + "'";
 }
 
 }  // namespace mortise::model_reader

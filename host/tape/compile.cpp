@@ -15,6 +15,7 @@
 #include "host/tape/polyhedron.hpp"
 #include "host/tape/rounded.hpp"
 #include "host/tape/surface_bounds.hpp"
+#include "host/tape/tree_size.hpp"
 
 namespace mortise::tape {
 namespace {
@@ -44,6 +45,7 @@ class Compiler {
                                               " regions, at most " + std::to_string(kMaxRegions) +
                                               " are possible");
         }
+        refuse_large_trees(model_, kMaxTerms);
         std::vector<std::uint32_t> roots;
         for (const Region& region : model_.regions) {
             std::vector<std::uint32_t> parts = {expand(region.root)};
@@ -88,8 +90,9 @@ class Compiler {
 
     std::uint32_t add(Term term) {
         if (terms_.size() >= kMaxTerms) {
-            throw Error(ExitCode::kInput, model_.source + ": the tree expands to more than " +
-                                              std::to_string(kMaxTerms) + " operations");
+            throw Error(ExitCode::kInput, start_of(model_, node_) + "the tree expands to more than " +
+                                              std::to_string(kMaxTerms) +
+                                              " operations; use parts less often");
         }
         terms_.push_back(std::move(term));
         return static_cast<std::uint32_t>(terms_.size() - 1);

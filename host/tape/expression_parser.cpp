@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "host/common/constants.hpp"
+#include "host/common/lower_case.hpp"
 #include "host/common/words.hpp"
 
 namespace mortise::tape {
@@ -64,32 +65,70 @@ class Parser {
         formula_.root = sum(0);
         accept(';');
         skip_space();
-        if (position_ != text_.size()) fail("an operator or the end of the formula");
+        if (position_ != text_.size()) fail("an operator or the end of the formula", bounds_hint());
         return std::move(formula_);
     }
 
   private:
-    /// `found` and `hint` (`; did you mean ...`): default to the character here and nothing.
-    [[noreturn]] void fail(const std::string& expected, std::string found = {},
-                           const std::string& hint = {}) const {
-        if (found.empty() && position_ == text_.size()) found = "the end";
-        if (found.empty()) {
-            const auto c = static_cast<unsigned char>(text_[position_]);
-            found =
-                c >= ' ' && c < 127 ? std::string("'") + text_[position_] + "'" : "byte " + std::to_string(c);
-        }
-        std::string place;
+    struct Definition {
+        std::uint32_t value;
+        std::size_t position;  ///< of the name
+    };
+
+    /// "source:line:column: formula: " of a position; without a line the formula's beginning and the column.
+    std::string place(std::size_t position) const {
         if (where_.line == 0) {
-            place = "formula \"" + text_.substr(0, 60) + "\", column " + std::to_string(position_ + 1) + ": ";
-        } else {
-            SourceLocation at = where_;
-            for (std::size_t i = 0; i < position_; ++i) {
-                ++at.column;
-                if (text_[i] == '\n') at = {at.line + 1, 1};
-            }
-            place = source_ + ":" + std::to_string(at.line) + ":" + std::to_string(at.column) + ": formula: ";
+            return (source_.empty() ? "" : source_ + ": ") + "formula \"" + excerpt(text_) + "\", column " +
+                   std::to_string(position + 1) + ": ";
         }
-        throw Error(ExitCode::kInput, place + "expected " + expected + ", found " + found + hint);
+        const SourceLocation at = location(position);
+        return source_ + ":" + std::to_string(at.line) + ":" + std::to_string(at.column) + ": formula: ";
+    }
+
+    SourceLocation location(std::size_t position) const {
+        SourceLocation at = where_;
+        for (std::size_t i = 0; i < position; ++i) {
+            ++at.column;
+            if (text_[i] == '\n') at = {at.line + 1, 1};
+        }
+        return at;
+    }
+
+    [[noreturn]] void refuse(std::size_t position, const std::string& message) const {
+        throw Error(ExitCode::kInput, place(position) + message);
+    }
+
+    /// The name, number or character here.
+    std::string_view token() const {
+        const char* first = text_.data() + position_;
+        const char* const end = text_.data() + text_.size();
+        const char* last = first;
+        long double ignored = 0;
+        if (first != end && (is_digit(*first) || *first == '.'))
+            last = std::from_chars(first, end, ignored).ptr;
+        while (last != end && (is_name_start(*last) || is_digit(*last) || *last == '.')) ++last;
+        if (last == first && first != end) ++last;
+        return {first, static_cast<std::size_t>(last - first)};
+    }
+
+    std::string found() const {
+        if (position_ == text_.size()) return "the end";
+        const auto c = static_cast<unsigned char>(text_[position_]);
+        const bool is_visible = c > ' ' && c < 127;
+        return is_visible ? "'" + excerpt(token()) + "'" : "byte " + std::to_string(c);
+    }
+
+    /// `hint`: "; did you mean ...".
+    [[noreturn]] void fail(const std::string& expected, const std::string& hint = {}) const {
+        refuse(position_, "expected " + expected + ", found " + found() + hint);
+    }
+
+    /// Where a line "bounds ..." of a .formula file may be meant: formulas in others start later.
+    std::string bounds_hint() const {
+        if (where_.line != 1 || where_.column != 1) return {};
+        const std::string_view word = token();
+        if (word != "bounds" && nearest_hint(word, {"bounds"}).empty()) return {};
+        return "; bounds need a line of their own: bounds x0 y0 z0 x1 y1 z1";
     }
 
     void skip_space() {
@@ -120,17 +159,38 @@ class Parser {
     }
 
     void define(const std::string& name, std::size_t start) {
-        if (name == "x" || name == "y" || name == "z" || name == "pi" || functions().count(name) > 0) {
-            position_ = start;
-            fail("a new name before '='; " + name + " has a meaning already");
+        const std::string quoted = "'" + excerpt(name) + "'";
+        if (name == "x" || name == "y" || name == "z" || name == "pi" || functions().count(name) > 0)
+            refuse(start, quoted + " has a meaning already; expected a new name before '='");
+        const auto before = names_.find(name);
+        if (before != names_.end()) {
+            const std::size_t first = before->second.position;
+            refuse(start, quoted + " is defined twice, first in " +
+                              (where_.line == 0 ? "column " + std::to_string(first + 1)
+                                                : "line " + std::to_string(location(first).line)) +
+                              "; choose another name");
         }
         const std::uint32_t value = sum(0);
-        if (!accept(';')) fail("an operator or ';' after the definition of " + name);
-        names_[name] = value;
+        if (!accept(';')) fail("an operator or ';' after the definition of " + excerpt(name), bounds_hint());
+        names_[name] = {value, start};
+    }
+
+    /// The node, unless it is a constant that is no finite number, from the text since `start`.
+    std::uint32_t finite(std::uint32_t node, std::size_t start) const {
+        const Formula::Node& made = formula_.nodes()[node];
+        if (made.operation == kExprConstant && !std::isfinite(made.constant)) {
+            std::string_view text = std::string_view(text_).substr(start, position_ - start);
+            text = text.substr(0, text.find_last_not_of(" \t\r\n") + 1);
+            refuse(start,
+                   "'" + excerpt(text) + "' has no finite value; expected a constant that is a number");
+        }
+        return node;
     }
 
     std::uint32_t sum(int depth) {
         if (depth > kMaxDepth) fail("at most 1000 nested parentheses");
+        skip_space();
+        const std::size_t start = position_;
         std::uint32_t left = product(depth);
         for (;;) {
             if (accept('+'))
@@ -139,18 +199,25 @@ class Parser {
                 left = formula_.add(kExprSubtract, left, product(depth));
             else
                 return left;
+            finite(left, start);
         }
     }
 
     std::uint32_t product(int depth) {
+        skip_space();
+        const std::size_t start = position_;
         std::uint32_t left = unary(depth);
         for (;;) {
-            if (accept('*'))
+            if (accept('*')) {
+                if (position_ < text_.size() && text_[position_] == '*')
+                    refuse(position_ - 1, "expected an operator, found '**'; write ^ for powers");
                 left = formula_.add(kExprMultiply, left, unary(depth));
-            else if (accept('/'))
+            } else if (accept('/')) {
                 left = formula_.add(kExprDivide, left, unary(depth));
-            else
+            } else {
                 return left;
+            }
+            finite(left, start);
         }
     }
 
@@ -168,9 +235,12 @@ class Parser {
     }
 
     std::uint32_t power(int depth) {
+        skip_space();
+        const std::size_t start = position_;
         const std::uint32_t base = atom(depth);
         if (!accept('^')) return base;
-        return formula_.add_power(base, unary(depth + 1));  // from the right, with its own sign
+        // From the right, with its own sign.
+        return finite(formula_.add_power(base, unary(depth + 1)), start);
     }
 
     std::uint32_t atom(int depth) {
@@ -201,21 +271,41 @@ class Parser {
         if (name == "z") return formula_.add(kExprZ);
         if (name == "pi") return formula_.add_constant(kPi);
         const auto defined = names_.find(name);
-        if (defined != names_.end()) return defined->second;
+        if (defined != names_.end()) return defined->second.value;
         const auto function = functions().find(name);
         if (function == functions().end()) {
             position_ = start;
-            std::string list;
-            std::vector<std::string_view> known = {"pi"};
-            for (const auto& [known_name, unused] : functions()) {
-                list += " " + known_name;
-                known.push_back(known_name);
-            }
-            for (const auto& [known_name, unused] : names_) known.push_back(known_name);
-            fail("a number, x, y, z, pi, '(', a name defined before or one of the functions" + list,
-                 name.empty() ? name : "'" + excerpt(name) + "'", nearest_hint(name, known));
+            fail_at_operand(name);
         }
-        return call(name, function->second, depth);
+        return finite(call(name, function->second, depth), start);
+    }
+
+    /// `name`: what stands here and is unknown, or nothing.
+    [[noreturn]] void fail_at_operand(const std::string& name) const {
+        std::string list = name.empty() ? " (sin, max, ...)" : ":";
+        std::vector<std::string_view> known = {"pi"};
+        for (const auto& [function, unused] : functions()) {
+            if (!name.empty()) list += " " + function;
+            known.push_back(function);
+        }
+        for (const auto& [defined, unused] : names_) known.push_back(defined);
+        // Other single letters are near to them all.
+        for (const std::string_view coordinate : {"x", "y", "z"}) {
+            if (lower_case(name) == coordinate) known.push_back(coordinate);
+        }
+        std::string hint = bounds_hint();
+        if (hint.empty()) hint = nearest_hint(name, known);
+        if (!hint.empty()) list.clear();
+        fail("a number, x, y, z, pi, '(', a name defined before or a function" + list, hint);
+    }
+
+    [[noreturn]] void fail_in_call(const std::string& name, const Function& function,
+                                   const char* expected) const {
+        if (function.most < 0) fail(std::string(expected) + " in the arguments of " + name);
+        refuse(position_,
+               name + " takes " +
+                   (function.least == 1 ? "one argument" : std::to_string(function.least) + " arguments") +
+                   "; expected " + expected + ", found " + found());
     }
 
     std::uint32_t call(const std::string& name, const Function& function, int depth) {
@@ -226,9 +316,8 @@ class Parser {
             if (!accept(',')) break;
             arguments.push_back(sum(depth + 1));
         }
-        if (count() < function.least)
-            fail("',' and " + std::to_string(function.least) + " arguments of " + name);
-        if (!accept(')')) fail("')'");
+        if (count() < function.least) fail_in_call(name, function, "','");
+        if (!accept(')')) fail_in_call(name, function, function.most < 0 ? "',' or ')'" : "')'");
         const std::uint32_t a = arguments[0];
         const std::uint32_t b = arguments.size() > 1 ? arguments[1] : kNoOperand;
         const std::uint32_t c = arguments.size() > 2 ? arguments[2] : kNoOperand;
@@ -252,7 +341,7 @@ class Parser {
     const std::string& source_;
     SourceLocation where_;
     std::size_t position_ = 0;
-    std::map<std::string, std::uint32_t> names_;
+    std::map<std::string, Definition> names_;
     Formula formula_;
 };
 

@@ -174,8 +174,8 @@ std::optional<Box3> find_island(const CompiledModel& compiled) {
 }
 
 /// Whether formulas have no finite value far away along an axis, on rays from the middle outwards, and no
-/// point there is known to be solid: then nothing tells where the solid ends. `at`: the distance.
-bool overflows(const CompiledModel& compiled, std::size_t axis, double* at) {
+/// point there is known to be solid: then nothing tells where the solid ends.
+bool overflows(const CompiledModel& compiled, std::size_t axis) {
     constexpr int kSteps = 4;  // to both sides, across the axis
     if (!compiled.polyhedra.empty()) return false;
     const double reach = kFar * compiled.scale;
@@ -202,25 +202,25 @@ bool overflows(const CompiledModel& compiled, std::size_t axis, double* at) {
             has_overflow = has_overflow || !is_finite;
         }
     }
-    *at = reach;
     return has_overflow;
 }
 
 [[noreturn]] void refuse_unbounded(const CompiledModel& compiled, int axis, const std::string& source) {
     static const char* const kCut =
-        "cut it with --box x0 y0 z0 x1 y1 z1 or intersect it with a bounded solid";
-    double at = 0;
-    if (overflows(compiled, static_cast<std::size_t>(axis), &at)) {
-        char distance[32];
-        std::snprintf(distance, sizeof distance, "%.3g", at);
+        "cut it with --box x0 y0 z0 x1 y1 z1 or intersect it with a bounded solid; a solid that is bounded "
+        "needs --box, or a line of bounds in a .formula file, to say where it is";
+    char distance[32];
+    std::snprintf(distance, sizeof distance, "%.6g", kFar * compiled.scale);
+    if (overflows(compiled, static_cast<std::size_t>(axis))) {
         throw Error(ExitCode::kInput,
                     source + ": a formula has no finite value " + distance + " from the origin along " +
                         "xyz"[axis] +
-                        " (as where exp or a power overflows), which hides where the solid ends; " + kCut +
-                        ", or write the formula so that it is finite there");
+                        " (as where exp or a power overflows), which hides where the solid ends; write it so "
+                        "that it is finite there, or " +
+                        kCut);
     }
-    throw Error(ExitCode::kInput,
-                source + ": no end of the solid was found along " + "xyz"[axis] + "; " + kCut);
+    throw Error(ExitCode::kInput, source + ": no end of the solid was found along " + "xyz"[axis] +
+                                      " within " + distance + " of the origin; " + kCut);
 }
 
 std::string island_text(const Box3& box) {

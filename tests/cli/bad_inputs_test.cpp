@@ -62,6 +62,7 @@ const BadModel kBadModels[] = {
     {"cylinder.geo", kGeo + "solid s = cylinder (0, 0, 0; 0, 0, 1; 0.5);\ntlo s;\n", kInput, "--box"},
     {"bounds.formula", "bounds nan 0 0 1 1 1\nx", kInput,
      "bounds.formula:1:8: bounds: expected six finite numbers, found 'nan'"},
+    {"endless.formula", "z", kInput, "within 10000 of the origin; cut it with --box"},
     {"word.geo", kGeo + "solid s = frobnicate (0, 0, 0; 1);\ntlo s;\n", kInput, "'frobnicate'"},
     {"no_object.geo", kGeo + "solid s = sphere (0, 0, 0; 1);\n", kInput, "tlo"},
     {"model.step", "solid\n", kInput, "unknown model format"},
@@ -152,6 +153,14 @@ TEST_CASE("a command line that is not understood") {
     expect_failure(scratch, kUsage, "--output", {model, "-o"});
     expect_failure(scratch, kUsage, "twice", {model, "-o", out, "-o", out});
     expect_failure(scratch, kUsage, "twice", {model, "-o", out, "-o", scratch.file("out/./a.vtu")});
+    expect_failure(scratch, kUsage, "--level is given twice; expected it once",
+                   {model, "-o", out, "--level", "4", "--level", "5"});
+    expect_failure(
+        scratch, kUsage, "--box is given twice",
+        {model, "-o", out, "--box", "0", "0", "0", "1", "1", "1", "--box", "0", "0", "0", "1", "1", "1"});
+    expect_failure(scratch, kUsage, "--size-formula is given twice",
+                   {model, "-o", out, "--size-formula", "1", "--size-formula", "1"});
+    expect_failure(scratch, kUsage, "--level: expected a value", {model, "-o", out, "--level"});
     expect_failure(scratch, kUsage, "--size", {model, "-o", out, "--level", "3", "--size", "1"});
     expect_failure(scratch, kUsage, "--min-angle '17': expected 18 to 44 degrees",
                    {model, "-o", out, "--min-angle", "17"});

@@ -82,6 +82,12 @@ TEST_CASE(".csg errors name the place, the thing and what was expected") {
         {"multmatrix([[1,0,0,0],[0,1,0,0],[0,0,0,0],[0,0,0,1]]) { cube(); }", "1:12", "singular"},
         {"multmatrix([[1,0,0,0],[0,1,0,0],[0,0,nan,0],[0,0,0,1]]) { cube(); }", "1:38", "nan or inf"},
         {"multmatrix([[1,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,0.1,1]]) { cube(); }", "1:12", "last row"},
+        {"cube();\na = 5;", "2:3",
+         "this looks like OpenSCAD's source, which belongs into a file named .scad"},
+        {"$fn = 5;", "1:1", "looks like OpenSCAD's source"},
+        {"for (i = [0:3]) cube(i);", "1:1", "found 'for'; this looks like OpenSCAD's source"},
+        {"module foo() { cube(1); }", "1:1", "found 'module'; this looks like OpenSCAD's source"},
+        {"use <foo.scad>\n", "1:1", "found 'use'; this looks like OpenSCAD's source"},
     };
     for (const Case& c : cases) check(c, "csg");
     for (const char* name : {"roof", "path_extrude"}) {
@@ -138,6 +144,8 @@ TEST_CASE(".geo errors name the place, the thing and what was expected") {
         {"algebraic3d\nsold a = sphere(0,0,0;1); tlo a;", "2:1", "found 'sold'; did you mean 'solid'?"},
         {"algebraic3d\nsolid a = sphere(0,0,0;1); tlo a; identify closeedges a a a;", "2:35",
          "closeedges' is unknown"},
+        {"algebraic3d\nsolid a = sphere(0,0,0;1);\ntlo a;\n tlo a -maxh=1;", "4:2",
+         "'tlo a' is given twice, first in line 3; expected it once"},
     };
     for (const Case& c : cases) check(c, "geo");
     for (const char* name : {"tube", "gencyl"}) {
@@ -145,6 +153,46 @@ TEST_CASE(".geo errors name the place, the thing and what was expected") {
         const std::string mention = "'" + std::string(name) + "' is not supported yet";
         check({text.c_str(), "2:11", mention.c_str()}, "geo");
     }
+}
+
+TEST_CASE("words without an end are not repeated whole") {
+    const std::string word(10000000, 'a');
+    std::string words;
+    for (int i = 0; i < 1000000; ++i) words += "words ";
+    const std::pair<std::string, const char*> cases[] = {
+        {word, "csg"},
+        {word + "();", "csg"},
+        {"cube(" + word + ");", "csg"},
+        {"cube(" + word + " = 1);", "csg"},
+        {"cube(" + std::string(10000000, '1') + "x);", "csg"},
+        {"text(\"a\", halign = \"" + word + "\");", "csg"},
+        {"import(file = \"" + word + "\");", "csg"},
+        {"implicit(\"" + word + "\", 3);", "csg"},
+        {"linear_extrude(1) text(\"a\", halign = \"" + words + "\");", "csg"},
+        {"import(file = \"" + words + "\");", "csg"},
+        {word, "geo"},
+        {"algebraic3d\n" + word, "geo"},
+        {"algebraic3d\nsolid " + word + ";", "geo"},
+        {"algebraic3d\nsolid a = " + word + ";", "geo"},
+        {"algebraic3d\ntlo " + word + ";", "geo"},
+        {"x " + word, "vm"},
+        {"x var-x\ny abs " + word, "vm"},
+        {word, "formula"},
+        {"solid x\n" + word, "stl"},
+        {"v " + word, "obj"},
+        {"OFF\n" + word, "off"},
+    };
+    for (const auto& [text, format] : cases) {
+        CAPTURE(format);
+        CAPTURE(text.substr(0, 40));
+        const std::string message = refusal(text, format);
+        CHECK(!message.empty());
+        CHECK(message.size() < 900);
+    }
+    const Model model =
+        parse_model("algebraic3d\nsolid a = sphere(0,0,0;1); tlo a -" + word + ";", "geo", "m.geo");
+    REQUIRE(model.warnings.size() == 1);
+    CHECK(model.warnings[0].size() < 100);
 }
 
 TEST_CASE("files that cannot be read, and unknown formats") {

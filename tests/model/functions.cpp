@@ -80,6 +80,9 @@ TEST_CASE(".vm: each mistake has its place") {
         {"z var-z\nr rand z\n", "m.vm:2:3: 'rand' makes random numbers"},
         {"z var-z\nr mix z z\n", "m.vm:2:3: 'mix' makes random numbers"},
         {"\xc3\xa9 var-x\n", "byte 0xc3"},
+        {"x var-x\na const -4\n# root\nb sqrt a\nc add x b\n",
+         "m.vm:4:3: 'sqrt' of these constants, sqrt((-4)), has no finite value"},
+        {"a const 2\nb sub a a\nc div a b\nx var-x\n", "m.vm:3:3: 'div' of these constants, 2 / 0, has no"},
     };
     for (const auto& [text, expected] : cases) {
         const std::string message = refusal(text, "vm");
@@ -187,6 +190,27 @@ TEST_CASE(".formula: comments and bounds") {
         CAPTURE(message);
         CHECK(contains(message, expected));
     }
+}
+
+TEST_CASE(".formula: a mistake is told before the want of a z") {
+    const std::pair<const char*, const char*> cases[] = {
+        {"x^2 +", "m.formula:1:6: formula: expected a number"},
+        {"x +\n y+w", "m.formula:2:4: formula: expected a number"},
+        {"X^2+Y^2+Z^2-1", "found 'X'; did you mean 'x'?"},
+        {"x - 1/0", "m.formula:1:5: formula: '1/0' has no finite value"},
+        {"x*y\nboundz -1 -1 -1 1 1 1", "m.formula:2:1: formula: expected an operator"},
+        {"x*y\nboundz -1 -1 -1 1 1 1", "found 'boundz'; bounds need a line of their own: bounds x0 y0"},
+        {"x*y - 1 bounds -1 -1 -1 1 1 1", "found 'bounds'; bounds need a line of their own"},
+        {"boundz -1 -1 -1 1 1 1\nx*y", "found 'boundz'; bounds need a line of their own"},
+        {"a = 1;\nb = 2; a = 2;\na*x", "m.formula:2:8: formula: 'a' is defined twice, first in line 1"},
+        {"x*y", "names no z: a flat figure"},
+    };
+    for (const auto& [text, expected] : cases) {
+        const std::string message = refusal(text, "formula");
+        CAPTURE(message);
+        CHECK(contains(message, expected));
+    }
+    CHECK(contains(refusal("z\nbounds 0 0 0 1 1 1e+400", "formula"), "the number '1e+400' is too large"));
 }
 
 TEST_CASE(".csg: implicit and periodic surfaces") {

@@ -194,17 +194,18 @@ TEST_CASE("translate, rotate and their repetitions") {
 
 TEST_CASE("regions in order, with names, sizes and metadata") {
     const Model model = read_geo(
-        "solid a = sphere(0,0,0;1) -maxh=0.5; solid b = sphere(0,0,0;2); solid c = a -maxh = 0.25;\n"
+        "solid a = sphere(0,0,0;1) -maxh=0.5; solid b = sphere(0,0,0;2); solid c = a -maxh = 0.25; solid d = "
+        "a;\n"
         "tlo a -col=[1,0,0] -material=iron;# coil -mur=1  -sig=5.96E7 \r\n"
         "tlo b -transparent -maxh=0.75; #air\n"
-        "tlo a;\n"
+        "tlo d;\n"
         "# not metadata\n"
         "tlo c -material = copper;\n");
     REQUIRE(model.regions.size() == 4);
     CHECK(region_at(model, {0.5, 0, 0}) == 1);
     CHECK(region_at(model, {1.5, 0, 0}) == 2);
     CHECK(model.regions[0].name == "a");
-    CHECK(model.regions[2].name == "a_2");
+    CHECK(model.regions[2].name == "d");
     CHECK(model.regions[0].metadata == "material=iron coil -mur=1  -sig=5.96E7");
     CHECK(model.regions[1].metadata == "air");
     CHECK(model.regions[2].metadata.empty());

@@ -259,7 +259,7 @@ TEST_CASE("bounds hold the solid, tightly where they are searched for, and say w
     CHECK(message(half).find("no end of the solid was found along") != std::string::npos);
     Model pipe;
     add_region(pipe, pipe.add_primitive(infinite_cylinder(1)), "pipe");
-    CHECK(message(pipe).find("no end of the solid was found along z") != std::string::npos);
+    CHECK(message(pipe).find("no end of the solid was found along z within ") != std::string::npos);
     // Formulas: those that have no end, and those whose values hide it.
     const auto told = [&](const std::string& formula, const std::string& part) {
         CAPTURE(formula);
@@ -274,11 +274,11 @@ TEST_CASE("bounds hold the solid, tightly where they are searched for, and say w
         CHECK(text.find("cut it with --box") != std::string::npos);
     };
     for (const char* const endless : {"x^2 + y^2 - 1", "exp(x^2 + y^2) - 3", "x^2 + y^2 + sin(z) - 2"})
-        told(endless, "no end of the solid was found along z");
+        told(endless, "no end of the solid was found along z within 10000 of the origin; cut it with --box");
     for (const char* const overflowing :
-         {"x^2 + y^2 + z^2 - 1 + 0 * exp(x^4)", "exp(1000 * x) - exp(1000) + y^2 + z^2",
+         {"x^2 + y^2 + z^2 - 1 + 0 * exp(x^4)", "exp(1000 * x) - exp(1000 + 0 * x) + y^2 + z^2",
           "exp(x^2 + y^2 + z^2) / exp(x^2) - 3"})
-        told(overflowing, "a formula has no finite value 1e+04 from the origin along x (as where exp");
+        told(overflowing, "a formula has no finite value 10000 from the origin along x (as where exp");
     Model apart;
     add_region(apart,
                intersect(apart, {add_box(apart, {0, 0, 0}, {1, 1, 1}), add_box(apart, {2, 0, 0}, {3, 1, 1})}),
@@ -290,6 +290,25 @@ TEST_CASE("bounds hold the solid, tightly where they are searched for, and say w
     const NodeIndex side = slabs.add_primitive(half_space({0, 0, 0}, {1, -1, 0}));
     add_region(slabs, intersect(slabs, {low, high, side}), "slabs");
     CHECK(!message(slabs).empty());
+}
+
+TEST_CASE("a tree that is too large without sharing is refused at once with its place") {
+    std::string text = "algebraic3d\nsolid a0 = sphere(0,0,0;1);\n";
+    for (int i = 1; i <= 60; ++i) {
+        const std::string before = "a" + std::to_string(i - 1);
+        text += "solid a" + std::to_string(i) + " = " + before + " or " + before + ";\n";
+    }
+    const auto refusal_of = [&](const std::string& region) {
+        try {
+            tape::compile(parse_model(text + "tlo " + region + ";", "geo", "many.geo"));
+        } catch (const Error& error) {
+            CHECK(error.code() == ExitCode::kInput);
+            return std::string(error.what());
+        }
+        return std::string();
+    };
+    CHECK(refusal_of("a60").find("many.geo:27:1: the solid has more than 16777216 surfaces") == 0);
+    CHECK(refusal_of("a10").empty());
 }
 
 TEST_CASE("surfaces within the merge distance everywhere are one, with the right sign") {

@@ -132,6 +132,47 @@ TEST_CASE("what is not a formula is refused with its column") {
     CHECK(refusal_of(std::string(100000, '-') + "x").empty());
 }
 
+TEST_CASE("messages about formulas name whole words and what to write instead") {
+    const std::pair<const char*, const char*> cases[] = {
+        {"x + 1e400", "column 5: expected a finite number, found '1e400'"},
+        {"x + 2.5e+999*y", "column 5: expected a finite number, found '2.5e+999'"},
+        {"z = 3; x", "column 1: 'z' has a meaning already; expected a new name"},
+        {"sin = 3; x", "column 1: 'sin' has a meaning already; expected a new name"},
+        {"x radius", "column 3: expected an operator or the end of the formula, found 'radius'"},
+        {"sqrt(x,y)", "column 7: sqrt takes one argument; expected ')', found ','"},
+        {"atan2(x)", "column 8: atan2 takes 2 arguments; expected ',', found ')'"},
+        {"mod(x,y,z)", "column 8: mod takes 2 arguments; expected ')', found ','"},
+        {"max(x y z)", "column 7: expected ',' or ')' in the arguments of max, found 'y'"},
+        {"x**2", "column 2: expected an operator, found '**'; write ^ for powers"},
+        {"a = 1; a = 2; a*x", "column 8: 'a' is defined twice, first in column 1; choose another name"},
+    };
+    for (const auto& [text, expected] : cases) {
+        const std::string message = refusal_of(text);
+        CAPTURE(message);
+        CHECK(message.find(expected) != std::string::npos);
+    }
+    CHECK(refusal_of("x " + std::string(10000000, 'a')).size() < 300);
+}
+
+TEST_CASE("constants that are no finite numbers are refused at their place") {
+    const std::pair<const char*, const char*> cases[] = {
+        {"x - 1/0 + y", "column 5: '1/0' has no finite value"},
+        {"-1/0", "column 1: '-1/0' has no finite value"},
+        {"x*sqrt( -1 ) + y", "column 3: 'sqrt( -1 )' has no finite value"},
+        {"x + 10^400 ", "column 5: '10^400' has no finite value"},
+        {"a = 0; x + 1 / a", "column 12: '1 / a' has no finite value"},
+        {"min(x, log(0))", "column 8: 'log(0)' has no finite value"},
+        {"1e308 + 1e308", "column 1: '1e308 + 1e308' has no finite value"},
+    };
+    for (const auto& [text, expected] : cases) {
+        const std::string message = refusal_of(text);
+        CAPTURE(message);
+        CHECK(message.find(expected) != std::string::npos);
+    }
+    // What is not constant may be infinite somewhere.
+    CHECK(refusal_of("x/0 + sqrt(y) - 1/3").empty());
+}
+
 TEST_CASE("formulas that need too many registers are refused, long ones that do not are fine") {
     // Every product of pairs needs all of its factors, and these all of each other: no order helps.
     std::string mixed;

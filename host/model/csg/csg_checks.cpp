@@ -29,7 +29,7 @@ double wanted_fragments(const CsgNodeText& node) {
 
 }  // namespace
 
-std::string in_quotes(std::string_view name) { return "'" + std::string(name) + "'"; }
+std::string in_quotes(std::string_view name) { return "'" + excerpt(name) + "'"; }
 
 void refuse_unknown_arguments(const CsgNodeText& node, std::initializer_list<std::string_view> known,
                               std::size_t most_by_position) {

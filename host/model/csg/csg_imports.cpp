@@ -80,13 +80,19 @@ ImportedFile read_imported(const CsgNodeText& node) {
             node.source, where,
             in_quotes(node.name) + ": there is no file with control characters in its name; expected a path");
     }
+    constexpr std::size_t kLongest = 4096;
+    if (name.size() > kLongest) {
+        fail(node.source, where,
+             in_quotes(node.name) + ": the path '" + excerpt(name) + "' is too long; expected up to " +
+                 std::to_string(kLongest) + " bytes");
+    }
     ImportedFile file;
     file.path = (std::filesystem::path(node.source).parent_path() / name).string();
     try {
         file.content = read_file(file.path);
     } catch (const Error& error) {
-        throw Error(error.code(),
-                    place_text(node.source, where) + in_quotes(node.name) + ": " + error.what());
+        throw Error(error.code(), place_text(node.source, where) + in_quotes(node.name) + ": " +
+                                      with_short_words(error.what()));
     }
     return file;
 }
@@ -96,8 +102,8 @@ auto with_place(const CsgNodeText& node, Read&& read) {
     try {
         return read();
     } catch (const Error& error) {
-        throw Error(error.code(),
-                    place_text(node.source, node.where) + in_quotes(node.name) + ": " + error.what());
+        throw Error(error.code(), place_text(node.source, node.where) + in_quotes(node.name) + ": " +
+                                      with_short_words(error.what()));
     }
 }
 
@@ -220,7 +226,7 @@ CsgOperand read_text(CsgScene& scene, const CsgNodeText& node) {
         add_warnings(scene, node.where, warnings);
         return united_pieces(scene, pieces, node.where);
     } catch (const std::invalid_argument& error) {
-        fail(node.source, node.where, in_quotes(node.name) + ": " + error.what());
+        fail(node.source, node.where, in_quotes(node.name) + ": " + with_short_words(error.what()));
     }
 }
 

@@ -9,6 +9,7 @@
 //
 // An explicit stack replaces recursion, so nesting depth is limited by memory only.
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include "host/model/csg/csg_nodes.hpp"
@@ -29,6 +30,17 @@ struct Frame {
     SourceLocation brace{};         ///< of the '{'
     std::size_t first_operand = 0;  ///< its children's values start here in CsgReader::operands_
 };
+
+/// Behind what is found.
+constexpr const char* kOnlyInScad =
+    "; this looks like OpenSCAD's source, which belongs into a file named .scad";
+
+/// What the language has and its evaluated trees do not.
+bool is_scad_word(std::string_view name) {
+    constexpr std::string_view kWords[] = {"module", "function",         "use", "include", "for",
+                                           "if",     "intersection_for", "let", "echo",    "assert"};
+    return std::find(std::begin(kWords), std::end(kWords), name) != std::end(kWords);
+}
 
 constexpr std::size_t kNoRoot = static_cast<std::size_t>(-1);
 
@@ -116,12 +128,18 @@ class CsgReader {
         }
         const SourceLocation where = cursor.where();
         if (!is_name_start(cursor.peek())) {
-            cursor.fail_here("expected a node such as cube, union or multmatrix, found " + cursor.found());
+            cursor.fail_here("expected a node such as cube, union or multmatrix, found " + cursor.found() +
+                             (cursor.peek() == '$' ? kOnlyInScad : ""));
         }
         const std::string_view name = cursor.take_name();
+        if (is_scad_word(name))
+            fail(source_, where,
+                 "expected a node such as cube, union or multmatrix, found '" + std::string(name) + "'" +
+                     kOnlyInScad);
         skip_csg_blanks(cursor);
         if (cursor.peek() != '(') {
-            cursor.fail_here("expected '(' after '" + std::string(name) + "', found " + cursor.found());
+            cursor.fail_here("expected '(' after " + in_quotes(name) + ", found " + cursor.found() +
+                             (cursor.peek() == '=' ? kOnlyInScad : ""));
         }
         if (marked_as_root && !removed && only_look_for_root_) note_root(offset, where);
         const bool active = !only_look_for_root_ && !removed && (frames_.back().active || offset == root_);

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "host/model/text.hpp"
+#include "host/tape/expression_parser.hpp"
 
 namespace mortise::model_reader {
 
@@ -60,6 +61,8 @@ void add_function(Model& model, const std::string& formula, bool has_z, const st
                     "--extrude " + number_text(options.extrude) + " is out of range; use a positive length");
     }
     if (!has_z && !flat) {
+        // What is wrong with the formula itself comes first.
+        tape::parse_formula(formula, model.source, where);
         throw Error(ExitCode::kInput,
                     model.source +
                         ": the formula names no z: a flat figure; use --extrude H for the solid above it, "

@@ -2,12 +2,15 @@
 // them; the last line is the function. Lines that start with # are comments. Written from Fidget's text
 // parser (fidget-core/src/context/mod.rs). Its rand and mix are hashes of bits: they describe no solid.
 #include <array>
+#include <cmath>
 #include <string_view>
+#include <vector>
 
 #include "host/model/functions/function_model.hpp"
 #include "host/model/name_table.hpp"
 #include "host/model/readers.hpp"
 #include "host/model/text.hpp"
+#include "host/tape/expression_parser.hpp"
 
 namespace mortise::model_reader {
 namespace {
@@ -119,8 +122,11 @@ class VmReader {
         for (const Operation& known : kOperations) {
             if (known.name != name) continue;
             const std::size_t first = argument(name);
-            if (known.arguments == 1) return function.define(known.before, first, known.after);
-            return function.define(known.before, first, known.between, argument(name), known.after);
+            const bool is_binary = known.arguments == 2;
+            const std::size_t second = is_binary ? argument(name) : first;
+            note_constant(known, first, second, where);
+            if (!is_binary) return function.define(known.before, first, known.after);
+            return function.define(known.before, first, known.between, second, known.after);
         }
         const std::string quoted = "'" + std::string(name) + "'";
         if (name == "rand" || name == "mix") {
@@ -137,6 +143,34 @@ class VmReader {
              "unknown operation '" + excerpt(name) + "'; expected one of" + list + nearest_hint(name, known));
     }
 
+    /// Keeps the value of an operation on constants, which must be finite.
+    void note_constant(const Operation& known, std::size_t first, std::size_t second, SourceLocation where) {
+        const double a = constant(first), b = constant(second);
+        if (std::isnan(a) || std::isnan(b)) return;
+        std::string text = std::string(known.before) + function_number(a);
+        if (known.arguments == 2) text += std::string(known.between) + function_number(b);
+        text += known.after;
+        try {
+            const tape::Formula formula = tape::parse_formula(text);
+            set_constant(formula.nodes()[formula.root].constant);
+        } catch (const Error&) {
+            fail(source_, where,
+                 "'" + std::string(known.name) + "' of these constants, " + text +
+                     ", has no finite value; expected a constant that is a number");
+        }
+    }
+
+    /// NaN: it depends on x, y or z.
+    double constant(std::size_t definition) const {
+        return definition < constants_.size() ? constants_[definition] : NAN;
+    }
+
+    /// Of the operation that is read.
+    void set_constant(double value) {
+        constants_.resize(function.size(), NAN);
+        constants_.push_back(value);
+    }
+
     std::string number() {
         skip_spaces();
         bool negative = false;
@@ -145,12 +179,14 @@ class VmReader {
             cursor_.advance();
         }
         const double value = cursor_.take_number();
+        set_constant(negative ? -value : value);
         return function_number(negative ? -value : value);
     }
 
     TextCursor cursor_;
     const std::string& source_;
     NameTable places_;
+    std::vector<double> constants_;  ///< per definition, up to the last constant; NaN: not constant
 };
 
 }  // namespace

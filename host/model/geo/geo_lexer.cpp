@@ -127,8 +127,7 @@ std::vector<GeoFlag> GeoLexer::take_flags() {
 
 std::string GeoLexer::found() const {
     if (at_end()) return "end of file";
-    constexpr std::size_t kLongest = 30;
-    return "'" + std::string(token_.text.substr(0, kLongest)) + "'";
+    return "'" + excerpt(token_.text) + "'";
 }
 
 void GeoLexer::fail_expected(std::string_view what) const {

@@ -52,6 +52,11 @@ class GeoReader {
         SourceLocation where;
     };
 
+    struct TopLevel {
+        std::uint32_t node;
+        std::uint32_t line;
+    };
+
     struct Hint {
         SizeHint hint;
         std::string statement;
@@ -221,10 +226,11 @@ class GeoReader {
         if (!material.empty()) {
             region.metadata = "material=" + material + (region.metadata.empty() ? "" : " ") + region.metadata;
         }
-        region_of_.emplace(region.name, region.root);
-        const std::string base = region.name;
-        for (int k = 2; !region_names_.insert(region.name).second; ++k) {
-            region.name = base + "_" + std::to_string(k);
+        const auto [first, is_new] = region_of_.try_emplace(region.name, TopLevel{region.root, where.line});
+        if (!is_new) {
+            fail(source_, where,
+                 "'tlo " + excerpt(region.name) + "' is given twice, first in line " +
+                     std::to_string(first->second.line) + "; expected it once");
         }
         model_.regions.push_back(std::move(region));
     }
@@ -262,7 +268,7 @@ class GeoReader {
                  "'" + region + "' is not a top-level object yet; expected 'tlo " + region +
                      ";' above this line");
         }
-        entry.region = found->second;
+        entry.region = found->second.node;
         entry.name = statement == "boundarycondition"
                          ? condition_number(lexer_.take_number("the number of the boundary condition"))
                          : std::string(lexer_.take_name("the name of the boundary condition"));
@@ -424,7 +430,7 @@ class GeoReader {
     /// Flags for display change nothing; others that we do not know are worth a line.
     void warn_of_flag(const GeoFlag& flag) {
         if (flag.name == "col" || flag.name == "transparent") return;
-        const std::string name = "-" + std::string(flag.name);
+        const std::string name = "-" + excerpt(flag.name);
         warn_once(name, flag.where, "the flag '" + name + "' is read but not used");
     }
 
@@ -435,8 +441,7 @@ class GeoReader {
     GeoSurfaces surfaces_;
     GeoSolids solids_;
     GeoShapes shapes_;
-    std::unordered_map<std::string, std::uint32_t> region_of_;  ///< top-level objects: name -> node
-    std::unordered_set<std::string> region_names_;
+    std::unordered_map<std::string, TopLevel> region_of_;  ///< by name
     std::unordered_set<std::string> warned_;
     std::vector<Override> overrides_;
     std::vector<Hint> hints_;

@@ -11,6 +11,7 @@
 #include <memory>
 #include <stdexcept>
 
+#include "host/common/words.hpp"
 #include "host/model/outlines/outline_pieces.hpp"
 
 namespace mortise::model_reader {
@@ -62,7 +63,7 @@ FontFile find_font(const std::string& wanted, std::vector<std::string>& warnings
 
     const Pattern pattern(FcNameParse(as_fontconfig(name)));
     if (!pattern) {
-        warnings.push_back("the font '" + wanted +
+        warnings.push_back("the font '" + excerpt(wanted) +
                            "' is not of the form Name or Name:style=Bold; its texts are left out");
         return {};
     }
@@ -87,7 +88,7 @@ FontFile find_font(const std::string& wanted, std::vector<std::string>& warnings
         found = found || FcStrCmpIgnoreCase(text, as_fontconfig(family)) == 0;
     }
     if (!found) {
-        warnings.push_back("the font '" + family + "' is not installed; '" + font.family +
+        warnings.push_back("the font '" + excerpt(family) + "' is not installed; '" + font.family +
                            "' is used instead");
     }
     return font;
@@ -159,7 +160,7 @@ void set_properties(hb_buffer_t* buffer, const TextStyle& style) {
     if (!style.direction.empty()) {
         const hb_direction_t direction = hb_direction_from_string(style.direction.c_str(), -1);
         if (direction == HB_DIRECTION_INVALID) {
-            throw std::invalid_argument("direction is '" + style.direction +
+            throw std::invalid_argument("direction is '" + excerpt(style.direction) +
                                         "'; expected ltr, rtl, ttb or btt");
         }
         hb_buffer_set_direction(buffer, direction);
@@ -185,7 +186,7 @@ std::size_t choice(const char* what, const std::string& value, const std::vector
         if (known[i] == value) return i;
         list += (i == 0 ? "" : i + 1 < known.size() ? ", " : " or ") + known[i];
     }
-    throw std::invalid_argument(std::string(what) + " is '" + value + "'; expected " + list);
+    throw std::invalid_argument(std::string(what) + " is '" + excerpt(value) + "'; expected " + list);
 }
 
 /// Moves all pieces so that the text stands where halign and valign say. `end`: the sum of the advances.
