@@ -291,7 +291,6 @@ class Cell {
                           double size);
     void load_surroundings();
     void load_tape();
-    void load_active_sets();
     void load_row(std::size_t row, std::uint32_t nio);
     void load_corners();
     void snap_corner(LocalNode corner);

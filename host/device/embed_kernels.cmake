@@ -4,7 +4,7 @@ add_executable(embed_kernels
   ${CMAKE_CURRENT_LIST_DIR}/embed/embed_kernels.cpp
   ${CMAKE_CURRENT_LIST_DIR}/flatten.cpp)
 
-set(mortise_kernels_folder ${CMAKE_SOURCE_DIR}/kernels)
+set(mortise_kernels_folder ${PROJECT_SOURCE_DIR}/kernels)
 set(mortise_embedded ${CMAKE_CURRENT_BINARY_DIR}/embedded_kernels.cpp)
 file(GLOB_RECURSE mortise_kernel_files CONFIGURE_DEPENDS
   ${mortise_kernels_folder}/*.cl ${mortise_kernels_folder}/*.h ${mortise_kernels_folder}/*.def)

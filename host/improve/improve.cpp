@@ -58,6 +58,7 @@ class Session {
           options_(options),
           trace_(trace) {
         if (options.leaves != nullptr && !options.leaves->is_uniform()) frame_.leaves = options.leaves;
+        mesh_.model_dimension = {};  // nodes come and go
     }
 
     /// Until all is good, but for what nothing helps; `loosens`: so it stays.

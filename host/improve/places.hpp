@@ -11,8 +11,6 @@
 
 namespace mortise::improve {
 
-inline constexpr int kTetrahedra = static_cast<int>(ElementType::kTetrahedron);
-
 /// One element of a mesh.
 struct Element {
     ElementType type;
@@ -47,8 +45,8 @@ struct Places {
     static constexpr std::uint32_t kLookAnew = 0xffffffffu;
     /// Per type: elements, ascending.
     std::array<std::vector<std::uint32_t>, kElementTypes> element;
-    /// Parallel to `element`: its cell (fits: a uniform tree has at most level 10); kLookAnew: one without a
-    /// leaf.
+    /// Parallel to `element`: its cell, or kLookAnew: one without a leaf, or whose number does not fit (level
+    /// 11).
     std::array<std::vector<std::uint32_t>, kElementTypes> cell_of;
     /// Per node the size class of the smallest cell around it; uniform trees: empty.
     std::vector<std::uint8_t> node_class;

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "host/io/vtk_xml.hpp"
+#include "mortise/error.hpp"
 #include "mortise/io.hpp"
 
 namespace mortise {
@@ -94,9 +95,31 @@ void add_cells(const char* name, const std::vector<std::int64_t>& points,
     writer.text("</" + std::string(name) + ">");
 }
 
+/// What does not fit the mesh; empty: nothing.
+std::string find_range_error(const Mesh& mesh, const Features& features) {
+    const auto is_node = [&mesh](NodeId node) { return node < mesh.node_count(); };
+    const auto is_surface = [&mesh](std::uint32_t surface) { return surface < mesh.surface_names.size(); };
+    for (const FeatureCorner& corner : features.corners) {
+        if (!is_node(corner.node)) return "corner with a node index out of range";
+        if (!std::all_of(corner.surfaces.begin(), corner.surfaces.end(), is_surface))
+            return "corner with a surface out of range";
+    }
+    for (const FeatureCurve& curve : features.curves) {
+        if (curve.nodes.empty()) return "curve without nodes";
+        if (!std::all_of(curve.nodes.begin(), curve.nodes.end(), is_node))
+            return "curve with a node index out of range";
+        if (!std::all_of(curve.surfaces.begin(), curve.surfaces.end(), is_surface))
+            return "curve with a surface out of range";
+    }
+    return {};
+}
+
 }  // namespace
 
 void write_features(const Mesh& mesh, const Features& features, const std::string& path) {
+    const std::string error = find_range_error(mesh, features);
+    if (!error.empty())
+        throw Error(ExitCode::kMeshing, "cannot write '" + path + "': features of another mesh: " + error);
     const FeatureArrays arrays = arrays_of(mesh, features);
     io::TemporaryFile file(path);
     io::VtkXmlWriter writer(file, "PolyData", io::Packing::kZlib);

@@ -43,12 +43,32 @@ std::string describe_missed(const std::vector<MissedFeature>& missed, const Root
     return text + "; --refine " + std::to_string(refine + 1) + " may do";
 }
 
+/// Centre of a leaf, in the model's units.
+Vec3 centre_of(std::uint64_t leaf, const Prepared& prepared) {
+    const double edge = octree::Octree::edge_of(prepared.tree.level_of(leaf));
+    Vec3 at{};
+    for (std::size_t j = 0; j < 3; ++j) {
+        const double low = gather_bits(leaf >> j) * prepared.tree.finest_edge();
+        at[j] = prepared.root.origin[j] + prepared.root.side * (low + 0.5 * edge);
+    }
+    return at;
+}
+
 }  // namespace
 
 void warn_or_refuse(const std::string& text, const MeshOptions& options, const std::string& source,
                     MeshReport& out) {
     if (options.strict) throw Error(ExitCode::kMeshing, source + ": strict: " + text);
     out.warnings.push_back(text);
+}
+
+void refuse_flat(const std::optional<std::uint64_t>& flat, const Prepared& prepared,
+                 const std::string& source) {
+    if (!flat) return;
+    throw Error(ExitCode::kInput,
+                source + ": a function is 0 throughout a part of space, as around " +
+                    place_text(centre_of(*flat, prepared)) +
+                    ", which is neither inside nor outside; add a small number to it, or subtract one");
 }
 
 void refuse_missed(const std::vector<MissedFeature>& missed, const Root& root, int refine,
@@ -123,12 +143,7 @@ void report_cells(const Prepared& prepared, const Extracted& extracted, const Mo
     out.warnings.insert(out.warnings.begin(), model.warnings.begin(), model.warnings.end());
     if (!out.missed.empty()) out.warnings.push_back(describe_missed(out.missed, root, options.refine));
     if (extracted.troubled > 0) {
-        const double edge = octree::Octree::edge_of(tree.level_of(extracted.first_troubled));
-        Vec3 at{};
-        for (std::size_t j = 0; j < 3; ++j) {
-            const double low = gather_bits(extracted.first_troubled >> j) * tree.finest_edge();
-            at[j] = root.origin[j] + root.side * (low + 0.5 * edge);
-        }
+        const Vec3 at = centre_of(extracted.first_troubled, prepared);
         out.first_dropped = at;
         const std::string text =
             std::to_string(extracted.troubled) + " of " + std::to_string(out.cnio_cells) +

@@ -16,6 +16,10 @@ namespace mortise::pipeline {
 void warn_or_refuse(const std::string& text, const MeshOptions& options, const std::string& source,
                     MeshReport& out);
 
+/// Error(kInput) if a formula is 0 throughout a leaf (Probe::flat).
+void refuse_flat(const std::optional<std::uint64_t>& flat, const Prepared& prepared,
+                 const std::string& source);
+
 /// Error(kMeshing) if any of these is lost.
 void refuse_missed(const std::vector<MissedFeature>& missed, const Root& root, int refine,
                    const std::string& source);

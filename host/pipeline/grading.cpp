@@ -5,8 +5,8 @@
 #include <string>
 
 #include "host/common/constants.hpp"
+#include "host/formula/expression_parser.hpp"
 #include "host/sizing/hints.hpp"
-#include "host/tape/expression_parser.hpp"
 #include "mortise/error.hpp"
 
 namespace mortise::pipeline {
@@ -86,8 +86,8 @@ sizing::SizeField wanted_sizes(const MeshOptions& options, const tape::CompiledM
         add_named_size(name, size / model.side, compiled, model, field);
     if (!options.size_formula.empty()) {
         try {
-            const tape::Formula formula = tape::parse_formula(options.size_formula);
-            tape::emit_formula(formula, formula.root, field.formula);
+            const formula::Formula formula = formula::parse_formula(options.size_formula);
+            formula::emit_formula(formula, formula.root, field.formula);
         } catch (const Error& error) {
             throw Error(ExitCode::kUsage, "--size-formula: " + std::string(error.what()));
         }

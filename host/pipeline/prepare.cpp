@@ -189,6 +189,7 @@ Prepared prepare(const std::function<device::Device&()>& open_device, const Mode
 
     stages.begin("probe", 0.28);
     probe::Probe probed = probe::find_features(bound, tree, options.threads);
+    refuse_flat(probed.flat, result, model.source);
     out.missed = std::move(probed.features);
     if (options.strict) refuse_missed(out.missed, result.root, options.refine, model.source);
     result.apexes = std::move(probed.apexes);

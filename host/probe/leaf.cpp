@@ -102,6 +102,30 @@ bool LeafProbe::load(const TreeNode& leaf) {
     return !hidden_.empty() && !(hidden_.size() == 1 && steady);
 }
 
+bool LeafProbe::is_flat(const TreeNode& leaf) const {
+    constexpr double kAround = 1.0 / 8;  // cells
+    const double edge = octree::Octree::edge_of(tree_.level_of(leaf.morton));
+    double x[3];
+    for (int j = 0; j < 3; ++j) x[j] = gather_bits(leaf.morton >> j) * tree_.finest_edge() + 0.5 * edge;
+    const std::uint32_t* words = tree_.tapes.data() + leaf.tape_offset;
+    std::uint32_t last = 0xffffffffu;
+    for (std::uint32_t i = 0; i < leaf.tape_length; ++i) {
+        if (tape_operation(words[i]) != kTapeLiteral || tape_surface(words[i]) == last) continue;
+        last = tape_surface(words[i]);
+        const Surface& surface = model_.surfaces[last];
+        if (surface.kind != kSurfaceExpression) continue;
+        const auto is_zero = [&](int axis, double by) {
+            double at[3] = {x[0], x[1], x[2]};
+            at[axis] += by * edge;
+            return surface_value(&surface, model_.expression_ops.data(), at[0], at[1], at[2]) == 0;
+        };
+        bool flat = is_zero(0, 0);
+        for (int axis = 0; axis < 3 && flat; ++axis) flat = is_zero(axis, -kAround) && is_zero(axis, kAround);
+        if (flat) return true;
+    }
+    return false;
+}
+
 void LeafProbe::take_signs(const Vec3& x) {
     signs_.resize(surfaces_.size());
     for (std::size_t s = 0; s < surfaces_.size(); ++s) {

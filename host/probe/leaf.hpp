@@ -50,6 +50,8 @@ class LeafProbe {
 
     /// Leaves so far that were subdivided.
     std::uint64_t probed() const { return probed_; }
+    /// Whether a formula of the leaf is 0 at its centre and around it.
+    bool is_flat(const TreeNode& leaf) const;
     /// Of the leaf of the last run: whether a curved surface turns by 90 degrees or more in it.
     bool folds() const { return folds_; }
 

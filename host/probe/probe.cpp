@@ -285,6 +285,7 @@ Probe find_features(const tape::BoundModel& model, const octree::Octree& tree, i
     const std::size_t chunks = chunk_count(tree.nio.size(), kChunk);
     std::vector<std::vector<Component>> found(chunks);
     std::vector<std::vector<std::uint64_t>> folded(chunks);
+    std::vector<std::optional<std::uint64_t>> flat(chunks);
     const int workers = thread_count(threads);
     std::vector<std::unique_ptr<LeafProbe>> probes(static_cast<std::size_t>(workers));
     parallel_chunks(tree.nio.size(), kChunk, workers, [&](std::size_t begin, std::size_t end, int thread) {
@@ -292,6 +293,8 @@ Probe find_features(const tape::BoundModel& model, const octree::Octree& tree, i
         if (!probe) probe = std::make_unique<LeafProbe>(model, tree);
         for (std::size_t i = begin; i < end; ++i) {
             probe->run(static_cast<std::uint32_t>(i), found[begin / kChunk]);
+            if (!flat[begin / kChunk] && probe->is_flat(tree.nio[i]))
+                flat[begin / kChunk] = tree.nio[i].morton;
             if (probe->folds()) folded[begin / kChunk].push_back(tree.nio[i].morton);
         }
     });
@@ -299,6 +302,9 @@ Probe find_features(const tape::BoundModel& model, const octree::Octree& tree, i
         if (probe) result.probed += probe->probed();
     }
     for (const auto& part : folded) result.folded.insert(result.folded.end(), part.begin(), part.end());
+    const auto first =
+        std::find_if(flat.begin(), flat.end(), [](const auto& code) { return code.has_value(); });
+    if (first != flat.end()) result.flat = *first;
     std::vector<Component> components;
     for (std::vector<Component>& part : found) {
         components.insert(components.end(), std::make_move_iterator(part.begin()),

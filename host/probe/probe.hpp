@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "host/octree/octree.hpp"
@@ -28,6 +29,8 @@ struct Probe {
     /// Codes of leaves in which a curved surface turns by 90 degrees or more, ascending: see
     /// false_facets.hpp.
     std::vector<std::uint64_t> folded;
+    /// The first leaf, by its code, in which a formula is 0 around the centre: neither inside nor outside.
+    std::optional<std::uint64_t> flat;
     std::uint64_t probed = 0;  ///< leaves with a hidden surface that may be more than a cap
 };
 

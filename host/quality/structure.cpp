@@ -38,6 +38,8 @@ void check_lengths(const Mesh& mesh, DefectLog& log) {
     expect_length("facet inside", mesh.facets.inside.size(), mesh.facets.size(), log);
     expect_length("facet outside", mesh.facets.outside.size(), mesh.facets.size(), log);
     expect_length("hanging masters", mesh.hanging.masters.size(), 4 * mesh.hanging.size(), log);
+    if (!mesh.model_dimension.empty())
+        expect_length("model_dimension", mesh.model_dimension.size(), mesh.node_count(), log);
     // Facet matching counts elements and nodes in 32 bits and keeps the largest value for itself.
     constexpr std::uint64_t limit = std::numeric_limits<std::uint32_t>::max() - 1;
     if (mesh.element_count() > limit || mesh.node_count() > limit) {

@@ -9,8 +9,8 @@
 #include <optional>
 
 #include "host/common/constants.hpp"
+#include "host/formula/expression_parser.hpp"
 #include "host/tape/affine_map.hpp"
-#include "host/tape/expression_parser.hpp"
 #include "host/tape/hints.hpp"
 #include "host/tape/polyhedron.hpp"
 #include "host/tape/rounded.hpp"
@@ -314,16 +314,24 @@ class Compiler {
         return add(std::move(term));
     }
 
+    /// min(f, 0) and max(f, 0): what is 0 everywhere is neither inside nor outside.
+    void refuse_zero(const formula::Formula::Node& node, std::uint32_t at) const {
+        if (node.operation != kExprConstant || node.constant != 0) return;
+        throw Error(ExitCode::kInput, start_of(model_, at) +
+                                          "formula: an argument of min or max is 0 everywhere, which is "
+                                          "neither inside nor outside; write a small number instead");
+    }
+
     std::uint32_t formula(const Primitive& p, const Surface& frame, const std::string& base,
                           const Frame& at) {
-        const Formula parsed =
-            split_absolutes(parse_formula(p.expression, model_.source, model_.nodes[at.node].where));
-        const FormulaSet set = formula_set(parsed);
+        const formula::Formula parsed = formula::split_absolutes(
+            formula::parse_formula(p.expression, model_.source, model_.nodes[at.node].where));
+        const formula::FormulaSet set = formula::formula_set(parsed);
         std::vector<std::uint32_t> terms;
         std::map<std::pair<std::uint32_t, bool>, std::uint32_t> surfaces;  // of a function, or its negative
-        for (const FormulaSet::Node& node : set.nodes) {
-            if (node.kind != FormulaSet::Kind::kSurface) {
-                const bool is_and = (node.kind == FormulaSet::Kind::kIntersection) != at.negate;
+        for (const formula::FormulaSet::Node& node : set.nodes) {
+            if (node.kind != formula::FormulaSet::Kind::kSurface) {
+                const bool is_and = (node.kind == formula::FormulaSet::Kind::kIntersection) != at.negate;
                 terms.push_back(add_operation(is_and ? Term::Type::kAnd : Term::Type::kOr,
                                               {terms[node.a], terms[node.b]}));
                 continue;
@@ -331,11 +339,12 @@ class Compiler {
             const bool own = node.negated && node.partial;
             const auto [entry, is_new] = surfaces.try_emplace({node.a, own}, 0);
             if (is_new) {
+                refuse_zero(parsed.nodes()[node.a], at.node);
                 Surface s = frame;
                 s.kind = kSurfaceExpression;
                 s.first_op = static_cast<std::uint32_t>(out_.expression_ops.size());
                 try {
-                    s.op_count = emit_formula(parsed, node.a, out_.expression_ops, own);
+                    s.op_count = formula::emit_formula(parsed, node.a, out_.expression_ops, own);
                 } catch (const Error& error) {
                     throw Error(error.code(), model_.source + ": " + error.what());
                 }

@@ -12,9 +12,7 @@
 
 namespace mortise::tape {
 
-inline constexpr std::size_t kMostGridCells = 16;  ///< along an edge
-
-/// Equal cells of a cube, up to kMostGridCells along its edge.
+/// Equal cells of a cube.
 struct Grid {
     double low[3];
     double edge;  ///< of a cell

@@ -25,7 +25,6 @@ inline constexpr int kPatterns = 256;
 inline constexpr NodeCode kFirstCut = 8;
 inline constexpr NodeCode kInteriorNode = 20;
 inline constexpr int kNodeCodes = 21;
-inline constexpr int kSymmetries = 48;
 
 /// An oriented triangle or quad; two facets are equal when one is a rotation of the other.
 struct Facet {

@@ -14,7 +14,7 @@ namespace mortise {
 enum class ExitCode : std::int32_t {
     kOk = 0,
     kUsage = 1,    ///< unknown option, value out of range
-    kInput = 2,    ///< the model file cannot be read, or does not describe a bounded solid
+    kInput = 2,    ///< a model that is not understood, or is no bounded solid; a damaged mesh file
     kMeshing = 3,  ///< no valid mesh could be made, or `check` found the mesh invalid
     kQuality = 4,  ///< --quality-floor not met
     kDevice = 5,   ///< no OpenCL device, a failing kernel build, out of memory

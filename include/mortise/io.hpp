@@ -19,7 +19,8 @@ struct MeshFileOptions {
 /// .msh (Gmsh 4.1, binary), or from the name polyMesh: OpenFOAM's folder, a patch for each surface of the
 /// outer boundary and a cell zone for each region. Written to a temporary name beside `path` and renamed at
 /// the end, so a file of that name is always whole. Hanging nodes: not in .msh. Throws Error(kUsage) for an
-/// unknown extension, Error(kFiles) with the cause.
+/// unknown extension, Error(kMeshing) for arrays whose lengths or indices do not fit, Error(kFiles) with the
+/// cause.
 ///
 /// `jacobians`: what scaled_jacobians(mesh) gives (mortise/check.hpp), if it is known already.
 void write_mesh(const Mesh& mesh, const std::string& path, const std::vector<float>& jacobians = {},
@@ -55,13 +56,13 @@ void check_mesh_format(const std::string& path, bool hanging);
 void check_writable(const std::string& path);
 
 /// Reads a file that write_mesh made, or first-order elements in Gmsh's text formats 4.1 and 2.2: regions are
-/// then the file's volume entities, and facets carry no surfaces of a model. Throws Error(kFiles) or
-/// Error(kInput) with the cause; never crashes on damaged bytes. A .vtu carries facets and names too, so that
-/// a round trip is exact.
+/// then the file's volume entities, and facets carry no surfaces of a model. Throws Error(kUsage)
+/// for an unknown extension, Error(kFiles) or Error(kInput) with the cause; never crashes on damaged bytes. A
+/// .vtu carries facets and names too, so that a round trip is exact.
 Mesh read_mesh(const std::string& path);
 
-/// Writes crease curves and corners as VTK XML PolyData (.vtp); arrays: host/io/vtp_write.cpp. Throws
-/// Error(kFiles) with the cause; the file is whole or not there.
+/// Writes crease curves and corners as VTK XML PolyData (.vtp). Throws Error(kMeshing) for nodes or surfaces
+/// that the mesh does not have, Error(kFiles) with the cause; the file is whole or not there.
 void write_features(const Mesh& mesh, const Features& features, const std::string& path);
 
 /// Draws the boundary facets (flat shading, element edges, colour by surface) into a PNG picture.

@@ -31,7 +31,7 @@ class KernelBuilder {
     std::size_t needed() const;
 
     /// Builds program `i` < needed(), if it is not in the folder; those that take longest come first.
-    /// Opens the device at the first call. Throws Error(kDevice).
+    /// Opens the device at the first call. Throws Error(kDevice), std::out_of_range for another i.
     void build(std::size_t i);
 
     /// Remembers that all programs have been built.

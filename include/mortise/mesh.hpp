@@ -75,7 +75,7 @@ struct Mesh {
     std::array<ElementBlock, kElementTypes> elements;
     FacetBlock facets;                          ///< outer boundary and interfaces between regions
     std::vector<std::string> region_names;      ///< region r is region_names[r - 1]
-    std::vector<std::string> surface_names;     ///< unique, file-safe
+    std::vector<std::string> surface_names;     ///< unique; any text: files escape it
     std::vector<std::uint8_t> model_dimension;  ///< length: nodes, or empty; see Features::model_dimension
     HangingNodes hanging;                       ///< empty, but with MeshOptions::hanging
 

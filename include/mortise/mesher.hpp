@@ -72,7 +72,7 @@ struct MeshOptions {
     bool strict = false;   ///< Error(kMeshing) if a feature of the model may be missing, or regions overlap
     /// Mesher::stream only: bytes of memory that the run tries to keep to; 0: 4 GiB.
     std::uint64_t memory = 0;
-    int threads = 0;          ///< host threads for extraction; 0: all cores
+    int threads = 0;          ///< host threads; 0: all cores
     std::string device;       ///< as printed by `mortise devices`; empty: environment, else default
     int work_group_size = 0;  ///< 0: the device class's default
     /// Called with a stage's name and progress in [0, 1] when the stage begins, and again some ten times a
@@ -164,7 +164,8 @@ class Mesher {
     Mesher& operator=(Mesher&&) noexcept;
 
     /// As generate_mesh, with the same result, but on this device, whatever the options say of it. After an
-    /// error the mesher is as before. A report that has served before hands its arrays' memory on.
+    /// error the mesher is as before, but for memory that was recycled. A report that has served before hands
+    /// its arrays' memory on.
     Mesh generate(const Model& model, const MeshOptions& options = {}, MeshReport* report = nullptr);
 
     /// Takes a mesh that is no longer needed, and leaves an empty one: the next of about that size is made in

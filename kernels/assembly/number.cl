@@ -19,6 +19,11 @@
 #include "shared/tree.h"
 #include "shared/tree_blocks.h"
 
+// Mask of a cell that owns its last corner and nothing else, as cells have behind which all are meshed; the
+// bits of a word all of whose cells are like that (tree_blocks.h).
+#define kOwnsLast 0x80u
+#define kAllInner 0xffffffffu
+
 // The corner of a hexahedron's i-th node, and the reverse.
 __constant uchar kHexahedronCorner[8] = {0, 1, 3, 2, 4, 5, 7, 6};
 
@@ -67,10 +72,10 @@ MORTISE_KERNEL void own_nodes(TREE_PARAMETERS, __global const uint* used, __glob
             make_block(&tree, word, &block);
             inner = inner_cells(&block);
         }
-        if (inner == 0xffffffffu) {
+        if (inner == kAllInner) {
             const uint at = rank - range.first_in - range.first_nio;
             for (uint part = 0; part < 2; ++part) {
-                vstore16((uint16)(0x80), part, owned + at);
+                vstore16((uint16)(kOwnsLast), part, owned + at);
                 vstore16((uint16)(1), part, counts + at);
             }
             return;
@@ -78,7 +83,7 @@ MORTISE_KERNEL void own_nodes(TREE_PARAMETERS, __global const uint* used, __glob
         while (rest != 0) {
             const uint bit = mortise_lowest_bit(rest);
             const int is_in = (in >> bit) & 1;
-            uint mask = 0x80;
+            uint mask = kOwnsLast;
             if (((inner >> bit) & 1) == 0) {
                 mask = owned_mask(&tree, used, word_code(&tree, word) | bit, leaf_mark(&tree, rank),
                                   is_in ? 0xffu : used[nio]);
@@ -189,7 +194,7 @@ MORTISE_KERNEL void place_nodes(TREE_PARAMETERS, __global const SnioLeaf* leaves
             const uint mask = owned[rank - range.first_in - range.first_nio];
             uint id = base[rank - range.first_in - range.first_nio];
             SnioLeaf leaf;
-            if (is_in && mask == 0x80) {  // nearly all of them
+            if (is_in && mask == kOwnsLast) {  // nearly all of them
                 store_point(points, id, origin_side, (x + 1) * cell, (y + 1) * cell, (z + 1) * cell);
                 continue;
             }
@@ -226,7 +231,7 @@ MORTISE_KERNEL void write_hexahedra(TREE_PARAMETERS, __global const uint* used, 
             if (behind != kNoOwner && behind >= range.begin) inner = inner_cells(&block);
             if (inner != 0) block_ids(&tree, &block, base, range, ids);
         }
-        if (inner == 0xffffffffu) {
+        if (inner == kAllInner) {
             __global uint* out =
                 hexahedra +
                 8 * (ulong)(rank - range.first_in + hexahedron_offsets[nio_rank[word] - range.first_nio]);

@@ -9,6 +9,8 @@
 #include <fstream>
 #include <sstream>
 
+#include "tests/io/folder.hpp"
+
 namespace mortise::bench {
 namespace {
 
@@ -33,12 +35,12 @@ TEST_CASE("the surface that TetGen gets has triangles only, and its own numbers"
     mesh.facets.surface = {0, 1};
     mesh.facets.inside = {1, 1};
     mesh.facets.outside = {0, 0};
-    const std::filesystem::path path = std::filesystem::temp_directory_path() / "mortise_edges_test.smesh";
+    const Folder folder;
+    const std::filesystem::path path = folder.path / "edges.smesh";
     write_surface(mesh, path.string());
     std::ifstream file(path);
     std::stringstream text;
     text << file.rdbuf();
-    std::filesystem::remove(path);
     CHECK(text.str() ==
           "7 3 0 0\n1 0 0 0\n2 0 1 0\n3 1 1 0\n4 1 0 0\n5 0 0 1\n6 1 0 1\n7 0.5 0.5 2\n"
           "3 0\n3 1 2 3\n3 1 3 4\n3 5 6 7\n0\n0\n");

@@ -164,6 +164,34 @@ TEST_CASE("bounds of functions are found; unbounded ones are refused with a way 
     CHECK(formula_volume("m = min(x, y); max(max(m, neg(m) - 1), max(hypot(x, y) - 3, abs(z) - 1))", 5) > 10);
 }
 
+TEST_CASE("functions that are 0 throughout a part of space are refused, with a place") {
+    const std::string ball = "r = hypot(hypot(x, y), z); ";
+    const std::string box = "\nbounds -2 -2 -2 2 2 2";
+    for (const char* f : {"max(r - 1, 0)", "min(r - 1, 0)", "-max(0, 1 - r)"}) {
+        CAPTURE(f);
+        CHECK_THROWS_WITH_AS(formula_volume(ball + f + box, 4),
+                             "m.formula:1:1: formula: an argument of min or max is 0 everywhere, which is "
+                             "neither inside nor outside; write a small number instead",
+                             Error);
+    }
+    // Between the radii 0.5 and 1, and beyond 1.
+    for (const char* f : {"max(r - 1, 0)^2 - max(0.5 - r, 0)^2", "a = max(0, 1 - r); -a^3"}) {
+        CAPTURE(f);
+        std::string message;
+        try {
+            formula_volume(ball + f + box, 4);
+        } catch (const Error& error) {
+            CHECK(error.code() == ExitCode::kInput);
+            message = error.what();
+        }
+        CHECK(message.find("a function is 0 throughout a part of space, as around (") != std::string::npos);
+    }
+    // Zero in a plane, on an axis, at a point.
+    CHECK(formula_volume(ball + "max(r - 1, x)" + box, 4) == doctest::Approx(2 * kPi / 3).epsilon(0.05));
+    CHECK(formula_volume("max(x^2 + y^2 + z^2 - 1, -x^2)" + box, 4) ==
+          doctest::Approx(4 * kPi / 3).epsilon(0.05));
+}
+
 TEST_CASE("models of the corpora: functions of Fidget and libfive") {
     const std::string corpora = corpora_folder().string();
     struct File {

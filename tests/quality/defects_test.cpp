@@ -346,7 +346,7 @@ TEST_CASE("indices out of range stop the check, others are reported beside the r
 }
 
 TEST_CASE("arrays of unequal length") {
-    for (int which = 0; which < 6; ++which) {
+    for (int which = 0; which < 7; ++which) {
         Mesh mesh = two_regions();
         if (which == 0) mesh.points.pop_back();
         if (which == 1) mesh.elements[0].nodes.pop_back();
@@ -354,6 +354,7 @@ TEST_CASE("arrays of unequal length") {
         if (which == 3) mesh.facets.nodes.pop_back();
         if (which == 4) mesh.facets.inside.push_back(1);
         if (which == 5) mesh.facets.outside.clear();
+        if (which == 6) mesh.model_dimension.assign(5, 3);
         CAPTURE(which);
         CHECK(find(mesh, "arrays of unequal length").count == 1);
     }

@@ -220,6 +220,15 @@ TEST_CASE("files: model_dimension in .vtu, curves in .vtp") {
     const std::string text{std::istreambuf_iterator<char>(stream), {}};
     CHECK(text.find("type=\"PolyData\"") != std::string::npos);
     CHECK(text.find("NumberOfVerts=\"8\" NumberOfLines=\"12\"") != std::string::npos);
+    Features foreign = box.report.features;
+    foreign.corners.at(0).node = static_cast<NodeId>(box.mesh.node_count());
+    CHECK_THROWS_WITH_AS(write_features(box.mesh, foreign, "foreign.vtp"),
+                         "cannot write 'foreign.vtp': features of another mesh: corner with a node index out "
+                         "of range",
+                         Error);
+    foreign = box.report.features;
+    foreign.curves.at(0).nodes.clear();
+    CHECK_THROWS_AS(write_features(box.mesh, foreign, "foreign.vtp"), Error);
     write_features(box.mesh, Features{}, vtp);
     fs::remove_all(folder);
 }

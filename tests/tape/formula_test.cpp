@@ -4,7 +4,7 @@
 #include <cmath>
 #include <functional>
 
-#include "host/tape/expression_parser.hpp"
+#include "host/formula/expression_parser.hpp"
 #include "host/tape/reference.hpp"
 #include "tests/mesher/random_source.hpp"
 #include "tests/tape/bound_models.hpp"
@@ -17,8 +17,8 @@ namespace {
 std::string refusal_of(const std::string& text) {
     try {
         std::vector<ExpressionOp> ops;
-        const tape::Formula formula = tape::parse_formula(text);
-        tape::emit_formula(formula, formula.root, ops);
+        const formula::Formula formula = formula::parse_formula(text);
+        formula::emit_formula(formula, formula.root, ops);
     } catch (const Error& error) {
         CHECK(error.code() == ExitCode::kInput);
         return error.what();
@@ -27,9 +27,9 @@ std::string refusal_of(const std::string& text) {
 }
 
 double value_of(const std::string& text, double x, double y, double z) {
-    const tape::Formula formula = tape::parse_formula(text);
+    const formula::Formula formula = formula::parse_formula(text);
     std::vector<ExpressionOp> ops;
-    const std::uint32_t count = tape::emit_formula(formula, formula.root, ops);
+    const std::uint32_t count = formula::emit_formula(formula, formula.root, ops);
     REQUIRE(count == ops.size());
     const double u[3] = {x, y, z};
     return expression_value(ops.data(), count, u);
@@ -204,10 +204,10 @@ TEST_CASE("formulas that need too many registers are refused, long ones that do 
 
 TEST_CASE("equal operations are one node, and those of constants are none") {
     std::vector<ExpressionOp> ops;
-    const tape::Formula formula = tape::parse_formula("2*x + 1 - y/3");
-    CHECK(tape::emit_formula(formula, formula.root, ops) == 6);  // constants take no operation
-    const tape::Formula same = tape::parse_formula("sin(x)*sin(x) + 2*(3-1)");
-    CHECK(tape::emit_formula(same, same.root, ops) == 4);  // x, sin, *, +
+    const formula::Formula formula = formula::parse_formula("2*x + 1 - y/3");
+    CHECK(formula::emit_formula(formula, formula.root, ops) == 6);  // constants take no operation
+    const formula::Formula same = formula::parse_formula("sin(x)*sin(x) + 2*(3-1)");
+    CHECK(formula::emit_formula(same, same.root, ops) == 4);  // x, sin, *, +
 }
 
 TEST_CASE("shared min and max are expanded only while that stays short") {
@@ -219,8 +219,8 @@ TEST_CASE("shared min and max are expanded only while that stays short") {
                  "), neg(" + before + ") - z);";
     }
     chain += "a40";
-    const tape::Formula formula = tape::parse_formula(chain);
-    const tape::FormulaSet set = tape::formula_set(formula);
+    const formula::Formula formula = formula::parse_formula(chain);
+    const formula::FormulaSet set = formula::formula_set(formula);
     CHECK(set.nodes.size() < 4 * formula.nodes().size());
     const tape::BoundModel model = bind_model(formula_model(chain, 1), 4);
     CHECK(model.tape.size() < 2000);
@@ -278,11 +278,11 @@ TEST_CASE("absolute values become two surfaces where nothing but sums and multip
           "abs(sqrt(x)-0.5)-0.2", "abs(x)+abs(y)+abs(z)+abs(x-y)+abs(y-z)-0.7", "abs(x)*abs(y)-0.1",
           "-abs(x)", "abs(1/x)-3"}) {
         CAPTURE(formula);
-        const tape::Formula parsed = tape::parse_formula(formula);
-        const tape::Formula split = tape::split_absolutes(parsed);
+        const formula::Formula parsed = formula::parse_formula(formula);
+        const formula::Formula split = formula::split_absolutes(parsed);
         std::vector<ExpressionOp> before, after;
-        const std::uint32_t count_before = tape::emit_formula(parsed, parsed.root, before);
-        const std::uint32_t count_after = tape::emit_formula(split, split.root, after);
+        const std::uint32_t count_before = formula::emit_formula(parsed, parsed.root, before);
+        const std::uint32_t count_after = formula::emit_formula(split, split.root, after);
         const tape::BoundModel model = bind_model(formula_model(formula, 1), 4);
         for (int i = 0; i < 500; ++i) {
             const Vec3 local = {random.uniform(0, 1), random.uniform(0, 1), random.uniform(0, 1)};

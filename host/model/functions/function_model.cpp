@@ -4,8 +4,8 @@
 #include <charconv>
 #include <cmath>
 
+#include "host/formula/expression_parser.hpp"
 #include "host/model/text.hpp"
-#include "host/tape/expression_parser.hpp"
 
 namespace mortise::model_reader {
 
@@ -62,7 +62,7 @@ void add_function(Model& model, const std::string& formula, bool has_z, const st
     }
     if (!has_z && !flat) {
         // What is wrong with the formula itself comes first.
-        tape::parse_formula(formula, model.source, where);
+        formula::parse_formula(formula, model.source, where);
         throw Error(ExitCode::kInput,
                     model.source +
                         ": the formula names no z: a flat figure; use --extrude H for the solid above it, "

@@ -6,11 +6,11 @@
 #include <string_view>
 #include <vector>
 
+#include "host/formula/expression_parser.hpp"
 #include "host/model/functions/function_model.hpp"
 #include "host/model/name_table.hpp"
 #include "host/model/readers.hpp"
 #include "host/model/text.hpp"
-#include "host/tape/expression_parser.hpp"
 
 namespace mortise::model_reader {
 namespace {
@@ -151,7 +151,7 @@ class VmReader {
         if (known.arguments == 2) text += std::string(known.between) + function_number(b);
         text += known.after;
         try {
-            const tape::Formula formula = tape::parse_formula(text);
+            const formula::Formula formula = formula::parse_formula(text);
             set_constant(formula.nodes()[formula.root].constant);
         } catch (const Error&) {
             fail(source_, where,

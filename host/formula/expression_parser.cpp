@@ -1,4 +1,4 @@
-#include "host/tape/expression_parser.hpp"
+#include "host/formula/expression_parser.hpp"
 
 #include <cctype>
 #include <charconv>
@@ -11,7 +11,7 @@
 #include "host/common/lower_case.hpp"
 #include "host/common/words.hpp"
 
-namespace mortise::tape {
+namespace mortise::formula {
 namespace {
 
 constexpr int kMaxDepth = 1000;
@@ -351,4 +351,4 @@ Formula parse_formula(const std::string& text, const std::string& source, Source
     return Parser(text, source, where).run();
 }
 
-}  // namespace mortise::tape
+}  // namespace mortise::formula

@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <string>
 
-#include "host/tape/formula.hpp"
+#include "host/formula/formula.hpp"
 #include "mortise/error.hpp"
 
-namespace mortise::tape {
+namespace mortise::formula {
 namespace {
 
 using Index = std::uint32_t;
@@ -131,4 +131,4 @@ std::uint32_t emit_formula(const Formula& formula, std::uint32_t node, std::vect
     return static_cast<std::uint32_t>(program.size());
 }
 
-}  // namespace mortise::tape
+}  // namespace mortise::formula

@@ -1,9 +1,9 @@
-#include "host/tape/formula.hpp"
+#include "host/formula/formula.hpp"
 
 #include <cmath>
 #include <functional>
 
-namespace mortise::tape {
+namespace mortise::formula {
 namespace {
 
 constexpr double kLargestProductExponent = 64;
@@ -64,4 +64,4 @@ std::uint32_t Formula::add_power(std::uint32_t a, std::uint32_t b) {
     return exponent.constant < 0 ? add(kExprDivide, add_constant(1), result) : result;
 }
 
-}  // namespace mortise::tape
+}  // namespace mortise::formula

@@ -3,13 +3,13 @@
 
 #include <string>
 
-#include "host/tape/formula.hpp"
+#include "host/formula/formula.hpp"
 #include "mortise/error.hpp"
 
-namespace mortise::tape {
+namespace mortise::formula {
 
 /// Parses `text`, which starts at `where` of the file `source`. Throws Error(kInput) with the place (without
 /// one: the formula's beginning and the column) and what was expected.
 Formula parse_formula(const std::string& text, const std::string& source = {}, SourceLocation where = {});
 
-}  // namespace mortise::tape
+}  // namespace mortise::formula

@@ -7,7 +7,7 @@
 
 #include "kernels/shared/expression.h"
 
-namespace mortise::tape {
+namespace mortise::formula {
 
 /// Operations in one arena, arguments before their users. Equal operations are one node, and those of
 /// constants are constants: the same bits as if they were evaluated with the rest.
@@ -69,4 +69,4 @@ FormulaSet formula_set(const Formula& formula);
 std::uint32_t emit_formula(const Formula& formula, std::uint32_t node, std::vector<ExpressionOp>& ops,
                            bool negative = false);
 
-}  // namespace mortise::tape
+}  // namespace mortise::formula

@@ -8,9 +8,9 @@
 #include <cmath>
 #include <utility>
 
-#include "host/tape/formula.hpp"
+#include "host/formula/formula.hpp"
 
-namespace mortise::tape {
+namespace mortise::formula {
 namespace {
 
 using Index = std::uint32_t;
@@ -141,4 +141,4 @@ class AbsoluteSplitter {
 
 Formula split_absolutes(const Formula& formula) { return AbsoluteSplitter(formula).take(); }
 
-}  // namespace mortise::tape
+}  // namespace mortise::formula

@@ -3,9 +3,9 @@
 #include <array>
 #include <cmath>
 
-#include "host/tape/formula.hpp"
+#include "host/formula/formula.hpp"
 
-namespace mortise::tape {
+namespace mortise::formula {
 namespace {
 
 using Index = std::uint32_t;
@@ -121,4 +121,4 @@ FormulaSet formula_set(const Formula& formula) {
     return set;
 }
 
-}  // namespace mortise::tape
+}  // namespace mortise::formula
