@@ -269,7 +269,9 @@ Mesh Mesher::generate(const Model& model, const MeshOptions& asked, MeshReport* 
     stages.end(mesh.element_count());
     describe_mesh(prepared.compiled, prepared.bound, prepared.leaves, options, model.source, stages, mesh,
                   out);
+    stages.begin("films", 0.985);
     pipeline::report_false_facets(prepared, mesh.points, mesh.facets, options, model.source, out);
+    stages.end(mesh.facets.size());
     pipeline::warn_of_empty_regions(mesh.region_names, regions_present(mesh), model.source, out);
     if (report != nullptr) {
         stages.begin("jacobians", 0.99);

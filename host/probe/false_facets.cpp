@@ -23,17 +23,22 @@ constexpr double kDeep = 0.12;
 /// surfaces whose radius is half a cell: not pretty, but no hole is closed.
 constexpr double kThickest = 1.5;
 constexpr double kDepths[] = {0.5, 0.1};  ///< of a film, at which its walls are looked for
-constexpr int kSamples = 24;              ///< of the model on a way
+constexpr std::size_t kMostPlaces = 6;    ///< of a triangle that are looked at further
+constexpr int kSamples = 12;              ///< of the model on a way
 constexpr int kDirections = 16;           ///< in a film
+constexpr double kBox = 0.5;              ///< cells, of the grid that holds the facets
 constexpr double kWidest = 2;             ///< cells, from the middle of a film to its end
 constexpr std::uint32_t kNoFacet = std::numeric_limits<std::uint32_t>::max();
 /// Distance of the places that are looked at in a facet, at most.
-constexpr double kSpacing = 0.12;
+constexpr double kSpacing = 0.18;
 constexpr int kMostParts = 12;       ///< of a facet's edge
 constexpr double kFarthest = 3;      ///< cells: chords are not measured beyond
 constexpr double kStep = 1.0 / 16;   ///< of chords, in cells
 constexpr std::size_t kChunk = 512;  ///< facets
 constexpr std::size_t kPlaces = 64;
+/// Deep places that are looked at further, evenly chosen: where nearly all is thinner than cells, whoever is
+/// told of some needs smaller cells.
+constexpr std::size_t kMostLooked = 20000;
 constexpr double kAside = 0.01;  ///< cells, from a facet into its leaves
 
 Vec3 unit(const Vec3& v) {
@@ -146,49 +151,95 @@ class Skin {
     const FacetBlock& facets_;
 };
 
-/// Finds the facet that a ray hits first: facets by the box of a coarse grid that holds their middle.
+/// Finds the facet that a ray hits first, by a grid of boxes that holds each facet in all that it may pass.
 class Rays {
   public:
-    /// `reach`: of rays, and more than any facet near them is long.
-    Rays(const Skin& skin, double reach, const std::vector<Place>& starts) : skin_(skin), box_(reach) {
+    /// `cell`: the largest at the starts of rays, of which none is longer than kWidest.
+    Rays(const Skin& skin, double cell, const std::vector<Place>& starts) : skin_(skin), box_(kBox * cell) {
+        const double near_box = kWidest * cell;  // rays, and facets that they hit, reach the next at most
         std::vector<Key> near;
-        for (const Place& place : starts) visit(place.at, [&near](const Key& key) { near.push_back(key); });
-        std::sort(near.begin(), near.end());
+        for (const Place& place : starts) near.push_back(key_of(place.at, near_box));
+        make_unique(near);
+        for (std::size_t i = near.size(); i-- > 0;) {
+            const Key own = near[i];
+            for (int k = 0; k < 27; ++k)
+                near.push_back({own[0] + k % 3 - 1, own[1] + k / 3 % 3 - 1, own[2] + k / 9 - 1});
+        }
+        make_unique(near);
         for (std::uint32_t f = 0; f < skin.size(); ++f) {
-            const Key key = key_of(skin.middle(f));
-            if (std::binary_search(near.begin(), near.end(), key)) listed_.push_back({key, f});
+            if (std::binary_search(near.begin(), near.end(), key_of(skin.middle(f), near_box))) list(f);
         }
         std::sort(listed_.begin(), listed_.end());
     }
 
     /// Distance to the first facet behind x, or `reach` if there is none before.
     double first_hit(const Vec3& x, const Vec3& direction, double reach, std::uint32_t own) const {
+        // From box to box (Amanatides & Woo 1987).
+        Key key = key_of(x, box_);
+        Key step{};
+        std::array<double, 3> next{};
+        std::array<double, 3> stride{};
+        for (std::size_t j = 0; j < 3; ++j) {
+            const bool up = direction[j] > 0;
+            step[j] = up ? 1 : -1;
+            if (direction[j] == 0) {
+                next[j] = stride[j] = std::numeric_limits<double>::max();
+                continue;
+            }
+            stride[j] = box_ / std::fabs(direction[j]);
+            next[j] = ((key[j] + (up ? 1 : 0)) * box_ - x[j]) / direction[j];
+        }
         double first = reach;
-        visit(x, [&](const Key& key) {
-            const auto begin = std::lower_bound(listed_.begin(), listed_.end(), std::make_pair(key, 0u));
-            for (auto at = begin; at != listed_.end() && at->first == key; ++at) {
+        for (double entered = 0; entered < first;) {
+            auto at = std::lower_bound(listed_.begin(), listed_.end(), std::make_pair(key, 0u));
+            for (; at != listed_.end() && at->first == key; ++at) {
                 if (at->second == own) continue;
                 for (std::size_t part = 0; part < skin_.triangles(at->second); ++part)
                     first = std::min(first, hit(skin_.triangle(at->second, part), x, direction, first));
             }
-        });
+            const std::size_t axis = next[0] <= next[1]   ? (next[0] <= next[2] ? 0 : 2)
+                                     : next[1] <= next[2] ? 1
+                                                          : 2;
+            entered = next[axis];
+            next[axis] += stride[axis];
+            key[axis] += step[axis];
+        }
         return first;
     }
 
   private:
     using Key = std::array<std::int32_t, 3>;
 
-    Key key_of(const Vec3& x) const {
+    static Key key_of(const Vec3& x, double box) {
         Key key{};
-        for (std::size_t j = 0; j < 3; ++j) key[j] = static_cast<std::int32_t>(std::floor(x[j] / box_));
+        for (std::size_t j = 0; j < 3; ++j) key[j] = static_cast<std::int32_t>(std::floor(x[j] / box));
         return key;
     }
 
-    template <class Visitor>
-    void visit(const Vec3& x, const Visitor& visitor) const {
-        const Key own = key_of(x);
-        for (int k = 0; k < 27; ++k)
-            visitor(Key{own[0] + k % 3 - 1, own[1] + k / 3 % 3 - 1, own[2] + k / 9 - 1});
+    static void make_unique(std::vector<Key>& keys) {
+        std::sort(keys.begin(), keys.end());
+        keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
+    }
+
+    /// In all boxes that the facet's bounds touch.
+    void list(std::uint32_t facet) {
+        Vec3 low = skin_.triangle(facet, 0)[0];
+        Vec3 high = low;
+        for (std::size_t part = 0; part < skin_.triangles(facet); ++part) {
+            for (const Vec3& corner : skin_.triangle(facet, part)) {
+                for (std::size_t j = 0; j < 3; ++j) {
+                    low[j] = std::min(low[j], corner[j]);
+                    high[j] = std::max(high[j], corner[j]);
+                }
+            }
+        }
+        const Key first = key_of(low, box_);
+        const Key last = key_of(high, box_);
+        for (std::int32_t i = first[0]; i <= last[0]; ++i) {
+            for (std::int32_t j = first[1]; j <= last[1]; ++j) {
+                for (std::int32_t k = first[2]; k <= last[2]; ++k) listed_.push_back({{i, j, k}, facet});
+            }
+        }
     }
 
     /// Distance along the ray to a triangle (Möller & Trumbore 1997), or `most` if it is missed.
@@ -218,7 +269,8 @@ bool is_alike_around(Regions& regions, const Vec3& x, const Vec3& normal, double
     for (int k = 0; k < 27; ++k) {
         const Vec3 d = {k % 3 - 1.0, k / 3 % 3 - 1.0, k / 9 - 1.0};
         const double length = std::sqrt(dot(d, d));
-        if (length > 0 && regions.at(sum(x, scaled(d, distance / length))) != region) return false;
+        if (length != 1 && length < 1.7) continue;  // axes and diagonals
+        if (regions.at(sum(x, scaled(d, distance / length))) != region) return false;
     }
     return true;
 }
@@ -280,6 +332,7 @@ void find_deep_places(Regions& regions, const Triangle& p, double edge, std::uin
         const Vec3 side = difference(p[(k + 1) % 3], p[k]);
         longest = std::max(longest, std::sqrt(dot(side, side)));
     }
+    const std::size_t before = found.size();
     const int parts = std::min(kMostParts, 3 + static_cast<int>(longest / (kSpacing * edge)));
     for (int i = 1; i < parts; ++i) {
         for (int j = 1; i + j < parts; ++j) {
@@ -290,6 +343,12 @@ void find_deep_places(Regions& regions, const Triangle& p, double edge, std::uin
                 found.push_back({x, normal, edge, regions.at(x), facet});
         }
     }
+    // Where struts are thinner than cells most places are deep, and films are wider than their distance.
+    const std::size_t count = found.size() - before;
+    if (count <= kMostPlaces) return;
+    for (std::size_t i = 0; i < kMostPlaces; ++i)
+        found[before + i] = found[before + (i + 1) * count / (kMostPlaces + 1)];
+    found.resize(before + kMostPlaces);
 }
 
 /// Length of what holds x along a direction, both ways.
@@ -355,9 +414,14 @@ std::vector<MissedFeature> find_false_facets(const tape::BoundModel& model, cons
     std::vector<Place> deep;
     for (const std::vector<Place>& part : found) deep.insert(deep.end(), part.begin(), part.end());
     if (deep.empty()) return result;
+    if (deep.size() > kMostLooked) {
+        const std::size_t stride = deep.size() / kMostLooked + 1;
+        for (std::size_t i = 0; i * stride < deep.size(); ++i) deep[i] = deep[i * stride];
+        deep.resize((deep.size() + stride - 1) / stride);
+    }
     double widest = 0;
     for (const Place& place : deep) widest = std::max(widest, place.edge);
-    const Rays rays(skin, kWidest * widest, deep);
+    const Rays rays(skin, widest, deep);
     std::vector<std::uint8_t> is_film(deep.size());
     parallel_chunks(deep.size(), kPlaces, threads, [&](std::size_t begin, std::size_t end, int) {
         Regions regions(model, tree);
