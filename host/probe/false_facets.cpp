@@ -11,8 +11,8 @@
 #include "host/common/disjoint_sets.hpp"
 #include "host/common/parallel.hpp"
 #include "host/common/vec3.hpp"
-#include "host/tape/local_tape.hpp"
-#include "kernels/shared/surface.h"
+#include "host/probe/regions.hpp"
+#include "host/probe/skin.hpp"
 
 namespace mortise::probe {
 namespace {
@@ -26,79 +26,17 @@ constexpr double kDepths[] = {0.5, 0.1};  ///< of a film, at which its walls are
 constexpr std::size_t kMostPlaces = 6;    ///< of a triangle that are looked at further
 constexpr int kSamples = 12;              ///< of the model on a way
 constexpr int kDirections = 16;           ///< in a film
-constexpr double kBox = 0.5;              ///< cells, of the grid that holds the facets
 constexpr double kWidest = 2;             ///< cells, from the middle of a film to its end
-constexpr std::uint32_t kNoFacet = std::numeric_limits<std::uint32_t>::max();
-/// Distance of the places that are looked at in a facet, at most.
-constexpr double kSpacing = 0.18;
-constexpr int kMostParts = 12;       ///< of a facet's edge
-constexpr double kFarthest = 3;      ///< cells: chords are not measured beyond
-constexpr double kStep = 1.0 / 16;   ///< of chords, in cells
-constexpr std::size_t kChunk = 512;  ///< facets
+constexpr double kSpacing = 0.18;         ///< cells, of the places in a facet, at most
+constexpr int kMostParts = 12;            ///< of a facet's edge
+constexpr double kFarthest = 3;           ///< cells: chords are not measured beyond
+constexpr double kStep = 1.0 / 16;        ///< of chords, in cells
+constexpr std::size_t kChunk = 512;       ///< facets
 constexpr std::size_t kPlaces = 64;
 /// Deep places that are looked at further, evenly chosen: where nearly all is thinner than cells, whoever is
 /// told of some needs smaller cells.
 constexpr std::size_t kMostLooked = 20000;
 constexpr double kAside = 0.01;  ///< cells, from a facet into its leaves
-
-Vec3 unit(const Vec3& v) {
-    const double length = std::sqrt(dot(v, v));
-    return length > 0 ? scaled(v, 1 / length) : v;
-}
-
-/// The model's region at points of its root box.
-class Regions {
-  public:
-    Regions(const tape::BoundModel& model, const octree::Octree& tree)
-        : model_(model), tree_(tree), view_(tree.view()) {}
-
-    Leaf leaf_at_point(const Vec3& x) const {
-        const auto cells = static_cast<double>(std::uint64_t{1} << tree_.level);
-        std::array<u32, 3> cell{};
-        for (std::size_t j = 0; j < 3; ++j)
-            cell[j] = static_cast<u32>(std::min(std::max(std::floor(x[j] * cells), 0.0), cells - 1));
-        return leaf_at(&view_, morton_encode(cell[0], cell[1], cell[2]));
-    }
-
-    std::int32_t at(const Vec3& x) {
-        const Leaf leaf = leaf_at_point(x);
-        if (leaf.kind == kLeafNone) return 0;
-        if (leaf.kind == kLeafIn) return octree::in_region(tree_, leaf.code);
-        const TreeNode& node = tree_.nio[leaf.index];
-        if (node.tape_length == 0) return octree::in_region(tree_, leaf.code);
-        const Known& known = load(leaf.index, node);
-        signs_.resize(known.surfaces.size());
-        for (std::size_t s = 0; s < known.surfaces.size(); ++s) {
-            const double value = surface_value(&model_.surfaces[known.surfaces[s]],
-                                               model_.expression_ops.data(), x[0], x[1], x[2]);
-            signs_[s] = value <= 0 ? std::int8_t{-1} : std::int8_t{1};
-        }
-        return known.tape.resolve(signs_.data());
-    }
-
-  private:
-    /// Points come in the neighbourhood of facet after facet, so few leaves are asked again and again.
-    struct Known {
-        std::uint32_t leaf = std::numeric_limits<std::uint32_t>::max();
-        std::vector<std::uint32_t> surfaces;
-        tape::LocalTape tape;
-    };
-    const Known& load(std::uint32_t leaf, const TreeNode& node) {
-        Known& known = known_[leaf % known_.size()];
-        if (known.leaf == leaf) return known;
-        const std::uint32_t* words = tree_.tapes.data() + node.tape_offset;
-        tape::list_surfaces(words, node.tape_length, known.surfaces);
-        known.tape.load(words, node.tape_length, known.surfaces);
-        known.leaf = leaf;
-        return known;
-    }
-
-    const tape::BoundModel& model_;
-    const octree::Octree& tree_;
-    const Tree view_;
-    std::array<Known, 64> known_;
-    std::vector<std::int8_t> signs_;
-};
 
 /// A place of a facet where the model has no boundary.
 struct Place {
@@ -107,159 +45,6 @@ struct Place {
     double edge;  ///< of the leaf
     std::int32_t region;
     std::uint32_t facet;
-};
-
-using Triangle = std::array<Vec3, 3>;
-
-/// The facets of a mesh as triangles in the root box.
-class Skin {
-  public:
-    Skin(const tape::BoundModel& model, const std::vector<double>& points, const FacetBlock& facets)
-        : model_(model), points_(points), facets_(facets) {}
-
-    /// Triangle 0 or 1 of a facet; 1: of quadrilaterals only.
-    Triangle triangle(std::uint32_t facet, std::size_t part) const {
-        const NodeId* node = facets_.nodes.data() + 4 * std::size_t{facet};
-        return {corner(node[0]), corner(node[1 + part]), corner(node[2 + part])};
-    }
-    std::size_t triangles(std::uint32_t facet) const {
-        const NodeId* node = facets_.nodes.data() + 4 * std::size_t{facet};
-        return node[3] != node[2] ? 2 : 1;
-    }
-    Vec3 middle(std::uint32_t facet) const {
-        const Triangle t = triangle(facet, triangles(facet) - 1);
-        return scaled(sum(sum(t[0], t[1]), t[2]), 1.0 / 3);
-    }
-    Vec3 normal(std::uint32_t facet) const {
-        const Triangle t = triangle(facet, 0);
-        return unit(cross(difference(t[1], t[0]), difference(t[2], t[0])));
-    }
-    std::uint16_t inside(std::uint32_t facet) const { return facets_.inside[facet]; }
-    std::uint16_t outside(std::uint32_t facet) const { return facets_.outside[facet]; }
-    std::uint32_t size() const { return static_cast<std::uint32_t>(facets_.size()); }
-
-  private:
-    Vec3 corner(NodeId node) const {
-        Vec3 x{};
-        for (std::size_t j = 0; j < 3; ++j)
-            x[j] = (points_[3 * std::size_t{node} + j] - model_.origin[j]) / model_.side;
-        return x;
-    }
-
-    const tape::BoundModel& model_;
-    const std::vector<double>& points_;
-    const FacetBlock& facets_;
-};
-
-/// Finds the facet that a ray hits first, by a grid of boxes that holds each facet in all that it may pass.
-class Rays {
-  public:
-    /// `cell`: the largest at the starts of rays, of which none is longer than kWidest.
-    Rays(const Skin& skin, double cell, const std::vector<Place>& starts) : skin_(skin), box_(kBox * cell) {
-        const double near_box = kWidest * cell;  // rays, and facets that they hit, reach the next at most
-        std::vector<Key> near;
-        for (const Place& place : starts) near.push_back(key_of(place.at, near_box));
-        make_unique(near);
-        for (std::size_t i = near.size(); i-- > 0;) {
-            const Key own = near[i];
-            for (int k = 0; k < 27; ++k)
-                near.push_back({own[0] + k % 3 - 1, own[1] + k / 3 % 3 - 1, own[2] + k / 9 - 1});
-        }
-        make_unique(near);
-        for (std::uint32_t f = 0; f < skin.size(); ++f) {
-            if (std::binary_search(near.begin(), near.end(), key_of(skin.middle(f), near_box))) list(f);
-        }
-        std::sort(listed_.begin(), listed_.end());
-    }
-
-    /// Distance to the first facet behind x, or `reach` if there is none before.
-    double first_hit(const Vec3& x, const Vec3& direction, double reach, std::uint32_t own) const {
-        // From box to box (Amanatides & Woo 1987).
-        Key key = key_of(x, box_);
-        Key step{};
-        std::array<double, 3> next{};
-        std::array<double, 3> stride{};
-        for (std::size_t j = 0; j < 3; ++j) {
-            const bool up = direction[j] > 0;
-            step[j] = up ? 1 : -1;
-            if (direction[j] == 0) {
-                next[j] = stride[j] = std::numeric_limits<double>::max();
-                continue;
-            }
-            stride[j] = box_ / std::fabs(direction[j]);
-            next[j] = ((key[j] + (up ? 1 : 0)) * box_ - x[j]) / direction[j];
-        }
-        double first = reach;
-        for (double entered = 0; entered < first;) {
-            auto at = std::lower_bound(listed_.begin(), listed_.end(), std::make_pair(key, 0u));
-            for (; at != listed_.end() && at->first == key; ++at) {
-                if (at->second == own) continue;
-                for (std::size_t part = 0; part < skin_.triangles(at->second); ++part)
-                    first = std::min(first, hit(skin_.triangle(at->second, part), x, direction, first));
-            }
-            const std::size_t axis = next[0] <= next[1]   ? (next[0] <= next[2] ? 0 : 2)
-                                     : next[1] <= next[2] ? 1
-                                                          : 2;
-            entered = next[axis];
-            next[axis] += stride[axis];
-            key[axis] += step[axis];
-        }
-        return first;
-    }
-
-  private:
-    using Key = std::array<std::int32_t, 3>;
-
-    static Key key_of(const Vec3& x, double box) {
-        Key key{};
-        for (std::size_t j = 0; j < 3; ++j) key[j] = static_cast<std::int32_t>(std::floor(x[j] / box));
-        return key;
-    }
-
-    static void make_unique(std::vector<Key>& keys) {
-        std::sort(keys.begin(), keys.end());
-        keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
-    }
-
-    /// In all boxes that the facet's bounds touch.
-    void list(std::uint32_t facet) {
-        Vec3 low = skin_.triangle(facet, 0)[0];
-        Vec3 high = low;
-        for (std::size_t part = 0; part < skin_.triangles(facet); ++part) {
-            for (const Vec3& corner : skin_.triangle(facet, part)) {
-                for (std::size_t j = 0; j < 3; ++j) {
-                    low[j] = std::min(low[j], corner[j]);
-                    high[j] = std::max(high[j], corner[j]);
-                }
-            }
-        }
-        const Key first = key_of(low, box_);
-        const Key last = key_of(high, box_);
-        for (std::int32_t i = first[0]; i <= last[0]; ++i) {
-            for (std::int32_t j = first[1]; j <= last[1]; ++j) {
-                for (std::int32_t k = first[2]; k <= last[2]; ++k) listed_.push_back({{i, j, k}, facet});
-            }
-        }
-    }
-
-    /// Distance along the ray to a triangle (Möller & Trumbore 1997), or `most` if it is missed.
-    static double hit(const Triangle& t, const Vec3& x, const Vec3& direction, double most) {
-        const Vec3 a = difference(t[1], t[0]);
-        const Vec3 b = difference(t[2], t[0]);
-        const Vec3 p = cross(direction, b);
-        const double determinant = dot(a, p);
-        if (determinant == 0) return most;
-        const Vec3 from = difference(x, t[0]);
-        const double u = dot(from, p) / determinant;
-        const Vec3 q = cross(from, a);
-        const double v = dot(direction, q) / determinant;
-        const double at = dot(b, q) / determinant;
-        return u >= 0 && v >= 0 && u + v <= 1 && at > 0 && at < most ? at : most;
-    }
-
-    const Skin& skin_;
-    const double box_;
-    std::vector<std::pair<Key, std::uint32_t>> listed_;
 };
 
 /// The same region at x and around it, along a facet's normal first, where a true one has two.
@@ -298,7 +83,7 @@ bool reaches_walls(Regions& regions, const Rays& rays, const Place& place, const
     for (int k = 0; k < kDirections; ++k) {
         const double turn = 2 * kPi * k / kDirections;
         const Vec3 along = sum(scaled(u, std::cos(turn)), scaled(v, std::sin(turn)));
-        const double end = rays.first_hit(from, along, kWidest * place.edge, kNoFacet);
+        const double end = rays.first_hit(from, along, kWidest * place.edge, Rays::kNoFacet);
         if (is_alike_along(regions, from, along, end, place.region)) return false;
     }
     return true;
@@ -385,20 +170,14 @@ bool touch(const Place& a, const Place& b) {
            std::fabs(a.at[2] - b.at[2]) <= reach;
 }
 
-}  // namespace
-
-std::vector<MissedFeature> find_false_facets(const tape::BoundModel& model, const octree::Octree& tree,
-                                             const std::vector<std::uint64_t>& folded,
-                                             const std::vector<double>& points, const FacetBlock& facets,
-                                             int threads) {
-    std::vector<MissedFeature> result;
-    if (folded.empty()) return result;
-    const Skin skin(model, points, facets);
+/// Places deep in the model, or outside of it, in the facets of these leaves, by facet.
+std::vector<Place> find_all_deep(const tape::BoundModel& model, const octree::Octree& tree,
+                                 const std::vector<std::uint64_t>& folded, const Skin& skin, int threads) {
     const auto is_folded = [&folded](std::uint64_t code) {
         return std::binary_search(folded.begin(), folded.end(), code);
     };
-    std::vector<std::vector<Place>> found(chunk_count(facets.size(), kChunk));
-    parallel_chunks(facets.size(), kChunk, threads, [&](std::size_t begin, std::size_t end, int) {
+    std::vector<std::vector<Place>> found(chunk_count(skin.size(), kChunk));
+    parallel_chunks(skin.size(), kChunk, threads, [&](std::size_t begin, std::size_t end, int) {
         Regions regions(model, tree);
         for (auto f = static_cast<std::uint32_t>(begin); f < end; ++f) {
             // A facet may lie between two leaves.
@@ -413,32 +192,47 @@ std::vector<MissedFeature> find_false_facets(const tape::BoundModel& model, cons
     });
     std::vector<Place> deep;
     for (const std::vector<Place>& part : found) deep.insert(deep.end(), part.begin(), part.end());
-    if (deep.empty()) return result;
-    if (deep.size() > kMostLooked) {
-        const std::size_t stride = deep.size() / kMostLooked + 1;
-        for (std::size_t i = 0; i * stride < deep.size(); ++i) deep[i] = deep[i * stride];
-        deep.resize((deep.size() + stride - 1) / stride);
-    }
+    if (deep.size() <= kMostLooked) return deep;
+    const std::size_t stride = deep.size() / kMostLooked + 1;
+    std::vector<Place> some;
+    for (std::size_t i = 0; i < deep.size(); i += stride) some.push_back(deep[i]);
+    return some;
+}
+
+double widest_cell(const std::vector<Place>& places) {
     double widest = 0;
-    for (const Place& place : deep) widest = std::max(widest, place.edge);
-    const Rays rays(skin, widest, deep);
+    for (const Place& place : places) widest = std::max(widest, place.edge);
+    return widest;
+}
+
+/// Of these, those with a film behind them, one for each facet.
+std::vector<Place> with_films(const tape::BoundModel& model, const octree::Octree& tree, const Skin& skin,
+                              const std::vector<Place>& deep, int threads) {
+    std::vector<Vec3> starts;
+    for (const Place& place : deep) starts.push_back(place.at);
+    const Rays rays(skin, starts, kWidest * widest_cell(deep));
     std::vector<std::uint8_t> is_film(deep.size());
     parallel_chunks(deep.size(), kPlaces, threads, [&](std::size_t begin, std::size_t end, int) {
         Regions regions(model, tree);
         for (std::size_t i = begin; i < end; ++i) is_film[i] = has_film(regions, skin, rays, deep[i]) ? 1 : 0;
     });
-    std::vector<Place> places;
+    std::vector<Place> films;
     for (std::size_t i = 0; i < deep.size(); ++i) {
-        if (is_film[i] != 0 && (places.empty() || places.back().facet != deep[i].facet))
-            places.push_back(deep[i]);
+        if (is_film[i] != 0 && (films.empty() || films.back().facet != deep[i].facet))
+            films.push_back(deep[i]);
     }
-    Regions regions(model, tree);
+    return films;
+}
+
+/// The first of those that lie within a cell of each other, in the same region.
+std::vector<Place> first_of_each(const std::vector<Place>& places) {
     DisjointSets sets(places.size());
     std::vector<std::uint32_t> order(places.size());
     std::iota(order.begin(), order.end(), 0u);
     std::sort(order.begin(), order.end(), [&places](std::uint32_t a, std::uint32_t b) {
         return places[a].at[0] != places[b].at[0] ? places[a].at[0] < places[b].at[0] : a < b;
     });
+    const double widest = widest_cell(places);
     for (std::size_t i = 0; i < order.size(); ++i) {
         const Place& place = places[order[i]];
         for (std::size_t k = i; k-- > 0 && place.at[0] - places[order[k]].at[0] <= widest;) {
@@ -446,13 +240,27 @@ std::vector<MissedFeature> find_false_facets(const tape::BoundModel& model, cons
             if (other.region == place.region && touch(place, other)) sets.join(order[k], order[i]);
         }
     }
-    std::vector<std::uint8_t> told(places.size());
+    std::vector<Place> first;
     for (std::uint32_t i = 0; i < places.size(); ++i) {
-        const std::uint32_t set = sets.find(i);
-        if (told[set] != 0) continue;
-        told[set] = 1;
-        result.push_back(describe(model, regions, places[i]));
+        if (sets.is_first(i)) first.push_back(places[i]);
     }
+    return first;
+}
+
+}  // namespace
+
+std::vector<MissedFeature> find_false_facets(const tape::BoundModel& model, const octree::Octree& tree,
+                                             const std::vector<std::uint64_t>& folded,
+                                             const std::vector<double>& points, const FacetBlock& facets,
+                                             int threads) {
+    if (folded.empty()) return {};
+    const Skin skin(model, points, facets);
+    const std::vector<Place> deep = find_all_deep(model, tree, folded, skin, threads);
+    if (deep.empty()) return {};
+    Regions regions(model, tree);
+    std::vector<MissedFeature> result;
+    for (const Place& place : first_of_each(with_films(model, tree, skin, deep, threads)))
+        result.push_back(describe(model, regions, place));
     return result;
 }
 

@@ -1,0 +1,44 @@
+#include "host/probe/regions.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "kernels/shared/surface.h"
+
+namespace mortise::probe {
+
+Leaf Regions::leaf_at_point(const Vec3& x) const {
+    const auto cells = static_cast<double>(std::uint64_t{1} << tree_.level);
+    std::array<u32, 3> cell{};
+    for (std::size_t j = 0; j < 3; ++j)
+        cell[j] = static_cast<u32>(std::min(std::max(std::floor(x[j] * cells), 0.0), cells - 1));
+    return leaf_at(&view_, morton_encode(cell[0], cell[1], cell[2]));
+}
+
+std::int32_t Regions::at(const Vec3& x) {
+    const Leaf leaf = leaf_at_point(x);
+    if (leaf.kind == kLeafNone) return 0;
+    if (leaf.kind == kLeafIn) return octree::in_region(tree_, leaf.code);
+    const TreeNode& node = tree_.nio[leaf.index];
+    if (node.tape_length == 0) return octree::in_region(tree_, leaf.code);
+    const Known& known = load(leaf.index, node);
+    signs_.resize(known.surfaces.size());
+    for (std::size_t s = 0; s < known.surfaces.size(); ++s) {
+        const double value = surface_value(&model_.surfaces[known.surfaces[s]], model_.expression_ops.data(),
+                                           x[0], x[1], x[2]);
+        signs_[s] = value <= 0 ? std::int8_t{-1} : std::int8_t{1};
+    }
+    return known.tape.resolve(signs_.data());
+}
+
+const Regions::Known& Regions::load(std::uint32_t leaf, const TreeNode& node) {
+    Known& known = known_[leaf % known_.size()];
+    if (known.leaf == leaf) return known;
+    const std::uint32_t* words = tree_.tapes.data() + node.tape_offset;
+    tape::list_surfaces(words, node.tape_length, known.surfaces);
+    known.tape.load(words, node.tape_length, known.surfaces);
+    known.leaf = leaf;
+    return known;
+}
+
+}  // namespace mortise::probe
