@@ -31,7 +31,7 @@ constexpr double kSpacing = 0.18;         ///< cells, of the places in a facet, 
 constexpr int kMostParts = 12;            ///< of a facet's edge
 constexpr double kFarthest = 3;           ///< cells: chords are not measured beyond
 constexpr double kStep = 1.0 / 16;        ///< of chords, in cells
-constexpr std::size_t kChunk = 512;       ///< facets
+constexpr std::size_t kFacetChunk = 512;  ///< facets
 constexpr std::size_t kPlaces = 64;
 /// Deep places that are looked at further, evenly chosen: where nearly all is thinner than cells, whoever is
 /// told of some needs smaller cells.
@@ -39,7 +39,7 @@ constexpr std::size_t kMostLooked = 20000;
 constexpr double kAside = 0.01;  ///< cells, from a facet into its leaves
 
 /// A place of a facet where the model has no boundary.
-struct Place {
+struct DeepPlace {
     Vec3 at;
     Vec3 normal;  ///< of the facet, to its outside
     double edge;  ///< of the leaf
@@ -70,7 +70,7 @@ bool is_alike_along(Regions& regions, const Vec3& x, const Vec3& direction, doub
 }
 
 /// Whether a film goes on to the model's boundary, in all directions across the normal.
-bool reaches_walls(Regions& regions, const Rays& rays, const Place& place, const Vec3& from) {
+bool reaches_walls(Regions& regions, const Rays& rays, const DeepPlace& place, const Vec3& from) {
     // The axis that is least along the normal spans the film with it.
     std::size_t least = 0;
     for (std::size_t j = 1; j < 3; ++j) {
@@ -91,7 +91,7 @@ bool reaches_walls(Regions& regions, const Rays& rays, const Place& place, const
 
 /// Whether behind a place lies a film of what the mesh alone has, and closes the way. Where it leaves a way,
 /// a narrow bar is pinched, or a hole has a shelf; that is how cells of their size show them.
-bool has_film(Regions& regions, const Skin& skin, const Rays& rays, const Place& place) {
+bool has_film(Regions& regions, const Skin& skin, const Rays& rays, const DeepPlace& place) {
     const bool is_outside = place.region == skin.outside(place.facet);
     if (!is_outside && place.region != skin.inside(place.facet)) return false;
     const Vec3 direction = scaled(place.normal, is_outside ? -1 : 1);
@@ -108,7 +108,7 @@ bool has_film(Regions& regions, const Skin& skin, const Rays& rays, const Place&
 /// Appends places deep in the model, or outside of it, inside a triangle, away from its edges: other facets
 /// may meet there at any angle.
 void find_deep_places(Regions& regions, const Triangle& p, double edge, std::uint32_t facet,
-                      std::vector<Place>& found) {
+                      std::vector<DeepPlace>& found) {
     const Vec3 across = cross(difference(p[1], p[0]), difference(p[2], p[0]));
     if (!(dot(across, across) > 0)) return;
     const Vec3 normal = unit(across);
@@ -137,7 +137,7 @@ void find_deep_places(Regions& regions, const Triangle& p, double edge, std::uin
 }
 
 /// Length of what holds x along a direction, both ways.
-double chord(Regions& regions, const Place& place, const Vec3& direction) {
+double chord(Regions& regions, const DeepPlace& place, const Vec3& direction) {
     double length = 0;
     for (const double side : {-1.0, 1.0}) {
         double reach = 0;
@@ -150,7 +150,7 @@ double chord(Regions& regions, const Place& place, const Vec3& direction) {
     return length;
 }
 
-MissedFeature describe(const tape::BoundModel& model, Regions& regions, const Place& place) {
+MissedFeature describe_false(const tape::BoundModel& model, Regions& regions, const DeepPlace& place) {
     MissedFeature feature;
     feature.thickness = std::numeric_limits<double>::max();
     for (int k = 14; k < 27; ++k) {
@@ -164,20 +164,21 @@ MissedFeature describe(const tape::BoundModel& model, Regions& regions, const Pl
     return feature;
 }
 
-bool touch(const Place& a, const Place& b) {
+bool are_close(const DeepPlace& a, const DeepPlace& b) {
     const double reach = std::max(a.edge, b.edge);
     return std::fabs(a.at[0] - b.at[0]) <= reach && std::fabs(a.at[1] - b.at[1]) <= reach &&
            std::fabs(a.at[2] - b.at[2]) <= reach;
 }
 
 /// Places deep in the model, or outside of it, in the facets of these leaves, by facet.
-std::vector<Place> find_all_deep(const tape::BoundModel& model, const octree::Octree& tree,
-                                 const std::vector<std::uint64_t>& folded, const Skin& skin, int threads) {
+std::vector<DeepPlace> find_all_deep(const tape::BoundModel& model, const octree::Octree& tree,
+                                     const std::vector<std::uint64_t>& folded, const Skin& skin,
+                                     int threads) {
     const auto is_folded = [&folded](std::uint64_t code) {
         return std::binary_search(folded.begin(), folded.end(), code);
     };
-    std::vector<std::vector<Place>> found(chunk_count(skin.size(), kChunk));
-    parallel_chunks(skin.size(), kChunk, threads, [&](std::size_t begin, std::size_t end, int) {
+    std::vector<std::vector<DeepPlace>> found(chunk_count(skin.size(), kFacetChunk));
+    parallel_chunks(skin.size(), kFacetChunk, threads, [&](std::size_t begin, std::size_t end, int) {
         Regions regions(model, tree);
         for (auto f = static_cast<std::uint32_t>(begin); f < end; ++f) {
             // A facet may lie between two leaves.
@@ -187,36 +188,36 @@ std::vector<Place> find_all_deep(const tape::BoundModel& model, const octree::Oc
             if (!is_folded(leaf.code) || tree.is_crowded(leaf.code)) continue;
             for (std::size_t part = 0; part < skin.triangles(f); ++part)
                 find_deep_places(regions, skin.triangle(f, part), octree::Octree::edge_of(leaf.level), f,
-                                 found[begin / kChunk]);
+                                 found[begin / kFacetChunk]);
         }
     });
-    std::vector<Place> deep;
-    for (const std::vector<Place>& part : found) deep.insert(deep.end(), part.begin(), part.end());
+    std::vector<DeepPlace> deep;
+    for (const std::vector<DeepPlace>& part : found) deep.insert(deep.end(), part.begin(), part.end());
     if (deep.size() <= kMostLooked) return deep;
     const std::size_t stride = deep.size() / kMostLooked + 1;
-    std::vector<Place> some;
+    std::vector<DeepPlace> some;
     for (std::size_t i = 0; i < deep.size(); i += stride) some.push_back(deep[i]);
     return some;
 }
 
-double widest_cell(const std::vector<Place>& places) {
+double widest_cell(const std::vector<DeepPlace>& places) {
     double widest = 0;
-    for (const Place& place : places) widest = std::max(widest, place.edge);
+    for (const DeepPlace& place : places) widest = std::max(widest, place.edge);
     return widest;
 }
 
 /// Of these, those with a film behind them, one for each facet.
-std::vector<Place> with_films(const tape::BoundModel& model, const octree::Octree& tree, const Skin& skin,
-                              const std::vector<Place>& deep, int threads) {
+std::vector<DeepPlace> with_films(const tape::BoundModel& model, const octree::Octree& tree, const Skin& skin,
+                                  const std::vector<DeepPlace>& deep, int threads) {
     std::vector<Vec3> starts;
-    for (const Place& place : deep) starts.push_back(place.at);
+    for (const DeepPlace& place : deep) starts.push_back(place.at);
     const Rays rays(skin, starts, kWidest * widest_cell(deep));
     std::vector<std::uint8_t> is_film(deep.size());
     parallel_chunks(deep.size(), kPlaces, threads, [&](std::size_t begin, std::size_t end, int) {
         Regions regions(model, tree);
         for (std::size_t i = begin; i < end; ++i) is_film[i] = has_film(regions, skin, rays, deep[i]) ? 1 : 0;
     });
-    std::vector<Place> films;
+    std::vector<DeepPlace> films;
     for (std::size_t i = 0; i < deep.size(); ++i) {
         if (is_film[i] != 0 && (films.empty() || films.back().facet != deep[i].facet))
             films.push_back(deep[i]);
@@ -225,7 +226,7 @@ std::vector<Place> with_films(const tape::BoundModel& model, const octree::Octre
 }
 
 /// The first of those that lie within a cell of each other, in the same region.
-std::vector<Place> first_of_each(const std::vector<Place>& places) {
+std::vector<DeepPlace> first_of_each(const std::vector<DeepPlace>& places) {
     DisjointSets sets(places.size());
     std::vector<std::uint32_t> order(places.size());
     std::iota(order.begin(), order.end(), 0u);
@@ -234,13 +235,13 @@ std::vector<Place> first_of_each(const std::vector<Place>& places) {
     });
     const double widest = widest_cell(places);
     for (std::size_t i = 0; i < order.size(); ++i) {
-        const Place& place = places[order[i]];
+        const DeepPlace& place = places[order[i]];
         for (std::size_t k = i; k-- > 0 && place.at[0] - places[order[k]].at[0] <= widest;) {
-            const Place& other = places[order[k]];
-            if (other.region == place.region && touch(place, other)) sets.join(order[k], order[i]);
+            const DeepPlace& other = places[order[k]];
+            if (other.region == place.region && are_close(place, other)) sets.join(order[k], order[i]);
         }
     }
-    std::vector<Place> first;
+    std::vector<DeepPlace> first;
     for (std::uint32_t i = 0; i < places.size(); ++i) {
         if (sets.is_first(i)) first.push_back(places[i]);
     }
@@ -255,12 +256,12 @@ std::vector<MissedFeature> find_false_facets(const tape::BoundModel& model, cons
                                              int threads) {
     if (folded.empty()) return {};
     const Skin skin(model, points, facets);
-    const std::vector<Place> deep = find_all_deep(model, tree, folded, skin, threads);
+    const std::vector<DeepPlace> deep = find_all_deep(model, tree, folded, skin, threads);
     if (deep.empty()) return {};
     Regions regions(model, tree);
     std::vector<MissedFeature> result;
-    for (const Place& place : first_of_each(with_films(model, tree, skin, deep, threads)))
-        result.push_back(describe(model, regions, place));
+    for (const DeepPlace& place : first_of_each(with_films(model, tree, skin, deep, threads)))
+        result.push_back(describe_false(model, regions, place));
     return result;
 }
 

@@ -183,29 +183,29 @@ class Clusters {
     /// Whether a cluster touches what is meshed in places apart from each other: a hole through a plate, a
     /// bar between two walls. However short, it is no cap, which has one base.
     bool joins_apart(const std::vector<std::size_t>& cluster) const {
-        using Place = std::array<std::int32_t, 3>;  // in the cluster's largest pieces
+        using Base = std::array<std::int32_t, 3>;  // in the cluster's largest pieces
         double widest = 0;
         for (const std::size_t i : cluster) widest = std::max(widest, edge(components_[i]) / kSide);
-        std::vector<Place> bases;
+        std::vector<Base> bases;
         for (const std::size_t i : cluster) {
             const Component& component = components_[i];
             for (const std::uint16_t piece : component.open) {
                 const Vec3 x = middle(corner(component), edge(component), piece);
-                Place place{};
+                Base base{};
                 for (std::size_t j = 0; j < 3; ++j)
-                    place[j] = static_cast<std::int32_t>(std::floor(x[j] / widest));
-                bases.push_back(place);
+                    base[j] = static_cast<std::int32_t>(std::floor(x[j] / widest));
+                bases.push_back(base);
             }
         }
         std::sort(bases.begin(), bases.end());
         bases.erase(std::unique(bases.begin(), bases.end()), bases.end());
         DisjointSets sets(bases.size());
         for (std::uint32_t i = 0; i < bases.size(); ++i) {
-            const Place& at = bases[i];
+            const Base& at = bases[i];
             for (std::int32_t x = at[0]; x <= at[0] + kBesides; ++x) {
                 for (std::int32_t y = at[1] - kBesides; y <= at[1] + kBesides; ++y) {
-                    auto k = std::lower_bound(bases.begin(), bases.end(), Place{x, y, at[2] - kBesides});
-                    for (; k != bases.end() && *k <= Place{x, y, at[2] + kBesides}; ++k)
+                    auto k = std::lower_bound(bases.begin(), bases.end(), Base{x, y, at[2] - kBesides});
+                    for (; k != bases.end() && *k <= Base{x, y, at[2] + kBesides}; ++k)
                         sets.join(i, static_cast<std::uint32_t>(k - bases.begin()));
                 }
             }
