@@ -50,7 +50,7 @@ void check_precision(const Root& root, int finest_level, const std::string& sour
 /// Cells as large as the model make a caricature of it; much larger ones are a slip in the units.
 void check_cell_size(double extent, double finest, const MeshOptions& options, const std::string& source,
                      MeshReport& out) {
-    constexpr double kLeastExtent = 1.0 / 16;  ///< cells; half a vertex's reach is more than all that is less
+    constexpr double kLeastExtent = 1.0 / 16;  ///< cells
     if (extent >= finest) return;
     const std::string text = "cells of size " + number_text(finest) +
                              " are larger than the model, which is " + number_text(extent) + " long";

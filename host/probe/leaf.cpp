@@ -166,12 +166,6 @@ void LeafProbe::run(std::uint32_t leaf, std::vector<Component>& out) {
     if (!winding_.empty()) find_sections(leaf, out);
 }
 
-std::int32_t LeafProbe::region_at(const TreeNode& leaf, const Vec3& x) {
-    load_tape(leaf);
-    take_signs(x);
-    return local_tape_.resolve(signs_.data());
-}
-
 void LeafProbe::gather(std::uint32_t leaf, std::vector<Component>& out) {
     const std::size_t first = out.size();
     layer_.assign(kPieces, 0);  // 1: already in a component

@@ -55,9 +55,6 @@ class LeafProbe {
     /// Of the leaf of the last run: whether a curved surface turns by 90 degrees or more in it.
     bool folds() const { return folds_; }
 
-    /// Region of the solid at a point of a leaf, by the leaf's tape.
-    std::int32_t region_at(const TreeNode& leaf, const Vec3& x);
-
   private:
     struct Piece {
         tape::GridPlace place;  ///< of 2^depth per edge

@@ -9,6 +9,7 @@
 #include "host/common/disjoint_sets.hpp"
 #include "host/common/parallel.hpp"
 #include "host/probe/leaf.hpp"
+#include "host/probe/regions.hpp"
 #include "kernels/shared/surface.h"
 
 namespace mortise::probe {
@@ -45,7 +46,7 @@ class Clusters {
     Clusters(const tape::BoundModel& model, const octree::Octree& tree, std::vector<Component> components)
         : model_(model),
           tree_(tree),
-          probe_(model, tree),
+          regions_(model, tree),
           components_(std::move(components)),
           sets_(components_.size()),
           joined_(components_.size()) {}
@@ -121,7 +122,7 @@ class Clusters {
                 sets_.join(static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(k));
                 joined_[i].push_back({piece, k, next});
             }
-            if (!missed && probe_.region_at(tree_.nio[leaf], middle(low, size, next)) == component.region)
+            if (!missed && regions_.at(middle(low, size, next)) == component.region)
                 component.open.push_back(piece);
         }
         component.attached = component.attached || !component.open.empty();
@@ -266,7 +267,7 @@ class Clusters {
 
     const tape::BoundModel& model_;
     const octree::Octree& tree_;
-    LeafProbe probe_;
+    Regions regions_;
     std::vector<Component> components_;  ///< by leaf
     DisjointSets sets_;                  ///< of components: features
     /// A piece that goes on in a component of the next leaf.
