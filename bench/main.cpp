@@ -24,8 +24,8 @@ namespace {
 
 using nlohmann::json;
 
-const std::vector<std::string> kSections = {"copy",    "octree",  "graded", "mesh",      "stages",
-                                            "threads", "command", "stream", "jacobians", "peers"};
+const std::vector<std::string> kSections = {"copy",    "octree", "graded", "mesh",      "stages", "threads",
+                                            "command", "batch",  "stream", "jacobians", "peers"};
 
 /// Share of the machine's cores used by others above which figures are marked as unreliable.
 constexpr double kBusy = 0.1;
@@ -110,6 +110,7 @@ bool run_sections(const Arguments& arguments) {
         [&] { return stages_section(settings, copy_rate); },
         [&] { return threads_section(settings, copy_gain); },
         [&] { return command_section(settings); },
+        [&] { return batch_section(settings); },
         [&] { return stream_section(settings); },
         [&] { return jacobians_section(settings); },
         [&] { return peers_section(settings); },
@@ -141,11 +142,12 @@ void add_options(CLI::App& app, Arguments& arguments) {
         ->check(CLI::Range(1, 1000))
         ->capture_default_str();
     app.add_option("--mortise", arguments.settings.program,
-                   "the program `mortise`, to time the whole command")
+                   "the program `mortise`, for the sections command and batch")
         ->check(CLI::ExistingFile);
     app.add_option("--json", arguments.json_path, "write all figures, with every sample, to this file");
-    app.add_option("--only", arguments.only,
-                   "sections to run: copy octree graded mesh stages threads command stream jacobians peers")
+    app.add_option(
+           "--only", arguments.only,
+           "sections to run: copy octree graded mesh stages threads command batch stream jacobians peers")
         ->check(CLI::IsMember(kSections));
     app.add_flag("--quick", arguments.quick,
                  "level 3, one run, small copies, no CLBlast, no other meshers: shows that it works, "
@@ -153,6 +155,9 @@ void add_options(CLI::App& app, Arguments& arguments) {
     app.add_option("--finer", arguments.settings.finer,
                    "levels to add to all; each has eight times the elements of the one before")
         ->check(CLI::Range(0, 5))
+        ->capture_default_str();
+    app.add_option("--batch-models", arguments.settings.batch_models, "random brackets of the section batch")
+        ->check(CLI::Range(1, 1000000))
         ->capture_default_str();
     app.add_flag("--lattice", arguments.settings.with_lattice,
                  "section mesh: also 10 x 10 x 10 cells of struts, once; takes minutes");
@@ -208,6 +213,7 @@ int run(int argc, char** argv) {
     if (arguments.quick) {
         settings.repeats = 1;
         settings.command_repeats = 1;
+        settings.batch_models = 4;
         settings.level_limit = 3;
         settings.large_meshes = {2e4};
         settings.with_peers = false;

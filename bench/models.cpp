@@ -3,35 +3,24 @@
 
 #include <cmath>
 #include <cstdint>
+#include <sstream>
 #include <vector>
+
+#include "host/common/random.hpp"
 
 namespace mortise::bench {
 namespace {
 
-/// Uniform numbers from SplitMix64 (Steele, Lea & Flood 2014): the same on every platform.
-class RandomSource {
-  public:
-    double between(double low, double high) {
-        state_ += 0x9e3779b97f4a7c15u;
-        std::uint64_t word = state_;
-        word = (word ^ (word >> 30)) * 0xbf58476d1ce4e5b9u;
-        word = (word ^ (word >> 27)) * 0x94d049bb133111ebu;
-        word ^= word >> 31;
-        return low + (high - low) * std::ldexp(static_cast<double>(word >> 11), -53);
-    }
-
-  private:
-    std::uint64_t state_ = 42;
-};
+double between(Random& random, double low, double high) { return low + (high - low) * random.uniform(); }
 
 /// A random rotation (by a unit quaternion) and a random place in the unit cube.
-Affine random_placement(RandomSource& random) {
+Affine random_placement(Random& random) {
     double q[4];
     double square = 0;
     do {
         square = 0;
         for (double& component : q) {
-            component = random.between(-1, 1);
+            component = between(random, -1, 1);
             square += component * component;
         }
     } while (square > 1 || square < 0.01);
@@ -40,24 +29,26 @@ Affine random_placement(RandomSource& random) {
     const double x = q[1];
     const double y = q[2];
     const double z = q[3];
-    const double t[3] = {random.between(0, 1), random.between(0, 1), random.between(0, 1)};
+    const double t[3] = {between(random, 0, 1), between(random, 0, 1), between(random, 0, 1)};
     return {1 - 2 * (y * y + z * z), 2 * (x * y - w * z),     2 * (x * z + w * y),     t[0],
             2 * (x * y + w * z),     1 - 2 * (x * x + z * z), 2 * (y * z - w * x),     t[1],
             2 * (x * z - w * y),     2 * (y * z + w * x),     1 - 2 * (x * x + y * y), t[2]};
 }
+
+constexpr std::uint64_t kRandomModels = 42;  ///< seed
 
 /// Spheres, boxes, tori and capped cylinders in turn; every third one is cut out of the union of the others.
 /// They shrink with their number such that their volumes add up to about half of the unit cube.
 Model random_model(int count) {
     Model model;
     model.source = std::to_string(count) + " random primitives";
-    RandomSource random;
+    Random random(kRandomModels);
     const double size = 0.5 / std::cbrt(static_cast<double>(count));
     std::vector<std::uint32_t> solid;
     std::vector<std::uint32_t> removed;
     for (int i = 0; i < count; ++i) {
-        const double r = size * random.between(0.7, 1.3);
-        const double h = size * random.between(0.7, 1.3);
+        const double r = size * between(random, 0.7, 1.3);
+        const double h = size * between(random, 0.7, 1.3);
         std::uint32_t node = 0;
         switch (i % 4) {
             case 0: node = model.add_primitive(sphere(r)); break;
@@ -150,6 +141,36 @@ Model make_model(const std::string& name) {
         return random_model(std::stoi(digits));
     }
     return read_model(name);
+}
+
+std::string random_bracket(std::uint32_t number) {
+    Random random(number);
+    const double length = between(random, 3.2, 5), width = between(random, 1.7, 2.6);
+    const double base = between(random, 0.6, 1), wall = between(random, 0.6, 1);
+    const double height = base + between(random, 1.4, 2.4);
+    const double hole = between(random, 0.25, 0.4), boss = hole + between(random, 0.25, 0.4);
+    const double boss_top = base + between(random, 0.3, 0.8);
+    const double middle = width / 2;
+    const double boss_at = wall + boss + between(random, 0.1, 0.3);
+    const double hole_at = length - between(random, 0.5, 0.7);
+    const double upper_at = (base + height) / 2;
+    std::ostringstream text;
+    const auto cylinder = [&](double r, double low, double high) {
+        text << "translate([0, 0, " << low << "]) cylinder(r = " << r << ", h = " << high - low << ");\n";
+    };
+    text << "difference() {\nunion() {\n"
+         << "cube([" << length << ", " << width << ", " << base << "]);\n"
+         << "cube([" << wall << ", " << width << ", " << height << "]);\n"
+         << "translate([" << boss_at << ", " << middle << ", 0]) ";
+    cylinder(boss, 0, boss_top);
+    text << "}\ntranslate([" << boss_at << ", " << middle << ", 0]) ";
+    cylinder(hole, -1, boss_top + 1);
+    text << "translate([" << hole_at << ", " << middle << ", 0]) ";
+    cylinder(hole, -1, base + 1);
+    text << "translate([0, " << middle << ", " << upper_at << "]) rotate([0, 90, 0]) ";
+    cylinder(hole, -1, wall + 1);
+    text << "}\n";
+    return text.str();
 }
 
 }  // namespace mortise::bench

@@ -33,8 +33,9 @@ json stream_section(const Settings& settings) {
         int level;
         std::size_t megabytes[2];
     };
-    std::vector<Case> cases = {{"halves", settings.level(8), {600, 1200}},
-                               {"sphere", settings.level(8), {600, 1200}}};
+    const int level = settings.level(8);
+    const std::size_t least = level > 8 ? 2400 : 600;  // what is needed grows with the boundary
+    std::vector<Case> cases = {{"halves", level, {least, 2 * least}}, {"sphere", level, {least, 2 * least}}};
     if (settings.with_billion) cases.push_back({"halves", 10, {4000, 3000}});
     for (const Case& chosen : cases) {
         std::set<std::string> checksums;

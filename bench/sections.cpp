@@ -1,11 +1,10 @@
-// Copy bandwidth, octree descent and the whole command; see sections.hpp.
+// Copy bandwidth and octree descent; see sections.hpp.
 #include "bench/sections.hpp"
 
 #include <algorithm>
 #include <cstdio>
 
 #include "bench/print.hpp"
-#include "bench/process.hpp"
 #include "bench/statistics.hpp"
 #include "bench/workers.hpp"
 #include "mortise/error.hpp"
@@ -133,40 +132,6 @@ json octree_section(const Settings& settings) {
     table.print();
     std::printf("  device: %s\n", device.c_str());
     return result;
-}
-
-json command_section(const Settings& settings) {
-    const int level = settings.level(6);
-    std::printf(
-        "Whole command: wall time of `mortise bracket.csg --level %d -o x.vtu`, from start to end of the\n"
-        "process, file included; kernels come from the cache on disk (one run before is not counted)\n",
-        level);
-    if (settings.program.empty()) {
-        std::printf("  skipped: give the program with --mortise PATH\n");
-        return {{"skipped", "no program given"}};
-    }
-    announce("whole command");
-    const ScratchFolder folder;
-    const std::string file = (folder.path() / "x.vtu").string();
-    Samples wall;
-    for (int run = -1; run < settings.command_repeats; ++run) {
-        std::filesystem::remove(file);
-        const ProgramResult result =
-            run_program({settings.program, MORTISE_SOURCE_DIR "/assets/models/bracket.csg", "--level",
-                         std::to_string(level), "-o", file},
-                        {}, true);
-        if (result.exit_code != 0 || !std::filesystem::exists(file)) {
-            throw Error(ExitCode::kMeshing, "'" + settings.program + "' ended with exit code " +
-                                                std::to_string(result.exit_code) +
-                                                " instead of writing a mesh: " + result.output);
-        }
-        if (run >= 0) wall.values.push_back(result.wall_seconds);
-    }
-    const double bytes = static_cast<double>(std::filesystem::file_size(file));
-    std::printf("  median of %d: %s s (%s to %s), file of %s MB\n", settings.command_repeats,
-                short_number(wall.median()).c_str(), short_number(wall.low()).c_str(),
-                short_number(wall.high()).c_str(), short_number(1e-6 * bytes).c_str());
-    return {{"model", "bracket"}, {"level", level}, {"seconds", to_json(wall)}, {"file_bytes", bytes}};
 }
 
 }  // namespace mortise::bench

@@ -17,6 +17,7 @@ struct Settings {
     int level_limit = 9;  ///< higher levels are lowered to this one; a sphere of level 10 takes 60 GB
     std::size_t copy_bytes = std::size_t{256} << 20;
     std::string program;                            ///< the command `mortise`; empty: not measured
+    int batch_models = 200;                         ///< of the section batch
     bool with_lattice = false;                      ///< section mesh: the lattice of struts, too
     bool with_billion = false;                      ///< section stream: 10^9 elements, too
     bool with_peers = true;                         ///< false: all other meshers count as not installed
@@ -40,6 +41,7 @@ nlohmann::json stages_section(const Settings& settings, double copy_bytes_per_se
 /// `copy_gain`: copy bandwidth of all threads to that of one, or 0.
 nlohmann::json threads_section(const Settings& settings, double copy_gain);
 nlohmann::json command_section(const Settings& settings);
+nlohmann::json batch_section(const Settings& settings);
 nlohmann::json jacobians_section(const Settings& settings);
 nlohmann::json stream_section(const Settings& settings);
 nlohmann::json peers_section(const Settings& settings);

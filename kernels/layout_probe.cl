@@ -140,20 +140,18 @@ MORTISE_KERNEL void evaluate(__global const Surface* surfaces, __global const Ex
                              double cell_size, uint items) {
     const uint item = get_global_id(0);
     if (item >= items) return;
-    {
-        double a[3];
-        double b[3];
-        SurfaceSample sample;
-        for (int j = 0; j < 3; ++j) {
-            a[j] = points[6 * item + j];
-            b[j] = points[6 * item + 3 + j];
-        }
-        sample = surface_sample(surfaces + item, ops, a[0], a[1], a[2]);
-        values[6 * item] = surface_value(surfaces + item, ops, a[0], a[1], a[2]);
-        values[6 * item + 1] = sample.value;
-        for (int j = 0; j < 3; ++j) values[6 * item + 2 + j] = sample.gradient[j];
-        values[6 * item + 5] = segment_root(surfaces + item, ops, a, b);
-        signs[2 * item] = surface_sign(surfaces + item, ops, a[0], a[1], a[2], cell_size);
-        signs[2 * item + 1] = edge_root(surfaces + item, ops, a, b);
+    double a[3];
+    double b[3];
+    SurfaceSample sample;
+    for (int j = 0; j < 3; ++j) {
+        a[j] = points[6 * item + j];
+        b[j] = points[6 * item + 3 + j];
     }
+    sample = surface_sample(surfaces + item, ops, a[0], a[1], a[2]);
+    values[6 * item] = surface_value(surfaces + item, ops, a[0], a[1], a[2]);
+    values[6 * item + 1] = sample.value;
+    for (int j = 0; j < 3; ++j) values[6 * item + 2 + j] = sample.gradient[j];
+    values[6 * item + 5] = segment_root(surfaces + item, ops, a, b);
+    signs[2 * item] = surface_sign(surfaces + item, ops, a[0], a[1], a[2], cell_size);
+    signs[2 * item + 1] = edge_root(surfaces + item, ops, a, b);
 }

@@ -16,8 +16,6 @@ constexpr double kLeastArc = 1e-6;     ///< radians: what a shorter arc would ad
 constexpr double kSameNormal = 1e-14;  ///< squared difference of normals of one facet
 constexpr double kNoDifference = 1e-12;
 
-double length(const Vec3& v) { return std::sqrt(dot(v, v)); }
-
 /// Angles of a circle that no half-plane excludes.
 class AllowedAngles {
   public:

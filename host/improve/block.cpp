@@ -28,6 +28,18 @@ constexpr std::uint64_t kTetrahedraPerTrial = 16;
 
 }  // namespace
 
+void BlockCounters::add(const BlockCounters& other) {
+    collapsed += other.collapsed;
+    merged += other.merged;
+    swapped += other.swapped;
+    moved += other.moved;
+    split += other.split;
+    compound += other.compound;
+    tried += other.tried;
+    repeated += other.repeated;
+    given_up += other.given_up;
+}
+
 void Block::Change::clear() {
     removed.clear();
     added.clear();
@@ -136,10 +148,6 @@ Block::Result Block::result() const {
     return result;
 }
 
-bool Block::is_inside(const std::array<Local, 4>& node) const {
-    return std::all_of(node.begin(), node.end(), [this](Local n) { return free_[n] != 0; });
-}
-
 /// Whether a change is at nodes that are free in a later pass. Made around them it can be a dead end that
 /// only repositioning would lead out of: along a crease in the plane between two blocks, in every cell alike.
 bool Block::is_for_later(const Change& change) const {
@@ -148,15 +156,6 @@ bool Block::is_for_later(const Change& change) const {
         const auto& node = tetrahedra_[i].node;
         return std::any_of(node.begin(), node.end(), [this](Local n) { return shared_[n] != 0; });
     });
-}
-
-double Block::quality(const std::array<Local, 4>& n) const {
-    ++evaluated_;
-    return tetrahedron_quality(points_[n[0]], points_[n[1]], points_[n[2]], points_[n[3]], rounding_);
-}
-
-std::array<Point, 5> Block::corners(const std::array<Local, 5>& n) const {
-    return {points_[n[0]], points_[n[1]], points_[n[2]], points_[n[3]], points_[n[4]]};
 }
 
 bool Block::has_changed(std::uint32_t tetrahedron) const {
@@ -214,83 +213,6 @@ void Block::apply(Change& change) {
     renew_strata(change);
 }
 
-std::uint32_t Block::across(std::uint32_t tetrahedron, std::size_t face) const {
-    const auto& node = tetrahedra_[tetrahedron].node;
-    const Local a = node[kOpposite[face][0]];
-    const Local b = node[kOpposite[face][1]];
-    const Local c = node[kOpposite[face][2]];
-    const Local least = star_[a].size() <= star_[b].size() ? (star_[a].size() <= star_[c].size() ? a : c)
-                                                           : (star_[b].size() <= star_[c].size() ? b : c);
-    for (const std::uint32_t i : star_[least]) {
-        if (i != tetrahedron && has(tetrahedra_[i].node, a) && has(tetrahedra_[i].node, b) &&
-            has(tetrahedra_[i].node, c))
-            return i;
-    }
-    return kNone;
-}
-
-FaceTag Block::tag_of(std::uint32_t tetrahedron, Local a, Local b, Local c) const {
-    const Tetrahedron& t = tetrahedra_[tetrahedron];
-    for (std::size_t f = 0; f < 4; ++f) {
-        if (t.node[f] != a && t.node[f] != b && t.node[f] != c) return t.tag[f];
-    }
-    return 0;
-}
-
-bool Block::gather_ring(Local a, Local b, std::size_t longest, Ring& ring) const {
-    ring.tetrahedra.clear();
-    ring.nodes.clear();
-    // Positive (a, b, c, d): the ring runs from c to d, counter-clockwise seen from b.
-    std::array<std::array<Local, 3>, 16> link{};
-    std::size_t count = 0;
-    const bool around_a = star_[a].size() <= star_[b].size();
-    const Local other = around_a ? b : a;
-    for (const std::uint32_t i : star_[around_a ? a : b]) {
-        const auto& n = tetrahedra_[i].node;
-        if (!has(n, other)) continue;
-        if (count == longest) return false;
-        const auto ia = static_cast<std::size_t>(std::find(n.begin(), n.end(), a) - n.begin());
-        // Nodes of the face opposite a, inward: (a, x, y, z) is positive.
-        Local x = n[kOpposite[ia][0]];
-        Local y = n[kOpposite[ia][1]];
-        Local z = n[kOpposite[ia][2]];
-        while (x != b) {
-            const Local first = x;
-            x = y;
-            y = z;
-            z = first;
-        }
-        link[count++] = {y, z, i};
-    }
-    if (count == 0) return false;
-    std::size_t start = 0;
-    ring.closed = true;
-    for (std::size_t k = 0; k < count; ++k) {
-        bool preceded = false;
-        for (std::size_t j = 0; j < count; ++j) preceded = preceded || link[j][1] == link[k][0];
-        if (preceded) continue;
-        if (!ring.closed) return false;  // two gaps around the edge
-        ring.closed = false;
-        start = k;
-    }
-    std::size_t at = start;
-    ring.nodes.push_back(link[at][0]);
-    while (true) {
-        ring.tetrahedra.push_back(link[at][2]);
-        const Local end = link[at][1];
-        if (ring.closed && end == ring.nodes[0]) break;
-        ring.nodes.push_back(end);
-        std::size_t next = count;
-        for (std::size_t k = 0; k < count; ++k) {
-            if (link[k][0] == end) next = k;
-        }
-        if (next == count) break;
-        at = next;
-        if (ring.tetrahedra.size() == count) return false;
-    }
-    return ring.tetrahedra.size() == count;
-}
-
 void Block::tag_added(Change& change, const std::vector<FaceEntry>& entries) const {
     if (entries.empty()) return;
     for (Tetrahedron& t : change.added) {
@@ -303,15 +225,6 @@ void Block::tag_added(Change& change, const std::vector<FaceEntry>& entries) con
             }
         }
     }
-}
-
-Block::Fit Block::fit(std::uint32_t surface, const Point& a, const Point& b, const Point& c) const {
-    const Point normal = cross(b - a, c - a);
-    const Surfaces::Sample s = surfaces_->sample(surface, (1.0 / 3) * (a + b + c));
-    if (!s.valid) return {};
-    const double slope = length(s.gradient);
-    const double product = length(normal) * slope;
-    return {product > 0 ? dot(normal, s.gradient) / product : 0, std::fabs(s.value) / slope};
 }
 
 void Block::collapse_short_edges() {

@@ -13,20 +13,15 @@
 #include <cstdint>
 #include <vector>
 
+#include "host/improve/block_mesh.hpp"
 #include "host/improve/facet_grid.hpp"
 #include "host/improve/loose_start.hpp"
 #include "host/improve/star_views.hpp"
-#include "host/improve/stratum.hpp"
-#include "host/improve/zone.hpp"
 
 namespace mortise::improve {
 
 /// A change must lift the worst quality by at least this factor, so that rounding never makes a loop.
 inline constexpr double kLeastGain = 1.002;
-
-/// Edges shorter than this, in edges of the smallest leaf at their ends, are collapsed where that makes
-/// nothing worse.
-inline constexpr double kShortEdge = 0.35;
 
 /// A facet on a curved surface may lie this far from it, in edges of the smallest leaf there, or as far as
 /// what it replaces: nodes on the surface and a bounded angle do not keep it near.
@@ -79,11 +74,13 @@ struct BlockCounters {
     std::uint64_t tried = 0;     ///< elements for which changes were sought
     std::uint64_t repeated = 0;  ///< blocks that were done again with facets, or their nodes, left alone
     std::uint64_t given_up = 0;  ///< blocks that were left as they were
+
+    void add(const BlockCounters& other);
 };
 
-class Block {
+class Block : private BlockMesh {
   public:
-    explicit Block(const Surfaces& surfaces) : surfaces_(&surfaces) {}
+    explicit Block(const Surfaces& surfaces) : BlockMesh(surfaces) {}
 
     /// Loads the elements with these indices of the zone; `place` is scratch of one number per node of the
     /// zone, all kNone, and is left so. free[i]: node i of the zone may move.
@@ -147,8 +144,6 @@ class Block {
     BlockCounters counters;
 
   private:
-    using Local = std::uint32_t;
-
     /// A change of connectivity that has been examined but not made.
     struct Change {
         std::vector<std::uint32_t> removed;
@@ -184,13 +179,6 @@ class Block {
         bool at_edge = false;        ///< shares a tetrahedron with both ends of the collapsed edge
         bool facet = false;          ///< a facet holds it and the removed node
         bool facet_at_edge = false;  ///< one that has the collapsed edge
-    };
-
-    /// Tetrahedra around an edge in order, and the nodes opposite.
-    struct Ring {
-        std::vector<std::uint32_t> tetrahedra;
-        std::vector<Local> nodes;  ///< tetrahedron i has nodes i and i + 1 (cyclic if closed)
-        bool closed = false;
     };
 
     // room.cpp
@@ -230,30 +218,9 @@ class Block {
     bool facets_cross(Local node);
 
     // block.cpp
-    bool is_inside(const std::array<Local, 4>& node) const;
     bool is_for_later(const Change& change) const;
     void apply(Change& change);
-    double quality(const std::array<Local, 4>& node) const;
-    bool is_short_edge(Local a, Local b) const {
-        const double shortest = kShortEdge * std::min(size_[a], size_[b]);
-        return squared_length(points_[a] - points_[b]) < shortest * shortest;
-    }
-    std::array<Point, 5> corners(const std::array<Local, 5>& pyramid) const;
-    std::uint32_t across(std::uint32_t tetrahedron, std::size_t face) const;
-    bool gather_ring(Local a, Local b, std::size_t longest, Ring& ring) const;
     void tag_added(Change& change, const std::vector<FaceEntry>& entries) const;
-    FaceTag tag_of(std::uint32_t tetrahedron, Local a, Local b, Local c) const;
-    /// How a facet lies on its surface, at the facet's middle: cosine between both, and distance in finest
-    /// cells.
-    struct Fit {
-        double alignment = 0;
-        double sag = 0;
-    };
-    Fit fit(std::uint32_t surface, const Point& a, const Point& b, const Point& c) const;
-    double alignment(std::uint32_t surface, const Point& a, const Point& b, const Point& c) const {
-        return fit(surface, a, b, c).alignment;
-    }
-    bool is_plane(std::uint32_t surface) const { return surfaces_->is_plane(surface); }
     bool improve(std::uint32_t tetrahedron);
     void look_now_and_then();
     bool is_barren(double quality) const;
@@ -277,8 +244,6 @@ class Block {
     std::size_t split_long_edges(const std::vector<std::uint32_t>& members, double edge_per_height);
     bool relieve(const Cluster& cluster, const std::vector<std::uint32_t>& members);
     static double asked_length(const std::vector<Seed>& seeds, const Point& at, double most);
-    std::vector<Local> neighbours(Local node) const;
-    bool share_tetrahedron(Local a, Local b) const;
     struct Relief {
         bool is_enough = false;
         bool is_near = false;  ///< changes of several steps may make it one
@@ -287,8 +252,6 @@ class Block {
 
     // lookahead.cpp
     struct Candidate;
-    std::size_t count_alive() const;
-    std::size_t count_below(double quality) const;
     std::size_t count_poor() const { return count_below(options_.target); }
     /// Whether so much is poor that the model must be the reason: it has no room for good elements.
     bool is_hopeless() const;
@@ -300,19 +263,20 @@ class Block {
     bool finish_trial();
     void begin_trial();
     void undo_trial();
-    double worst_sag(std::uint32_t tetrahedron) const;
     bool trial_stays_close() const;
     void note_tetrahedron(std::uint32_t tetrahedron);
     void note_move(Local node);
 
     // collapse.cpp
+    struct CachedViews;
     bool examine_collapse(Local gone, Local kept, bool good_will_do, double better_than, Change& change);
+    bool list_collapse(Local gone, Local kept, const CachedViews& seen, Change& change);
+    bool crease_stays_close(Local gone, Local kept) const;
     bool facets_stay_aligned(Local gone, Local kept, bool any_narrow) const;
     bool examine_ear(Local gone, Change& change);
     bool ear_leaves_crease(std::uint32_t ear, std::size_t gone, std::size_t single, bool& merges) const;
     bool is_narrow(const std::array<Local, 3>& face) const;
     bool chord_is_close(Local gone, Local a, Local b) const;
-    bool edge_is_on_stratum(Local gone, Local kept) const;
     std::size_t count_feature_edges(Local node);
     bool links_allow(Local gone, Local kept);
     bool is_joined_link_whole(Local gone, Local kept) const;
@@ -343,6 +307,18 @@ class Block {
     std::vector<std::uint32_t> list_loosable() const;
 
     // swap.cpp
+    /// The tagged faces at an edge, as places in its ring: face k lies between tetrahedra k - 1 and k.
+    struct RingCuts {
+        std::size_t at[2] = {0, 0};
+        std::size_t count = 0;
+        std::uint32_t surface = 0;
+        bool on_interface = false;
+    };
+    bool read_ring(Local a, Local b, Change& change, RingCuts& cuts);
+    bool is_new_on_surface(Local p, Local q, bool peels, const Change& change) const;
+    bool flip_fits(std::uint32_t surface, Local a, Local b, Local p, Local q) const;
+    bool peel(std::uint32_t tetrahedron, Local a, Local b, Local p, Local q, FaceTag tag,
+              Change& change) const;
     bool examine_edge_removal(Local a, Local b, double better_than, Change& change);
     bool examine_face_removal(std::uint32_t tetrahedron, std::size_t face, double better_than,
                               Change& change);
@@ -351,13 +327,22 @@ class Block {
 
     // smooth.cpp
     bool project_nodes(Local first = 0);
-    std::vector<Point> crease_neighbours(Local node) const;
     /// What the place of a node is to do for the elements around it.
     enum class Wish {
         kWorstBetter,  ///< the worst of them improves
         kAllBetter,  ///< together they come closer to the target; none falls below raised_from, or the worst
     };
+    bool may_smooth(Local node, Wish wish);
     bool smooth(Local node, Wish wish = Wish::kWorstBetter);
+    struct Goal;
+    class PlaceSearch;
+    struct StarSize {
+        Point mean{};     ///< of the neighbours, each as often as there are elements with both
+        Point away{};     ///< of length 1, from the face opposite the node in its worst element
+        double edge = 0;  ///< mean length of the node's edges
+        double shortest = 0;
+    };
+    StarSize measure_star(Local node) const;
     struct Directions {
         std::array<Point, 9> at{};
         std::size_t count = 0;
@@ -375,42 +360,27 @@ class Block {
     };
     CachedViews& views(Local node);
     double quality_at(StarViews& views, const Point& p, double enough, Local except = StarViews::kNobody);
-    double star_quality(Local node, double enough) const;
-    double known_star_quality(Local node) const;
-    Fit worst_fit(Local node) const;
 
-    const Surfaces* surfaces_;
     BlockOptions options_;
     std::vector<ZoneNode> zone_node_;
-    Local loaded_ = 0;  ///< nodes of the zone; the others are new
-    std::vector<Point> points_;
-    std::vector<double> size_;  ///< per node: edge of the smallest leaf around it, in finest cells
-    double unit_ = 1;           ///< Zone::unit
-    double rounding_ = kVolumeRounding;
-    double most_sag_ = kMostSag;  ///< of a facet that a change makes
-    std::vector<std::uint8_t> free_;
+    Local loaded_ = 0;                  ///< nodes of the zone; the others are new
+    double most_sag_ = kMostSag;        ///< of a facet that a change makes
     std::vector<std::uint8_t> shared_;  ///< per node: other blocks have it, too
     std::vector<std::uint8_t> joined_;
     std::vector<std::uint8_t> tip_;  ///< 0, or 1 + place in tips_
     std::vector<Point> tips_;
-    std::vector<std::vector<std::uint32_t>> strata_;
     std::vector<Local> renewed_;  ///< nodes whose strata have changed
     bool may_merge_ = false;
     bool is_loose_ = false;  ///< nodes may leave their surfaces
     LooseStart* loose_start_ = nullptr;
-    std::vector<Tetrahedron> tetrahedra_;
-    std::vector<std::uint8_t> alive_;
     std::vector<Tetrahedron> original_;  ///< as they were loaded
     std::vector<Point> original_points_;
     std::uint32_t clock_ = 0;             ///< counts changes
     std::vector<std::uint32_t> changed_;  ///< per node: when its star changed last
     std::vector<std::uint32_t> rested_;   ///< per node: when it was last found in its best place, plus 1
     std::vector<std::uint32_t> tried_;    ///< per tetrahedron: when it was last tried in vain
-    std::vector<std::array<Local, 5>> pyramids_;
-    std::vector<std::vector<std::uint32_t>> star_;          ///< per node: its tetrahedra
-    std::vector<std::vector<std::uint32_t>> pyramid_star_;  ///< per node: its pyramids
-    FacetGrid grid_;                                        ///< of the outer boundary's
-    std::size_t most_listed_ = 0;                           ///< entries of it
+    FacetGrid grid_;                      ///< of the outer boundary's
+    std::size_t most_listed_ = 0;         ///< entries of it
     // Scratch of swells.
     std::vector<Room> room_before_, room_after_;
     std::vector<Room> start_room_;             ///< of the elements of a node that is to move
@@ -433,12 +403,11 @@ class Block {
         spokes_;                        ///< neighbour, surface of a facet at the edge to it
     std::array<CachedViews, 4> views_;  ///< asked last
     std::size_t next_views_ = 0;
-    std::uint64_t version_ = 0;            ///< counts changes, also those of the past that are undone
-    mutable std::uint64_t evaluated_ = 0;  ///< qualities computed
-    std::uint64_t most_evaluated_ = 0;     ///< until they are these,
-    std::uint64_t last_evaluation_ = 0;    ///< which are no more than these
-    std::uint64_t most_tried_ = 0;         ///< or so many searches are made, the block is worked on
-    unsigned looks_ = 0;                   ///< of look_now_and_then
+    std::uint64_t version_ = 0;          ///< counts changes, also those of the past that are undone
+    std::uint64_t most_evaluated_ = 0;   ///< until they are these,
+    std::uint64_t last_evaluation_ = 0;  ///< which are no more than these
+    std::uint64_t most_tried_ = 0;       ///< or so many searches are made, the block is worked on
+    unsigned looks_ = 0;                 ///< of look_now_and_then
 
     /// A change must lift the worst quality by this factor: kLeastGain, but for the first step of a trial.
     double least_gain_ = kLeastGain;

@@ -10,10 +10,9 @@ constexpr double kLongestEdge = 1.75;  ///< an edge that a collapse makes; longe
 /// The same where nodes are not repositioned: vertices of the grid, at ends of cells' diagonals (1.73), must
 /// snap outward. From 2 on facets would grow across vertices just below them.
 constexpr double kLongestStillEdge = 1.95;
-constexpr double kOffSurface = 2e-5;      ///< nodes that could not be projected are closer than that
-constexpr double kTinyFacet = 1e-3;       ///< a facet without a longer edge has no direction to speak of
-constexpr double kHopeless = 1e-3;        ///< elements this flat justify that narrow facets fold
-constexpr std::size_t kMostSurfaces = 8;  ///< that may have a crease in common
+constexpr double kOffSurface = 2e-5;  ///< nodes that could not be projected are closer than that
+constexpr double kTinyFacet = 1e-3;   ///< a facet without a longer edge has no direction to speak of
+constexpr double kHopeless = 1e-3;    ///< elements this flat justify that narrow facets fold
 /// Tetrahedra at a node; more, around a needle of the model, would take more time than they are worth.
 constexpr std::size_t kLargestStar = 512;
 constexpr double kEqual = 0.999999;
@@ -43,26 +42,6 @@ std::size_t Block::count_feature_edges(Local node) {
         i = end;
     }
     return count;
-}
-
-/// Whether the edge runs along everything that `gone` lies on.
-bool Block::edge_is_on_stratum(Local gone, Local kept) const {
-    const std::vector<std::uint32_t>& on = strata_[gone];
-    if (on.empty()) return true;
-    if (on.size() > kMostSurfaces) return false;
-    if (!std::includes(strata_[kept].begin(), strata_[kept].end(), on.begin(), on.end())) return false;
-    std::uint32_t seen[kMostSurfaces] = {};
-    for (const std::uint32_t i : star_[gone]) {
-        const Tetrahedron& t = tetrahedra_[i];
-        if (!has(t.node, kept)) continue;
-        for (std::size_t f = 0; f < 4; ++f) {
-            if (t.tag[f] == 0 || t.node[f] == gone || t.node[f] == kept) continue;
-            const std::uint32_t surface = tag_surface(t.tag[f]);
-            for (std::size_t k = 0; k < on.size(); ++k) seen[k] += surface == on[k] ? 1u : 0u;
-            if (std::find(on.begin(), on.end(), surface) == on.end()) return false;
-        }
-    }
-    return std::all_of(seen, seen + on.size(), [](std::uint32_t count) { return count > 0; });
 }
 
 /// Whether a node may be merged with a neighbour: the star of `gone` is one piece with manifold boundary, and
@@ -391,32 +370,9 @@ bool Block::ear_leaves_crease(std::uint32_t ear, std::size_t gone, std::size_t s
     return facets == 1 && (same || merges);
 }
 
-bool Block::examine_collapse(Local gone, Local kept, bool good_will_do, double better_than, Change& change) {
-    if (free_[gone] == 0 || joined_[gone] != 0 || tip_[gone] != 0) return false;
-    if (!options_.change_boundary && !strata_[gone].empty()) return false;
-    if (star_[gone].size() > kLargestStar || star_[kept].size() > kLargestStar) return false;
-    if (star_[gone].size() == 1) return examine_ear(gone, change);
-    const bool merges = !edge_is_on_stratum(gone, kept);
-    if (merges && !may_merge(gone, kept)) return false;
-    change.clear();
-    change.collapse = true;
-    change.merge = merges;
-    change.gone = gone;
-    change.kept = kept;
-    entries_.clear();
-    const bool on_surface = !strata_[gone].empty();
-    CachedViews& seen = views(gone);
-    change.before = seen.worst;
-    // A short edge may go if nothing gets worse: the mesh gets simpler, and other changes get room.
-    const bool is_short = is_short_edge(gone, kept);
-    const double gain = is_short && !merges ? kEqual : kLeastGain;
-    // What is flatter than allowed goes node by node: the others may stay so.
-    change.needed = std::max(change.before * std::min(least_gain_, gain),
-                             change.before < kLowestQuality ? 0 : kLowestQuality);
-    if (good_will_do) change.needed = std::min(change.needed, options_.target);
-    change.needed = std::max(change.needed, better_than);
-    change.after = quality_at(seen.views, points_[kept], change.needed, kept);
-    if (!(change.after > change.needed)) return false;
+/// What a collapse removes, adds and tags anew; false if two sheets would meet, or an edge would become too
+/// long.
+bool Block::list_collapse(Local gone, Local kept, const CachedViews& seen, Change& change) {
     const double longest = (options_.reposition ? kLongestEdge : kLongestStillEdge) * size_[gone];
     const double most_squared = std::max(longest * longest, seen.squared_reach);
     change.removed = star_[gone];
@@ -455,8 +411,47 @@ bool Block::examine_collapse(Local gone, Local kept, bool good_will_do, double b
             }
         }
     }
-    if (change.added.empty()) return false;
-    if (!links_allow(gone, kept)) return false;
+    return !change.added.empty();
+}
+
+/// The crease's next node on the other side: whether its new edge stays close to both surfaces.
+bool Block::crease_stays_close(Local gone, Local kept) const {
+    for (const std::uint32_t i : star_[gone]) {
+        for (const Local n : tetrahedra_[i].node) {
+            if (n == gone || n == kept || strata_[n].size() < 2 || !edge_is_on_stratum(gone, n)) continue;
+            if (!chord_is_close(gone, n, kept)) return false;
+        }
+    }
+    return true;
+}
+
+bool Block::examine_collapse(Local gone, Local kept, bool good_will_do, double better_than, Change& change) {
+    if (free_[gone] == 0 || joined_[gone] != 0 || tip_[gone] != 0) return false;
+    if (!options_.change_boundary && !strata_[gone].empty()) return false;
+    if (star_[gone].size() > kLargestStar || star_[kept].size() > kLargestStar) return false;
+    if (star_[gone].size() == 1) return examine_ear(gone, change);
+    const bool merges = !edge_is_on_stratum(gone, kept);
+    if (merges && !may_merge(gone, kept)) return false;
+    change.clear();
+    change.collapse = true;
+    change.merge = merges;
+    change.gone = gone;
+    change.kept = kept;
+    entries_.clear();
+    const bool on_surface = !strata_[gone].empty();
+    CachedViews& seen = views(gone);
+    change.before = seen.worst;
+    // A short edge may go if nothing gets worse: the mesh gets simpler, and other changes get room.
+    const bool is_short = is_short_edge(gone, kept);
+    const double gain = is_short && !merges ? kEqual : kLeastGain;
+    // What is flatter than allowed goes node by node: the others may stay so.
+    change.needed = std::max(change.before * std::min(least_gain_, gain),
+                             change.before < kLowestQuality ? 0 : kLowestQuality);
+    if (good_will_do) change.needed = std::min(change.needed, options_.target);
+    change.needed = std::max(change.needed, better_than);
+    change.after = quality_at(seen.views, points_[kept], change.needed, kept);
+    if (!(change.after > change.needed)) return false;
+    if (!list_collapse(gone, kept, seen, change) || !links_allow(gone, kept)) return false;
     if (!on_surface) {
         tag_added(change, entries_);
         return true;
@@ -468,14 +463,7 @@ bool Block::examine_collapse(Local gone, Local kept, bool good_will_do, double b
     if (strata_[gone].size() > 1 && !is_free) {
         const bool is_crease = count_feature_edges(gone) == 2;
         if (!is_crease && !merges) return false;  // a corner, or where a crease ends
-        // The crease's next node on the other side: its new edge must stay close to both surfaces.
-        for (const std::uint32_t i : star_[gone]) {
-            const Tetrahedron& t = tetrahedra_[i];
-            for (const Local n : t.node) {
-                if (n == gone || n == kept || strata_[n].size() < 2 || !edge_is_on_stratum(gone, n)) continue;
-                if (is_crease && !chord_is_close(gone, n, kept)) return false;
-            }
-        }
+        if (is_crease && !crease_stays_close(gone, kept)) return false;
     }
     tag_added(change, entries_);
     if ((merges || is_curved(strata_[gone])) && swells(change)) return false;

@@ -160,15 +160,7 @@ void Improver::pass(int number, Effort effort, Counters& counters) {
     }
     for (std::size_t g = 0; g < groups_.size(); ++g) {
         if (counted[g].given_up == 0) zone_.set_strata(strata[g]);
-        counters.block.collapsed += counted[g].collapsed;
-        counters.block.merged += counted[g].merged;
-        counters.block.swapped += counted[g].swapped;
-        counters.block.moved += counted[g].moved;
-        counters.block.split += counted[g].split;
-        counters.block.compound += counted[g].compound;
-        counters.block.tried += counted[g].tried;
-        counters.block.repeated += counted[g].repeated;
-        counters.block.given_up += counted[g].given_up;
+        counters.block.add(counted[g]);
     }
     zone_.tetrahedra = std::move(all);
 }

@@ -36,23 +36,6 @@ void Block::note_tetrahedron(std::uint32_t tetrahedron) {
     running_.before = std::min(running_.before, tetrahedra_[tetrahedron].quality);
 }
 
-/// How far the middle of a facet of the element is from its curved surface, in edges of the smallest leaf.
-double Block::worst_sag(std::uint32_t tetrahedron) const {
-    const Tetrahedron& t = tetrahedra_[tetrahedron];
-    double worst = 0;
-    for (std::size_t f = 0; f < 4; ++f) {
-        if (t.tag[f] == 0 || is_plane(tag_surface(t.tag[f]))) continue;
-        const auto& o = kOpposite[f];
-        const Local n[3] = {t.node[o[0]], t.node[o[1]], t.node[o[2]]};
-        const Surfaces::Sample s = surfaces_->sample(
-            tag_surface(t.tag[f]), (1.0 / 3) * (points_[n[0]] + points_[n[1]] + points_[n[2]]));
-        if (!s.valid) continue;
-        const double size = std::min({size_[n[0]], size_[n[1]], size_[n[2]]});
-        worst = std::max(worst, std::fabs(s.value) / (length(s.gradient) * size));
-    }
-    return worst;
-}
-
 /// Whether the facets that have been touched are as close to their surfaces as they were, or close enough.
 bool Block::trial_stays_close() const {
     const double limit = std::max(running_.sag, kMostTrialSag);
@@ -200,17 +183,6 @@ bool Block::look_ahead(std::uint32_t tetrahedron) {
     }
     least_gain_ = kLeastGain;
     return false;
-}
-
-std::size_t Block::count_alive() const {
-    return static_cast<std::size_t>(std::count(alive_.begin(), alive_.end(), 1));
-}
-
-std::size_t Block::count_below(double quality) const {
-    std::size_t count = 0;
-    for (std::size_t i = 0; i < tetrahedra_.size(); ++i)
-        count += alive_[i] != 0 && tetrahedra_[i].quality < quality ? 1 : 0;
-    return count;
 }
 
 bool Block::is_hopeless() const { return count_poor() > kFewPoor + original_.size() / kTetrahedraPerPoor; }

@@ -6,21 +6,18 @@
 #pragma once
 
 #include <array>
-#include <cmath>
+
+#include "host/common/vec3.hpp"
 
 namespace mortise::improve {
 
-using Point = std::array<double, 3>;
+using Point = Vec3;
+using mortise::cross;  // beside those of quality_formula.hpp
+using mortise::dot;
 
 inline Point operator-(const Point& a, const Point& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
 inline Point operator+(const Point& a, const Point& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
 inline Point operator*(double s, const Point& a) { return {s * a[0], s * a[1], s * a[2]}; }
-inline double dot(const Point& a, const Point& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-inline Point cross(const Point& a, const Point& b) {
-    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-inline double squared_length(const Point& a) { return dot(a, a); }
-inline double length(const Point& a) { return std::sqrt(dot(a, a)); }
 
 inline constexpr double kGoodQuality = 0.309;     ///< sin 18°
 inline constexpr double kObtuseWeight = 0.7312;   ///< sin 18° / sin 155°

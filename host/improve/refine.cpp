@@ -198,19 +198,6 @@ double Block::asked_length(const std::vector<Seed>& seeds, const Point& at, doub
     return asked;
 }
 
-/// Nodes at the other ends of a node's edges, ascending.
-std::vector<Block::Local> Block::neighbours(Local node) const {
-    std::vector<Local> result;
-    for (const std::uint32_t i : star_[node]) {
-        for (const Local n : tetrahedra_[i].node) {
-            if (n != node) result.push_back(n);
-        }
-    }
-    std::sort(result.begin(), result.end());
-    result.erase(std::unique(result.begin(), result.end()), result.end());
-    return result;
-}
-
 /// Splits edges around poor elements that are longer than these ask for. Returns how many were split, 0 if
 /// that would be too many.
 std::size_t Block::split_long_edges(const std::vector<std::uint32_t>& members, double edge_per_height) {
@@ -254,14 +241,6 @@ std::size_t Block::split_long_edges(const std::vector<std::uint32_t>& members, d
         visit(middle);
     }
     return count <= most ? count : 0;
-}
-
-bool Block::share_tetrahedron(Local a, Local b) const {
-    const auto& star = star_[a];
-    return std::any_of(star.begin(), star.end(), [&](std::uint32_t i) {
-        const auto& n = tetrahedra_[i].node;
-        return std::find(n.begin(), n.end(), b) != n.end();
-    });
 }
 
 /// What a cluster has become, compared with what it was in `before`.

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <utility>
 
 #include "host/improve/block.hpp"
 
@@ -15,8 +16,10 @@ constexpr double kCluster = 0.05;       ///< shortest per mean edge
 constexpr double kSame = 1 - 1e-12;     ///< a quality that is not lower, but for rounding
 constexpr double kLeastRelief = 0.999;  ///< what is left of a shortfall
 
+}  // namespace
+
 /// What the elements around a node have with its best place so far, and what they need at a better one.
-struct Goal {
+struct Block::Goal {
     bool is_sum;       ///< Wish::kAllBetter
     double worst;      ///< quality of the worst element
     double lowest;     ///< of a sum: no element may be worse
@@ -26,48 +29,6 @@ struct Goal {
     bool is_nearer(double left) const { return !is_sum || left < shortfall * kLeastRelief; }
     bool is_met(double target) const { return is_sum ? !(shortfall > 0) : worst >= target; }
 };
-
-}  // namespace
-
-double Block::star_quality(Local node, double enough) const {
-    double worst = 2;
-    for (const std::uint32_t i : star_[node]) {
-        worst = std::min(worst, quality(tetrahedra_[i].node));
-        if (!(worst > enough)) return worst;
-    }
-    for (const std::uint32_t i : pyramid_star_[node]) {
-        worst = std::min(worst, pyramid_quality(corners(pyramids_[i])));
-        if (!(worst > enough)) return worst;
-    }
-    return worst;
-}
-
-/// The same, all of it, where no node has moved since the tetrahedra were last evaluated.
-double Block::known_star_quality(Local node) const {
-    double worst = 2;
-    for (const std::uint32_t i : star_[node]) worst = std::min(worst, tetrahedra_[i].quality);
-    for (const std::uint32_t i : pyramid_star_[node])
-        worst = std::min(worst, pyramid_quality(corners(pyramids_[i])));
-    return worst;
-}
-
-/// Smallest cosine between the node's facets on curved surfaces and those surfaces, whichever way both point,
-/// and the largest distance.
-Block::Fit Block::worst_fit(Local node) const {
-    Fit worst = {1, 0};
-    for (const std::uint32_t i : star_[node]) {
-        const Tetrahedron& t = tetrahedra_[i];
-        for (std::size_t f = 0; f < 4; ++f) {
-            if (t.tag[f] == 0 || t.node[f] == node || is_plane(tag_surface(t.tag[f]))) continue;
-            const auto& o = kOpposite[f];
-            const Fit here = fit(tag_surface(t.tag[f]), points_[t.node[o[0]]], points_[t.node[o[1]]],
-                                 points_[t.node[o[2]]]);
-            worst.alignment = std::min(worst.alignment, std::fabs(here.alignment));
-            worst.sag = std::max(worst.sag, here.sag);
-        }
-    }
-    return worst;
-}
 
 /// Nodes of the certificate lie on their surfaces to within the chords of curved creases: puts them there.
 /// Where a mesh touches itself, two nodes may have the same target: they stay. False if a node had to stay
@@ -176,18 +137,6 @@ double Block::quality_at(StarViews& views, const Point& p, double enough, Local 
     return worst;
 }
 
-/// Places of the nodes next to one on a crease.
-std::vector<Point> Block::crease_neighbours(Local node) const {
-    std::vector<Point> found;
-    for (const std::uint32_t i : star_[node]) {
-        for (const Local n : tetrahedra_[i].node) {
-            if (n != node && strata_[n].size() > 1 && edge_is_on_stratum(node, n))
-                found.push_back(points_[n]);
-        }
-    }
-    return found;
-}
-
 /// Ways in which a node may move along its stratum. `away`: from the face opposite it in its worst element.
 /// False if its surfaces do not tell.
 bool Block::find_directions(Local node, const Point& away, Directions& found) const {
@@ -239,31 +188,99 @@ double Block::shortfall(const StarViews& seen) const {
     return sum;
 }
 
-bool Block::smooth(Local node, Wish wish) {
-    const bool relaxes = wish == Wish::kAllBetter;
-    const std::vector<std::uint32_t>& on = strata_[node];
-    if (free_[node] == 0 || tip_[node] != 0 || star_[node].empty()) return false;
-    if (!on.empty() && !options_.move_boundary) return false;
-    if (relaxes ? !pyramid_star_[node].empty() : rested_[node] > changed_[node]) return false;
-    const bool is_corner = on.size() > 2 || (on.size() == 2 && count_feature_edges(node) != 2);
-    if (is_corner && (relaxes || !is_loose_)) return false;
-    if (!relaxes) rested_[node] = clock_ + 1;
-    const double worst_now = known_star_quality(node);
-    if (worst_now >= options_.target) return false;
-    StarViews& seen = views(node).views;
-    const double lowest = options_.raised_from > 0 ? std::min(worst_now, options_.raised_from) : worst_now;
-    Goal goal{relaxes, worst_now, lowest, 0};
-    if (relaxes) {
-        quality_at(seen, points_[node], kInvertedQuality);
-        goal.shortfall = shortfall(seen);
+/// The search for a better place of one node, which moves as it goes on.
+class Block::PlaceSearch {
+  public:
+    /// `around`: of the star where the node starts.
+    PlaceSearch(Block& block, Local node, Goal goal, const StarSize& around)
+        : block_(block), node_(node), on_(block.strata_[node]), goal_(goal), views_(block.views(node).views) {
+        const double size = block.size_[node];
+        if (on_.size() == 2 && !block.is_loose_) beside_ = block.crease_neighbours(node);
+        // A crease that loses node after node to the improvement of what lies beside it must not be stretched
+        // for that: elements on its long edges would be as flat as its surfaces are curved, and nothing could
+        // help.
+        most_stretched_ = std::max(kLongestCreaseEdge * size, longest_to(place()));
+        const Fit before = on_.empty() ? Fit{} : block.worst_fit(node);
+        least_alignment_ = std::min(kLeastAlignment, before.alignment);
+        most_sag_ = std::max(block.most_sag_ * size, before.sag);
+        block.start_room_.clear();
+        may_swell_ = block.is_curved(on_) || (block.is_loose_ && !on_.empty());
+        moved_ = on_.size() < 2 && attempt(0.5 * (place() + around.mean));
     }
 
-    Point mean = {0, 0, 0};
-    double size = 0;
-    double shortest = kLongest;
+    /// Steps in these directions, of this length and of halves of it.
+    void run(const Directions& directions, double step) {
+        for (int h = 0; h < kHalvings && !goal_.is_met(block_.options_.target); ++h, step *= 0.5) {
+            for (std::size_t d = 0; d < directions.count; ++d) {
+                if (!attempt(place() + step * directions.at[d])) continue;
+                moved_ = true;
+                attempt(place() + step * directions.at[d]);  // once more the same way, while it helps
+            }
+        }
+    }
+
+    bool has_moved() const { return moved_; }
+
+  private:
+    const Point& place() const { return block_.points_[node_]; }
+
+    double longest_to(const Point& p) const {
+        double longest = 0;
+        for (const Point& q : beside_) longest = std::max(longest, length(q - p));
+        return longest;
+    }
+
+    /// Puts the node at its place on its stratum nearest to `candidate`, if that is nearer to the goal.
+    bool attempt(const Point& candidate) {
+        Point p = candidate;
+        const bool reaches =
+            on_.empty() ||
+            (block_.is_loose_ ? block_.is_within_reach(node_, p)
+                              : block_.surfaces_->project(on_.data(), on_.size(), block_.size_[node_], &p));
+        if (!reaches || longest_to(p) > most_stretched_) return false;
+        const double needed = goal_.needed();
+        double value = block_.quality_at(views_, p, needed);
+        if (!(value > needed)) return false;
+        const double left = goal_.is_sum ? block_.shortfall(views_) : 0;
+        if (!goal_.is_nearer(left)) return false;
+        if (may_swell_ && block_.start_room_.empty()) block_.gather_room(node_, block_.start_room_);
+        const Point from = std::exchange(block_.points_[node_], p);
+        if (!block_.pyramid_star_[node_].empty()) value = block_.star_quality(node_, needed);
+        if (value > needed && fits()) {
+            goal_.worst = value;
+            goal_.shortfall = left;
+            return true;
+        }
+        block_.points_[node_] = from;
+        return false;
+    }
+
+    /// Whether the facets around the node, where it is now, are as they should be.
+    bool fits() {
+        if (on_.empty()) return true;
+        if (may_swell_ && block_.star_swells(node_)) return false;
+        const Fit now = block_.worst_fit(node_);
+        return now.alignment >= least_alignment_ && now.sag <= most_sag_ && !block_.facets_cross(node_);
+    }
+
+    Block& block_;
+    const Local node_;
+    const std::vector<std::uint32_t>& on_;  ///< stratum
+    Goal goal_;
+    StarViews& views_;
+    std::vector<Point> beside_;  ///< neighbours on a crease
+    double most_stretched_ = 0;
+    double least_alignment_ = 0;
+    double most_sag_ = 0;
+    bool may_swell_ = false;
+    bool moved_ = false;
+};
+
+/// Sizes of the star of a node, and where its worst element wants it.
+Block::StarSize Block::measure_star(Local node) const {
+    StarSize star;
+    star.shortest = kLongest;
     double count = 0;
-    const Point start = points_[node];
-    Point away = {0, 0, 0};  // from the face opposite the node in its worst element
     double worst = 2;
     for (const std::uint32_t i : star_[node]) {
         const Tetrahedron& t = tetrahedra_[i];
@@ -272,89 +289,62 @@ bool Block::smooth(Local node, Wish wish) {
                 if (t.quality >= worst) continue;
                 worst = t.quality;
                 const auto& o = kOpposite[k];
-                away = cross(points_[t.node[o[2]]] - points_[t.node[o[0]]],
-                             points_[t.node[o[1]]] - points_[t.node[o[0]]]);
+                star.away = cross(points_[t.node[o[2]]] - points_[t.node[o[0]]],
+                                  points_[t.node[o[1]]] - points_[t.node[o[0]]]);
                 continue;
             }
-            mean = mean + points_[t.node[k]];
-            const double edge = length(points_[t.node[k]] - start);
-            size += edge;
-            shortest = std::min(shortest, edge);
+            star.mean = star.mean + points_[t.node[k]];
+            const double edge = length(points_[t.node[k]] - points_[node]);
+            star.edge += edge;
+            star.shortest = std::min(star.shortest, edge);
             count += 1;
         }
     }
-    mean = (1 / count) * mean;
-    size /= count;
-    const double norm = length(away);
-    if (norm > 0) away = (1 / norm) * away;
+    star.mean = (1 / count) * star.mean;
+    star.edge /= count;
+    const double norm = length(star.away);
+    if (norm > 0) star.away = (1 / norm) * star.away;
+    return star;
+}
 
-    Directions direction;
-    if (!find_directions(node, away, direction)) return false;
-    const std::vector<Point> beside =
-        on.size() == 2 && !is_loose_ ? crease_neighbours(node) : std::vector<Point>{};
-    const auto longest_to = [&](const Point& p) {
-        double longest = 0;
-        for (const Point& q : beside) longest = std::max(longest, length(q - p));
-        return longest;
-    };
-    // A crease that loses node after node to the improvement of what lies beside it must not be stretched for
-    // that: elements on its long edges would be as flat as its surfaces are curved, and nothing could help.
-    const double most_stretched = std::max(kLongestCreaseEdge * size_[node], longest_to(start));
-    const Fit before = on.empty() ? Fit{} : worst_fit(node);
-    const double least_alignment = std::min(kLeastAlignment, before.alignment);
-    const double most_sag = std::max(most_sag_ * size_[node], before.sag);
-    start_room_.clear();
-    const bool may_swell = is_curved(on) || (is_loose_ && !on.empty());
-    const auto fits = [&] {
-        if (on.empty()) return true;
-        if (may_swell && star_swells(node)) return false;
-        const Fit now = worst_fit(node);
-        return now.alignment >= least_alignment && now.sag <= most_sag && !facets_cross(node);
-    };
-    const auto attempt = [&](const Point& from, const Point& candidate) {
-        Point p = candidate;
-        const bool reaches =
-            on.empty() || (is_loose_ ? is_within_reach(node, p)
-                                     : surfaces_->project(on.data(), on.size(), size_[node], &p));
-        if (!reaches || longest_to(p) > most_stretched) return false;
-        const double needed = goal.needed();
-        double value = quality_at(seen, p, needed);
-        if (!(value > needed)) return false;
-        const double left = relaxes ? shortfall(seen) : 0;
-        if (!goal.is_nearer(left)) return false;
-        if (may_swell && start_room_.empty()) gather_room(node, start_room_);
-        points_[node] = p;
-        if (!pyramid_star_[node].empty()) value = star_quality(node, needed);
-        if (value > needed && fits()) {
-            goal.worst = value;
-            goal.shortfall = left;
-            return true;
-        }
-        points_[node] = from;
-        return false;
-    };
+/// Whether smooth() is to look for another place of a node.
+bool Block::may_smooth(Local node, Wish wish) {
+    const bool relaxes = wish == Wish::kAllBetter;
+    const std::vector<std::uint32_t>& on = strata_[node];
+    if (free_[node] == 0 || tip_[node] != 0 || star_[node].empty()) return false;
+    if (!on.empty() && !options_.move_boundary) return false;
+    if (relaxes ? !pyramid_star_[node].empty() : rested_[node] > changed_[node]) return false;
+    const bool is_corner = on.size() > 2 || (on.size() == 2 && count_feature_edges(node) != 2);
+    return !is_corner || (!relaxes && is_loose_);
+}
 
-    bool moved = on.size() < 2 && attempt(start, 0.5 * (start + mean));
-    const auto search = [&](double step, int halvings) {
-        for (int h = 0; h < halvings && !goal.is_met(options_.target); ++h, step *= 0.5) {
-            for (std::size_t d = 0; d < direction.count; ++d) {
-                const Point from = points_[node];
-                if (!attempt(from, from + step * direction.at[d])) continue;
-                moved = true;
-                // Once more the same way, while it helps.
-                const Point next = points_[node];
-                attempt(next, next + step * direction.at[d]);
-            }
-        }
-    };
-    const double most = is_loose_ && !on.empty() ? loose_start_->reach * size_[node] : kLongest;
-    search(std::min(kFirstStep * size, most), kHalvings);
+bool Block::smooth(Local node, Wish wish) {
+    if (!may_smooth(node, wish)) return false;
+    const bool relaxes = wish == Wish::kAllBetter;
+    if (!relaxes) rested_[node] = clock_ + 1;
+    const double worst = known_star_quality(node);
+    if (worst >= options_.target) return false;
+    const double lowest = options_.raised_from > 0 ? std::min(worst, options_.raised_from) : worst;
+    Goal goal{relaxes, worst, lowest, 0};
+    if (relaxes) {
+        StarViews& seen = views(node).views;
+        quality_at(seen, points_[node], kInvertedQuality);
+        goal.shortfall = shortfall(seen);
+    }
+    const StarSize star = measure_star(node);
+    Directions directions;
+    if (!find_directions(node, star.away, directions)) return false;
+    const Point start = points_[node];
+    PlaceSearch search(*this, node, goal, star);
+    const bool is_on_leash = is_loose_ && !strata_[node].empty();
+    const double most = is_on_leash ? loose_start_->reach * size_[node] : kLongest;
+    search.run(directions, std::min(kFirstStep * star.edge, most));
     // In a cluster of nodes the scale is that of the cluster.
-    if (!moved && shortest < kCluster * size) search(0.5 * shortest, kHalvings);
-    if (!moved) return false;
+    if (!search.has_moved() && star.shortest < kCluster * star.edge)
+        search.run(directions, 0.5 * star.shortest);
+    if (!search.has_moved()) return false;
     if (running_.on) {
-        const Point end = points_[node];
-        points_[node] = start;
+        const Point end = std::exchange(points_[node], start);
         note_move(node);
         points_[node] = end;
     }
@@ -363,7 +353,7 @@ bool Block::smooth(Local node, Wish wish) {
     ++version_;
     divide_shares(node);
     touch(node);
-    if (!on.empty()) {
+    if (!strata_[node].empty()) {
         for (const std::uint32_t i : star_[node]) list_facets(i);
     }
     for (const std::uint32_t i : star_[node]) tetrahedra_[i].quality = quality(tetrahedra_[i].node);

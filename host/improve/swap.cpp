@@ -95,17 +95,19 @@ bool Block::fill_polygon(const std::vector<Local>& polygon, Local a, Local b, st
     return true;
 }
 
-bool Block::examine_edge_removal(Local a, Local b, double better_than, Change& change) {
-    if (!gather_ring(a, b, kLongestRing, ring_)) return false;
+/// Enters the ring's tetrahedra as removed, their outer facets as entries_, and where the tagged faces at the
+/// edge are. False if these are not of one surface, more than two, or at the block's border.
+bool Block::read_ring(Local a, Local b, Change& change, RingCuts& cuts) {
     const std::size_t count = ring_.tetrahedra.size();
     const std::size_t nodes = ring_.nodes.size();
-    change.clear();
-    entries_.clear();
-    // Tagged faces at the edge, as places in the ring: face k lies between tetrahedra k - 1 and k.
-    std::size_t cut[2] = {0, 0};
-    std::size_t cuts = 0;
-    std::uint32_t surface = 0;
-    bool on_interface = false;
+    const auto note = [&](FaceTag tag, std::size_t at) {
+        if (cuts.count == 2 || (tag & kTagBorder) != 0) return false;
+        if (cuts.count == 1 && tag_surface(tag) != cuts.surface) return false;
+        cuts.surface = tag_surface(tag);
+        cuts.on_interface = cuts.on_interface || (tag & kTagInterface) != 0;
+        cuts.at[cuts.count++] = at;
+        return true;
+    };
     for (std::size_t k = 0; k < count; ++k) {
         const std::uint32_t i = ring_.tetrahedra[k];
         const Tetrahedron& t = tetrahedra_[i];
@@ -115,41 +117,19 @@ bool Block::examine_edge_removal(Local a, Local b, double better_than, Change& c
         const Local d = ring_.nodes[(k + 1) % nodes];
         const FaceTag first = tag_of(i, a, b, c);
         const FaceTag last = tag_of(i, a, b, d);
-        if (first != 0) {
-            if (cuts == 2 || (first & kTagBorder) != 0) return false;
-            if (cuts == 1 && tag_surface(first) != surface) return false;
-            surface = tag_surface(first);
-            on_interface = on_interface || (first & kTagInterface) != 0;
-            cut[cuts++] = k;
-        }
-        if (last != 0 && !ring_.closed && k + 1 == count) {
-            if (cuts == 2 || (last & kTagBorder) != 0) return false;
-            if (cuts == 1 && tag_surface(last) != surface) return false;
-            surface = tag_surface(last);
-            on_interface = on_interface || (last & kTagInterface) != 0;
-            cut[cuts++] = k + 1;
-        }
+        if (first != 0 && !note(first, k)) return false;
+        if (last != 0 && !ring_.closed && k + 1 == count && !note(last, k + 1)) return false;
         for (const Local apex : {a, b}) {
             const FaceTag tag = tag_of(i, apex, c, d);
             if (tag != 0) entries_.push_back({sorted_face({apex, c, d}), t.region, tag});
         }
     }
-    change.needed = std::max(std::max(change.before * least_gain_, kLowestQuality), better_than);
-    if (ring_.closed && cuts == 0) {
-        if (nodes < 3) return false;
-        if (!fill_polygon(ring_.nodes, a, b, tetrahedra_[ring_.tetrahedra[0]].region, change)) return false;
-        tag_added(change, entries_);
-        return true;
-    }
-    if (cuts != 2 || !options_.change_boundary) return false;
-    // An open ring must end at the outer boundary on both sides: at an interface, the rest of the ring
-    // belongs to another block.
-    if (!ring_.closed && (cut[0] != 0 || cut[1] != count || on_interface)) return false;
-    const Local p = ring_.nodes[cut[0]];
-    const Local q = ring_.nodes[cut[1] % nodes];
-    // The new edge pq must be new to the surface, and its facets must lie as well on it as the old ones.
-    if (free_[p] == 0 && free_[q] == 0) return false;
-    const bool peels = std::min(cut[1] - cut[0], count - (cut[1] - cut[0])) == 1 || count == 1;
+    return true;
+}
+
+/// Whether no facet has the edge pq, and no tetrahedron but those that go, unless the edge is there already
+/// since a single tetrahedron between two facets goes.
+bool Block::is_new_on_surface(Local p, Local q, bool peels, const Change& change) const {
     for (const std::uint32_t i : star_[free_[p] != 0 ? p : q]) {
         const Tetrahedron& t = tetrahedra_[i];
         const auto ip = static_cast<std::size_t>(std::find(t.node.begin(), t.node.end(), p) - t.node.begin());
@@ -161,6 +141,11 @@ bool Block::examine_edge_removal(Local a, Local b, double better_than, Change& c
             if (f != ip && f != iq && t.tag[f] != 0) return false;
         }
     }
+    return true;
+}
+
+/// Whether the facets apq and bpq lie as well on the surface as abp and abq do.
+bool Block::flip_fits(std::uint32_t surface, Local a, Local b, Local p, Local q) const {
     const auto on = [&](Local n) {
         return std::find(strata_[n].begin(), strata_[n].end(), surface) != strata_[n].end();
     };
@@ -172,39 +157,72 @@ bool Block::examine_edge_removal(Local a, Local b, double better_than, Change& c
         std::min(kLeastAlignment, std::min(sign * old_first.alignment, sign * old_last.alignment));
     const double most_sag = std::max({most_sag_ * std::min(size_[a], size_[b]), old_first.sag, old_last.sag});
     const auto fits = [&](const Fit& f) { return sign * f.alignment >= limit && f.sag <= most_sag; };
-    if (!fits(fit(surface, points_[a], points_[q], points_[p]))) return false;
-    if (!fits(fit(surface, points_[b], points_[p], points_[q]))) return false;
+    return fits(fit(surface, points_[a], points_[q], points_[p])) &&
+           fits(fit(surface, points_[b], points_[p], points_[q]));
+}
+
+/// A single tetrahedron abpq with both facets at ab goes: its other faces become facets of what is beyond.
+bool Block::peel(std::uint32_t tetrahedron, Local a, Local b, Local p, Local q, FaceTag tag,
+                 Change& change) const {
+    for (const Local apex : {a, b}) {
+        if (tag_of(tetrahedron, apex, p, q) != 0) return false;
+        const Local away = apex == a ? b : a;
+        const auto& n = tetrahedra_[tetrahedron].node;
+        const auto f = static_cast<std::size_t>(std::find(n.begin(), n.end(), away) - n.begin());
+        const std::uint32_t other = across(tetrahedron, f);
+        if (other == kNone) return false;
+        for (std::uint32_t k = 0; k < 4; ++k) {
+            const Local m = tetrahedra_[other].node[k];
+            if (m != apex && m != p && m != q) change.retagged.push_back({other, k, tag});
+        }
+    }
+    return true;
+}
+
+bool Block::examine_edge_removal(Local a, Local b, double better_than, Change& change) {
+    if (!gather_ring(a, b, kLongestRing, ring_)) return false;
+    const std::size_t count = ring_.tetrahedra.size();
+    const std::size_t nodes = ring_.nodes.size();
+    change.clear();
+    entries_.clear();
+    RingCuts cuts;
+    if (!read_ring(a, b, change, cuts)) return false;
+    change.needed = std::max(std::max(change.before * least_gain_, kLowestQuality), better_than);
+    if (ring_.closed && cuts.count == 0) {
+        if (nodes < 3) return false;
+        if (!fill_polygon(ring_.nodes, a, b, tetrahedra_[ring_.tetrahedra[0]].region, change)) return false;
+        tag_added(change, entries_);
+        return true;
+    }
+    if (cuts.count != 2 || !options_.change_boundary) return false;
+    // An open ring must end at the outer boundary on both sides: at an interface, the rest of the ring
+    // belongs to another block.
+    if (!ring_.closed && (cuts.at[0] != 0 || cuts.at[1] != count || cuts.on_interface)) return false;
+    const Local p = ring_.nodes[cuts.at[0]];
+    const Local q = ring_.nodes[cuts.at[1] % nodes];
+    if (free_[p] == 0 && free_[q] == 0) return false;
+    const std::size_t between = cuts.at[1] - cuts.at[0];
+    const bool peels = std::min(between, count - between) == 1 || count == 1;
+    if (!is_new_on_surface(p, q, peels, change) || !flip_fits(cuts.surface, a, b, p, q)) return false;
     std::vector<Local> fan;
     for (int side = 0; side < (ring_.closed ? 2 : 1); ++side) {
-        const std::size_t begin = cut[side];
-        const std::size_t end = side == 0 ? cut[1] : cut[0] + count;
+        const std::size_t begin = cuts.at[side];
+        const std::size_t end = side == 0 ? cuts.at[1] : cuts.at[0] + count;
         fan.clear();
         for (std::size_t k = begin; k <= end; ++k) fan.push_back(ring_.nodes[k % nodes]);
         const std::uint32_t first = ring_.tetrahedra[begin % count];
-        const std::uint16_t region = tetrahedra_[first].region;
         const FaceTag tag = tag_of(first, a, b, p == fan.front() ? p : q);
         if (fan.size() == 2) {
-            // A single tetrahedron with both facets: it goes, and its other faces become the facets.
-            for (const Local apex : {a, b}) {
-                if (tag_of(first, apex, p, q) != 0) return false;
-                const Local away = apex == a ? b : a;
-                const auto& n = tetrahedra_[first].node;
-                const auto f = static_cast<std::size_t>(std::find(n.begin(), n.end(), away) - n.begin());
-                const std::uint32_t other = across(first, f);
-                if (other == kNone) return false;
-                for (std::uint32_t k = 0; k < 4; ++k) {
-                    const Local m = tetrahedra_[other].node[k];
-                    if (m != apex && m != p && m != q) change.retagged.push_back({other, k, tag});
-                }
-            }
+            if (!peel(first, a, b, p, q, tag, change)) return false;
             continue;
         }
+        const std::uint16_t region = tetrahedra_[first].region;
         entries_.push_back({sorted_face({a, p, q}), region, tag});
         entries_.push_back({sorted_face({b, p, q}), region, tag});
         if (!fill_polygon(fan, a, b, region, change)) return false;
     }
     tag_added(change, entries_);
-    if (!is_plane(surface) && swells(change)) return false;
+    if (!is_plane(cuts.surface) && swells(change)) return false;
     return !crosses(change);
 }
 

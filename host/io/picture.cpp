@@ -9,6 +9,7 @@
 #include <limits>
 #include <string>
 
+#include "host/common/vec3.hpp"
 #include "host/io/formats.hpp"
 #include "host/io/raster.hpp"
 #include "mortise/error.hpp"
@@ -19,13 +20,12 @@ namespace {
 
 using io::Colour;
 using io::ScreenPoint;
-using Direction = std::array<double, 3>;
 
 constexpr int kSamples = 2;
 constexpr int kMaxSize = 16384;
 constexpr double kMargin = 0.04;  // of the picture, on each side
-constexpr Direction kTowardsEye = {1.0, -1.3, 0.9};
-constexpr Direction kTowardsLight = {0.25, -0.75, 1.0};
+constexpr Vec3 kTowardsEye = {1.0, -1.3, 0.9};
+constexpr Vec3 kTowardsLight = {0.25, -0.75, 1.0};
 
 /// Colours of surfaces, by index; muted, and neighbours easy to tell apart.
 constexpr std::array<Colour, 12> kPalette = {{{0.48f, 0.67f, 0.85f},
@@ -41,16 +41,6 @@ constexpr std::array<Colour, 12> kPalette = {{{0.48f, 0.67f, 0.85f},
                                               {0.60f, 0.66f, 0.72f},
                                               {0.80f, 0.55f, 0.38f}}};
 
-double dot(const Direction& a, const Direction& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-Direction cross(const Direction& a, const Direction& b) {
-    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-Direction minus(const Direction& a, const Direction& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
-Direction unit(const Direction& a) {
-    const double length = std::sqrt(dot(a, a));
-    return length > 0 ? Direction{a[0] / length, a[1] / length, a[2] / length} : a;
-}
-
 /// Palette colour; every round through the palette is a little darker.
 Colour surface_colour(std::uint32_t surface) {
     const Colour base = kPalette[surface % kPalette.size()];
@@ -58,7 +48,7 @@ Colour surface_colour(std::uint32_t surface) {
     return {base.red * shade, base.green * shade, base.blue * shade};
 }
 
-Colour lit(const Colour& colour, const Direction& normal) {
+Colour lit(const Colour& colour, const Vec3& normal) {
     // Light from one side, a weaker reflection from the ground and the dark.
     const double facing = dot(normal, unit(kTowardsLight));
     const float light =
@@ -68,8 +58,8 @@ Colour lit(const Colour& colour, const Direction& normal) {
 
 /// Outward normal: half the cross product of the diagonals is the area vector, of a triangle too, whose last
 /// node is repeated.
-Direction normal(const std::array<Direction, 4>& p) {
-    return unit(cross(minus(p[2], p[0]), minus(p[3], p[1])));
+Vec3 normal(const std::array<Vec3, 4>& p) {
+    return unit(cross(difference(p[2], p[0]), difference(p[3], p[1])));
 }
 
 /// Maps model to picture so that the facets fill it.
@@ -83,7 +73,7 @@ class View {
         double low[3] = {infinity, infinity, infinity}, high[3] = {-infinity, -infinity, -infinity};
         for (const std::size_t facet : facets) {
             for (std::size_t k = 4 * facet; k < 4 * facet + 4; ++k) {
-                const Direction p = point(mesh.facets.nodes[k]);
+                const Vec3 p = point(mesh.facets.nodes[k]);
                 const double along[3] = {dot(p, right_), dot(p, up_), dot(p, eye_)};
                 for (int axis = 0; axis < 3; ++axis) {
                     low[axis] = std::min(low[axis], along[axis]);
@@ -100,19 +90,19 @@ class View {
         centre_[1] = 0.5 * height + scale_ * 0.5 * (low[1] + high[1]);
     }
 
-    Direction point(NodeId node) const {
+    Vec3 point(NodeId node) const {
         const double* p = mesh_.points.data() + 3 * static_cast<std::size_t>(node);
         return {p[0], p[1], p[2]};
     }
 
-    ScreenPoint screen(const Direction& p) const {
+    ScreenPoint screen(const Vec3& p) const {
         return {centre_[0] + scale_ * dot(p, right_), centre_[1] - scale_ * dot(p, up_),
                 depth_scale_ * (nearest_ - dot(p, eye_))};
     }
 
   private:
     const Mesh& mesh_;
-    Direction eye_{}, right_{}, up_{};
+    Vec3 eye_{}, right_{}, up_{};
     double scale_ = 1, depth_scale_ = 1, nearest_ = 0;
     double centre_[2] = {0, 0};
 };
@@ -154,7 +144,7 @@ void write_picture(const Mesh& mesh, const std::string& path, int width, int hei
         const View view(mesh, facets, width, height);
         for (const std::size_t facet : facets) {
             const NodeId* nodes = mesh.facets.nodes.data() + 4 * facet;
-            std::array<Direction, 4> p;
+            std::array<Vec3, 4> p;
             std::array<ScreenPoint, 4> corners;
             for (std::size_t k = 0; k < 4; ++k) {
                 p[k] = view.point(nodes[k]);

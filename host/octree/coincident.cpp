@@ -34,7 +34,7 @@ struct Frame {
 /// Between unit vectors, in radians.
 double angle(const Vec3& a, const Vec3& b) {
     const Vec3 normal = cross(a, b);
-    return std::atan2(std::sqrt(dot(normal, normal)), dot(a, b));
+    return std::atan2(length(normal), dot(a, b));
 }
 
 class LeafSimplifier {

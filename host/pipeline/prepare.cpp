@@ -33,10 +33,16 @@ constexpr double kMergedAtOnce = 0.04;
 constexpr std::uint64_t kClassifyBytes = 150;
 
 /// Model coordinates must tell apart the lattice steps that keep simplices from being flat (cnio::kMinHeight,
-/// 6e-8 of a cell): farther from the origin, double precision would turn valid elements over.
+/// 6e-8 of a cell): farther from the origin, double precision would turn valid elements over. And squares of
+/// volumes must not become 0.
 void check_precision(const Root& root, int finest_level, const std::string& source) {
     constexpr double kMostCells = 2.5e8;
+    constexpr double kSmallestCell = 1e-45;
     const double cell = std::ldexp(root.side, -finest_level);
+    if (cell < kSmallestCell) {
+        throw Error(ExitCode::kInput, source + ": cells of " + number_text(cell) +
+                                          " are too small for double precision; choose other units");
+    }
     double reach = 0;
     for (std::size_t j = 0; j < 3; ++j) {
         reach = std::max({reach, std::fabs(root.origin[j]), std::fabs(root.origin[j] + root.side)});

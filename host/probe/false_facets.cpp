@@ -115,7 +115,7 @@ void find_deep_places(Regions& regions, const Triangle& p, double edge, std::uin
     double longest = 0;
     for (std::size_t k = 0; k < 3; ++k) {
         const Vec3 side = difference(p[(k + 1) % 3], p[k]);
-        longest = std::max(longest, std::sqrt(dot(side, side)));
+        longest = std::max(longest, length(side));
     }
     const std::size_t before = found.size();
     const int parts = std::min(kMostParts, 3 + static_cast<int>(longest / (kSpacing * edge)));

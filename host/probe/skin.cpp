@@ -11,11 +11,6 @@ constexpr double kBoxesPerReach = 4;  ///< most facets are in two or three boxes
 
 }  // namespace
 
-Vec3 unit(const Vec3& v) {
-    const double length = std::sqrt(dot(v, v));
-    return length > 0 ? scaled(v, 1 / length) : v;
-}
-
 Rays::Rays(const Skin& skin, const std::vector<Vec3>& starts, double reach)
     : skin_(skin), box_(reach / kBoxesPerReach) {
     std::vector<Key> near;

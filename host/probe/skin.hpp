@@ -14,9 +14,6 @@ namespace mortise::probe {
 
 using Triangle = std::array<Vec3, 3>;
 
-/// Of length 1; a vector of length 0 stays.
-Vec3 unit(const Vec3& v);
-
 /// The facets of a mesh as triangles in the root box.
 class Skin {
   public:

@@ -16,23 +16,18 @@ constexpr std::uint32_t kLeafSize = 4;
 constexpr double kNoLength =
     1e-10;  ///< of a patch's size: above the rounding of distances, below all features
 
-double norm(const Vec3& v) { return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
-
 Vec3 unit_normal(const TriangleSurface& shape, std::uint32_t triangle) {
     const auto& corner = shape.triangles[triangle];
     const Vec3 u = difference(shape.points[corner[1]], shape.points[corner[0]]);
     const Vec3 v = difference(shape.points[corner[2]], shape.points[corner[0]]);
-    Vec3 n = {u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]};
-    const double length = norm(n);
-    for (double& x : n) x /= length;  // not zero: find_facets left out what has no area
-    return n;
+    return unit(cross(u, v));  // not zero: find_facets left out what has no area
 }
 
 double angle_at(const TriangleSurface& shape, std::uint32_t triangle, std::size_t k) {
     const auto& corner = shape.triangles[triangle];
     const Vec3 u = difference(shape.points[corner[(k + 1) % 3]], shape.points[corner[k]]);
     const Vec3 v = difference(shape.points[corner[(k + 2) % 3]], shape.points[corner[k]]);
-    const double cosine = (u[0] * v[0] + u[1] * v[1] + u[2] * v[2]) / (norm(u) * norm(v));
+    const double cosine = dot(u, v) / (length(u) * length(v));
     return std::acos(std::clamp(cosine, -1.0, 1.0));
 }
 
@@ -55,7 +50,7 @@ class PatchWriter {
         surface.form[0] = static_cast<double>(nodes_.size());
         surface.form[1] = static_cast<double>(arena.size());  // no other patch starts there
         surface.form[2] =
-            kNoLength * norm({nodes_[3] - nodes_[0], nodes_[4] - nodes_[1], nodes_[5] - nodes_[2]});
+            kNoLength * length({nodes_[3] - nodes_[0], nodes_[4] - nodes_[1], nodes_[5] - nodes_[2]});
         std::vector<double> data = std::move(nodes_);
         const auto corner_normals = normals_at_corners();
         for (const std::uint32_t t : order_) {
@@ -139,10 +134,7 @@ class PatchWriter {
                 for (std::size_t j = 0; j < 3; ++j) sum[j] += angle * normal[j];
             }
         }
-        for (auto& [place, normal] : result) {
-            const double length = norm(normal);
-            for (double& x : normal) x = length > 0 ? x / length : 0;
-        }
+        for (auto& [place, normal] : result) normal = unit(normal);
         return result;
     }
 

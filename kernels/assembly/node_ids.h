@@ -29,10 +29,8 @@ static uint node_id(const Tree* tree, __global const uint* owned, __global const
         }
         return range.nodes + low;
     }
-    {
-        const uint rank = meshed_rank(tree, owner) - range.first_in - range.first_nio;
-        return base[rank] + mask_rank(owned[rank], bit);
-    }
+    const uint rank = meshed_rank(tree, owner) - range.first_in - range.first_nio;
+    return base[rank] + mask_rank(owned[rank], bit);
 }
 
 // Numbers of the nodes in `mask` that leaves of this piece own, by what each of these owns: ids[bit] of a

@@ -60,41 +60,39 @@ MORTISE_KERNEL void own_nodes(TREE_PARAMETERS, __global const uint* used, __glob
                               uint items) {
     const uint word = get_global_id(0) + first;
     if (get_global_id(0) >= items) return;
-    {
-        const Tree tree = TREE_OF_PARAMETERS;
-        const uint in = in_bits[word];
-        uint rest = in | nio_bits[word];
-        uint nio = nio_rank[word];
-        uint rank = in_rank[word] + nio;
-        uint inner = 0;
-        if (!shape.graded && in != 0) {
-            TreeBlock block;
-            make_block(&tree, word, &block);
-            inner = inner_cells(&block);
+    const Tree tree = TREE_OF_PARAMETERS;
+    const uint in = in_bits[word];
+    uint rest = in | nio_bits[word];
+    uint nio = nio_rank[word];
+    uint rank = in_rank[word] + nio;
+    uint inner = 0;
+    if (!shape.graded && in != 0) {
+        TreeBlock block;
+        make_block(&tree, word, &block);
+        inner = inner_cells(&block);
+    }
+    if (inner == kAllInner) {
+        const uint at = rank - range.first_in - range.first_nio;
+        for (uint part = 0; part < 2; ++part) {
+            vstore16((uint16)(kOwnsLast), part, owned + at);
+            vstore16((uint16)(1), part, counts + at);
         }
-        if (inner == kAllInner) {
-            const uint at = rank - range.first_in - range.first_nio;
-            for (uint part = 0; part < 2; ++part) {
-                vstore16((uint16)(kOwnsLast), part, owned + at);
-                vstore16((uint16)(1), part, counts + at);
-            }
-            return;
+        return;
+    }
+    while (rest != 0) {
+        const uint bit = mortise_lowest_bit(rest);
+        const int is_in = (in >> bit) & 1;
+        uint mask = kOwnsLast;
+        if (((inner >> bit) & 1) == 0) {
+            mask = owned_mask(&tree, used, word_code(&tree, word) | bit, leaf_mark(&tree, rank),
+                              is_in ? 0xffu : used[nio]);
         }
-        while (rest != 0) {
-            const uint bit = mortise_lowest_bit(rest);
-            const int is_in = (in >> bit) & 1;
-            uint mask = kOwnsLast;
-            if (((inner >> bit) & 1) == 0) {
-                mask = owned_mask(&tree, used, word_code(&tree, word) | bit, leaf_mark(&tree, rank),
-                                  is_in ? 0xffu : used[nio]);
-            }
-            owned[rank - range.first_in - range.first_nio] = mask;
-            counts[rank - range.first_in - range.first_nio] =
-                popcount(mask) + (is_in ? 0 : extra_counts[nio - range.first_nio]);
-            nio += !is_in;
-            ++rank;
-            rest &= rest - 1;
-        }
+        owned[rank - range.first_in - range.first_nio] = mask;
+        counts[rank - range.first_in - range.first_nio] =
+            popcount(mask) + (is_in ? 0 : extra_counts[nio - range.first_nio]);
+        nio += !is_in;
+        ++rank;
+        rest &= rest - 1;
     }
 }
 
@@ -156,53 +154,51 @@ MORTISE_KERNEL void place_nodes(TREE_PARAMETERS, __global const SnioLeaf* leaves
                                 uint items) {
     const uint word = get_global_id(0) + first;
     if (get_global_id(0) >= items) return;
-    {
-        const Tree tree = TREE_OF_PARAMETERS;
-        const uint in = in_bits[word];
-        uint rest = in | nio_bits[word];
-        uint nio = nio_rank[word];
-        uint rank = in_rank[word] + nio;
-        const ulong code = word_code(&tree, word);
-        const uint low_x = gather_bits(code);
-        const uint low_y = gather_bits(code >> 1);
-        const uint low_z = gather_bits(code >> 2);
-        if (is_plain(in, base + rank - range.first_in - range.first_nio)) {
-            const double cell = 1.0 / (double)(1u << shape.level);
-            const uint first_id = base[rank - range.first_in - range.first_nio];
-            double3 at[4];
-            for (uint i = 0; i < 4; ++i) {
-                at[i].x = origin_side.x + origin_side.w * ((low_x + i + 1) * cell);
-                at[i].y = origin_side.y + origin_side.w * ((low_y + i + 1) * cell);
-                at[i].z = origin_side.z + origin_side.w * ((low_z + i + 1) * cell);
-            }
-            for (uint bit = 0; bit < 32; ++bit) {
-                __global double* to = points + 3 * (ulong)(first_id + bit);
-                to[0] = at[block_x(bit)].x;
-                to[1] = at[block_y(bit)].y;
-                to[2] = at[block_z(bit)].z;
-            }
-            return;
+    const Tree tree = TREE_OF_PARAMETERS;
+    const uint in = in_bits[word];
+    uint rest = in | nio_bits[word];
+    uint nio = nio_rank[word];
+    uint rank = in_rank[word] + nio;
+    const ulong code = word_code(&tree, word);
+    const uint low_x = gather_bits(code);
+    const uint low_y = gather_bits(code >> 1);
+    const uint low_z = gather_bits(code >> 2);
+    if (is_plain(in, base + rank - range.first_in - range.first_nio)) {
+        const double cell = 1.0 / (double)(1u << shape.level);
+        const uint first_id = base[rank - range.first_in - range.first_nio];
+        double3 at[4];
+        for (uint i = 0; i < 4; ++i) {
+            at[i].x = origin_side.x + origin_side.w * ((low_x + i + 1) * cell);
+            at[i].y = origin_side.y + origin_side.w * ((low_y + i + 1) * cell);
+            at[i].z = origin_side.z + origin_side.w * ((low_z + i + 1) * cell);
         }
-        for (; rest != 0; rest &= rest - 1, ++rank) {
-            const uint bit = mortise_lowest_bit(rest);
-            const int is_in = (in >> bit) & 1;
-            const int level = (int)(leaf_mark(&tree, rank) & kMarkLevel);
-            const uint x = (low_x + block_x(bit)) >> (shape.level - level);
-            const uint y = (low_y + block_y(bit)) >> (shape.level - level);
-            const uint z = (low_z + block_z(bit)) >> (shape.level - level);
-            const double cell = 1.0 / (double)(1u << level);
-            const uint mask = owned[rank - range.first_in - range.first_nio];
-            uint id = base[rank - range.first_in - range.first_nio];
-            SnioLeaf leaf;
-            if (is_in && mask == kOwnsLast) {  // nearly all of them
-                store_point(points, id, origin_side, (x + 1) * cell, (y + 1) * cell, (z + 1) * cell);
-                continue;
-            }
-            leaf.pattern = kPatternCnio;
-            leaf.displaced = 0;
-            if (!is_in) leaf = leaves[nio++ - range.first_nio];
-            place_owned(&leaf, mask, id, x, y, z, cell, surfaces, ops, points, origin_side);
+        for (uint bit = 0; bit < 32; ++bit) {
+            __global double* to = points + 3 * (ulong)(first_id + bit);
+            to[0] = at[block_x(bit)].x;
+            to[1] = at[block_y(bit)].y;
+            to[2] = at[block_z(bit)].z;
         }
+        return;
+    }
+    for (; rest != 0; rest &= rest - 1, ++rank) {
+        const uint bit = mortise_lowest_bit(rest);
+        const int is_in = (in >> bit) & 1;
+        const int level = (int)(leaf_mark(&tree, rank) & kMarkLevel);
+        const uint x = (low_x + block_x(bit)) >> (shape.level - level);
+        const uint y = (low_y + block_y(bit)) >> (shape.level - level);
+        const uint z = (low_z + block_z(bit)) >> (shape.level - level);
+        const double cell = 1.0 / (double)(1u << level);
+        const uint mask = owned[rank - range.first_in - range.first_nio];
+        uint id = base[rank - range.first_in - range.first_nio];
+        SnioLeaf leaf;
+        if (is_in && mask == kOwnsLast) {  // nearly all of them
+            store_point(points, id, origin_side, (x + 1) * cell, (y + 1) * cell, (z + 1) * cell);
+            continue;
+        }
+        leaf.pattern = kPatternCnio;
+        leaf.displaced = 0;
+        if (!is_in) leaf = leaves[nio++ - range.first_nio];
+        place_owned(&leaf, mask, id, x, y, z, cell, surfaces, ops, points, origin_side);
     }
 }
 
@@ -216,40 +212,37 @@ MORTISE_KERNEL void write_hexahedra(TREE_PARAMETERS, __global const uint* used, 
                                     uint first, uint items) {
     const uint word = get_global_id(0) + first;
     if (get_global_id(0) >= items) return;
-    {
-        const Tree tree = TREE_OF_PARAMETERS;
-        const ulong code = word_code(&tree, word);
-        uint rest = in_bits[word];
-        uint rank = in_rank[word];
-        uint inner = 0;
-        uint ids[kBlockReach];
-        if (!shape.graded && rest != 0) {
-            // Blocks behind come first in Morton order, the one behind along all axes before all others.
-            const ulong behind = cell_behind(code, 7);
-            TreeBlock block;
-            make_block(&tree, word, &block);
-            if (behind != kNoOwner && behind >= range.begin) inner = inner_cells(&block);
-            if (inner != 0) block_ids(&tree, &block, base, range, ids);
-        }
-        if (inner == kAllInner) {
-            __global uint* out =
-                hexahedra +
-                8 * (ulong)(rank - range.first_in + hexahedron_offsets[nio_rank[word] - range.first_nio]);
-            for (uint bit = 0; bit < 32; ++bit) vstore8(block_hexahedron(ids, bit), bit, out);
-            return;
-        }
-        for (; rest != 0; rest &= rest - 1, ++rank) {
-            const uint bit = mortise_lowest_bit(rest);
-            const uint nio = nio_rank[word] + popcount(nio_bits[word] & ((1u << bit) - 1u));
-            __global uint* out =
-                hexahedra + 8 * (ulong)(rank - range.first_in + hexahedron_offsets[nio - range.first_nio]);
-            if ((inner >> bit) & 1) {
-                vstore8(block_hexahedron(ids, bit), 0, out);
-            } else {
-                uint corners[8];
-                find_ids(&tree, used, owned, base, foreign, range, code | bit, nio + rank, 0xff, corners);
-                for (uint i = 0; i < 8; ++i) out[i] = corners[kHexahedronCorner[i]];
-            }
+    const Tree tree = TREE_OF_PARAMETERS;
+    const ulong code = word_code(&tree, word);
+    uint rest = in_bits[word];
+    uint rank = in_rank[word];
+    uint inner = 0;
+    uint ids[kBlockReach];
+    if (!shape.graded && rest != 0) {
+        // Blocks behind come first in Morton order, the one behind along all axes before all others.
+        const ulong behind = cell_behind(code, 7);
+        TreeBlock block;
+        make_block(&tree, word, &block);
+        if (behind != kNoOwner && behind >= range.begin) inner = inner_cells(&block);
+        if (inner != 0) block_ids(&tree, &block, base, range, ids);
+    }
+    if (inner == kAllInner) {
+        __global uint* out = hexahedra + 8 * (ulong)(rank - range.first_in +
+                                                     hexahedron_offsets[nio_rank[word] - range.first_nio]);
+        for (uint bit = 0; bit < 32; ++bit) vstore8(block_hexahedron(ids, bit), bit, out);
+        return;
+    }
+    for (; rest != 0; rest &= rest - 1, ++rank) {
+        const uint bit = mortise_lowest_bit(rest);
+        const uint nio = nio_rank[word] + popcount(nio_bits[word] & ((1u << bit) - 1u));
+        __global uint* out =
+            hexahedra + 8 * (ulong)(rank - range.first_in + hexahedron_offsets[nio - range.first_nio]);
+        if ((inner >> bit) & 1) {
+            vstore8(block_hexahedron(ids, bit), 0, out);
+        } else {
+            uint corners[8];
+            find_ids(&tree, used, owned, base, foreign, range, code | bit, nio + rank, 0xff, corners);
+            for (uint i = 0; i < 8; ++i) out[i] = corners[kHexahedronCorner[i]];
         }
     }
 }
@@ -336,32 +329,28 @@ MORTISE_KERNEL void write_templates(TREE_PARAMETERS, __global const TreeNode* ni
                                     uint stride, uint items) {
     const uint item = get_global_id(0);
     if (item >= items) return;
-    {
-        const Tree tree = TREE_OF_PARAMETERS;
-        const SnioLeaf leaf = leaves[item];
-        const ulong morton = nio[item + range.first_nio].morton;
-        uint in_before;
-        uint ids[21];
-        if (leaf.pattern == kPatternCnio || leaf.method == kMethodNothing) return;
-        in_before = count_before(&tree, in_bits, in_rank, morton);
-        find_ids(&tree, used, owned, base, foreign, range, morton, in_before + range.first_nio + item,
-                 used[item + range.first_nio], ids);
-        {
-            __global uint* out[4];
-            __global uint* facets_out = facets + 4 * (ulong)facet_offsets[item];
-            out[0] = hexahedra + 8 * (ulong)(in_before - range.first_in + offsets[item]);
-            out[1] = wedges + 6 * (ulong)offsets[stride + item];
-            out[2] = pyramids + 5 * (ulong)offsets[2 * stride + item];
-            out[3] = tetrahedra + 4 * (ulong)offsets[3 * stride + item];
-            if (leaf.method == kMethodRow) {
-                write_row(leaf.pattern, ids, out, facets_out);
-                return;
-            }
-            if (leaf.method == kMethodHexahedron) {
-                for (uint i = 0; i < 8; ++i) out[0][i] = ids[kHexahedronCorner[i]];
-                if (leaf.boundary == 0) return;
-            }
-            write_boundary(plans, &leaf, ids, out, facets_out);
-        }
+    const Tree tree = TREE_OF_PARAMETERS;
+    const SnioLeaf leaf = leaves[item];
+    const ulong morton = nio[item + range.first_nio].morton;
+    uint in_before;
+    uint ids[21];
+    if (leaf.pattern == kPatternCnio || leaf.method == kMethodNothing) return;
+    in_before = count_before(&tree, in_bits, in_rank, morton);
+    find_ids(&tree, used, owned, base, foreign, range, morton, in_before + range.first_nio + item,
+             used[item + range.first_nio], ids);
+    __global uint* out[4];
+    __global uint* facets_out = facets + 4 * (ulong)facet_offsets[item];
+    out[0] = hexahedra + 8 * (ulong)(in_before - range.first_in + offsets[item]);
+    out[1] = wedges + 6 * (ulong)offsets[stride + item];
+    out[2] = pyramids + 5 * (ulong)offsets[2 * stride + item];
+    out[3] = tetrahedra + 4 * (ulong)offsets[3 * stride + item];
+    if (leaf.method == kMethodRow) {
+        write_row(leaf.pattern, ids, out, facets_out);
+        return;
     }
+    if (leaf.method == kMethodHexahedron) {
+        for (uint i = 0; i < 8; ++i) out[0][i] = ids[kHexahedronCorner[i]];
+        if (leaf.boundary == 0) return;
+    }
+    write_boundary(plans, &leaf, ids, out, facets_out);
 }

@@ -108,12 +108,10 @@ static lanes_int classify_rounded(__global const SurfaceBounds* s, __global cons
     }
     reach *= 1.0f + 4.0f * RELATIVE;
     round *= 1.0f + 4.0f * RELATIVE;
-    {
-        const lanes_float room = s->form[0] * (1.0f - RELATIVE) + value - round - slack;
-        const lanes_float bend = select((lanes_float)(HUGE_VALF), 0.5f * round * round / room, room > 0.0f);
-        const lanes_float above = fmin(round, reach + bend * (1.0f + 4.0f * RELATIVE));
-        return decide(value - reach - slack, value + above + slack);
-    }
+    const lanes_float room = s->form[0] * (1.0f - RELATIVE) + value - round - slack;
+    const lanes_float bend = select((lanes_float)(HUGE_VALF), 0.5f * round * round / room, room > 0.0f);
+    const lanes_float above = fmin(round, reach + bend * (1.0f + 4.0f * RELATIVE));
+    return decide(value - reach - slack, value + above + slack);
 }
 
 static lanes_int classify_surface(__global const SurfaceBounds* s, __global const ExpressionOp* ops,
@@ -161,81 +159,71 @@ static lanes_int classify_surface(__global const SurfaceBounds* s, __global cons
                 below += square;
             }
         }
-        {
-            const lanes_float spread = 2.0f * cube.half_edge * (fabs(gx) + fabs(gy) + fabs(gz)) + error +
-                                       RELATIVE * (size + above - below);
-            return decide(value - spread + below, value + spread + above);
-        }
+        const lanes_float spread = 2.0f * cube.half_edge * (fabs(gx) + fabs(gy) + fabs(gz)) + error +
+                                   RELATIVE * (size + above - below);
+        return decide(value - spread + below, value + spread + above);
     }
     if (s->kind == kSurfaceRounded) return classify_rounded(s, ops, cube, u, width);
-    {
-        lanes_float low[3];
-        lanes_float high[3];
+    lanes_float low[3];
+    lanes_float high[3];
+    for (int i = 0; i < 3; ++i) {
+        const float reach = width[i] + s->error[i];
+        low[i] = u[i] - reach;
+        high[i] = u[i] + reach;
+    }
+    if (s->kind == kSurfaceExpression) {
+        float lows[3][LANES];
+        float highs[3][LANES];
+        int signs[LANES];
         for (int i = 0; i < 3; ++i) {
-            const float reach = width[i] + s->error[i];
-            low[i] = u[i] - reach;
-            high[i] = u[i] + reach;
+            STORE_LANES(low[i], lows[i]);
+            STORE_LANES(high[i], highs[i]);
         }
-        if (s->kind == kSurfaceExpression) {
-            float lows[3][LANES];
-            float highs[3][LANES];
-            int signs[LANES];
-            for (int i = 0; i < 3; ++i) {
-                STORE_LANES(low[i], lows[i]);
-                STORE_LANES(high[i], highs[i]);
-            }
-            for (int lane = 0; lane < LANES; ++lane) {
-                const Interval f = expression_bounds(ops + s->first_op, s->op_count,
-                                                     make_interval(lows[0][lane], highs[0][lane]),
-                                                     make_interval(lows[1][lane], highs[1][lane]),
-                                                     make_interval(lows[2][lane], highs[2][lane]));
-                signs[lane] = interval_sign(f);
-            }
-            return LOAD_LANES(signs);
+        for (int lane = 0; lane < LANES; ++lane) {
+            const Interval f = expression_bounds(
+                ops + s->first_op, s->op_count, make_interval(lows[0][lane], highs[0][lane]),
+                make_interval(lows[1][lane], highs[1][lane]), make_interval(lows[2][lane], highs[2][lane]));
+            signs[lane] = interval_sign(f);
+        }
+        return LOAD_LANES(signs);
+    }
+    const lanes_float radial_low =
+        sqrt(interval_square_low(low[0], high[0]) + interval_square_low(low[1], high[1])) * (1.0f - RELATIVE);
+    const lanes_float radial_high =
+        sqrt(interval_square_high(low[0], high[0]) + interval_square_high(low[1], high[1])) *
+        (1.0f + RELATIVE);
+    if (s->kind == kSurfaceCone) {
+        const lanes_float slack = RELATIVE * (radial_high + fabs(low[2]) + fabs(high[2]));
+        lanes_int sign = decide(radial_low + low[2] - slack, radial_high + high[2] + slack);
+        // Below the apex f has the sign of u0² + u1² - u2², whose Taylor form is sharper.
+        const lanes_float value = u[0] * u[0] + u[1] * u[1] - u[2] * u[2];
+        const lanes_float size = u[0] * u[0] + u[1] * u[1] + u[2] * u[2];
+        const lanes_float gx = u[0] * s->map[0] + u[1] * s->map[4] - u[2] * s->map[8];
+        const lanes_float gy = u[0] * s->map[1] + u[1] * s->map[5] - u[2] * s->map[9];
+        const lanes_float gz = u[0] * s->map[2] + u[1] * s->map[6] - u[2] * s->map[10];
+        lanes_float error = 0;
+        for (int i = 0; i < 3; ++i) {
+            error += 2.0f * fabs(u[i]) * (s->error[i] + RELATIVE * width[i]) +
+                     s->error[i] * (s->error[i] + 2.0f * width[i]);
         }
         {
-            const lanes_float radial_low =
-                sqrt(interval_square_low(low[0], high[0]) + interval_square_low(low[1], high[1])) *
-                (1.0f - RELATIVE);
-            const lanes_float radial_high =
-                sqrt(interval_square_high(low[0], high[0]) + interval_square_high(low[1], high[1])) *
-                (1.0f + RELATIVE);
-            if (s->kind == kSurfaceCone) {
-                const lanes_float slack = RELATIVE * (radial_high + fabs(low[2]) + fabs(high[2]));
-                lanes_int sign = decide(radial_low + low[2] - slack, radial_high + high[2] + slack);
-                // Below the apex f has the sign of u0² + u1² - u2², whose Taylor form is sharper.
-                const lanes_float value = u[0] * u[0] + u[1] * u[1] - u[2] * u[2];
-                const lanes_float size = u[0] * u[0] + u[1] * u[1] + u[2] * u[2];
-                const lanes_float gx = u[0] * s->map[0] + u[1] * s->map[4] - u[2] * s->map[8];
-                const lanes_float gy = u[0] * s->map[1] + u[1] * s->map[5] - u[2] * s->map[9];
-                const lanes_float gz = u[0] * s->map[2] + u[1] * s->map[6] - u[2] * s->map[10];
-                lanes_float error = 0;
-                for (int i = 0; i < 3; ++i) {
-                    error += 2.0f * fabs(u[i]) * (s->error[i] + RELATIVE * width[i]) +
-                             s->error[i] * (s->error[i] + 2.0f * width[i]);
-                }
-                {
-                    const float above = width[0] * width[0] + width[1] * width[1];
-                    const float below = -width[2] * width[2];
-                    const lanes_float spread = 2.0f * cube.half_edge * (fabs(gx) + fabs(gy) + fabs(gz)) +
-                                               error + RELATIVE * (size + above - below);
-                    const lanes_int sharper = decide(value - spread + below, value + spread + above);
-                    sign = select(sign, sharper, (high[2] < 0.0f) & (sign == 0));
-                }
-                return sign;
-            }
-            {
-                const lanes_float ring_low = radial_low - s->form[0] * (1.0f + RELATIVE);
-                const lanes_float ring_high = radial_high - s->form[0] * (1.0f - RELATIVE);
-                const lanes_float f_low = interval_square_low(ring_low, ring_high) +
-                                          interval_square_low(low[2], high[2]) + s->form[3];
-                const lanes_float f_high = interval_square_high(ring_low, ring_high) +
-                                           interval_square_high(low[2], high[2]) + s->form[3];
-                const lanes_float slack = RELATIVE * (fabs(f_low) + fabs(f_high) + 2.0f * fabs(s->form[3]));
-                return decide(f_low - slack, f_high + slack);
-            }
+            const float above = width[0] * width[0] + width[1] * width[1];
+            const float below = -width[2] * width[2];
+            const lanes_float spread = 2.0f * cube.half_edge * (fabs(gx) + fabs(gy) + fabs(gz)) + error +
+                                       RELATIVE * (size + above - below);
+            const lanes_int sharper = decide(value - spread + below, value + spread + above);
+            sign = select(sign, sharper, (high[2] < 0.0f) & (sign == 0));
         }
+        return sign;
     }
+    const lanes_float ring_low = radial_low - s->form[0] * (1.0f + RELATIVE);
+    const lanes_float ring_high = radial_high - s->form[0] * (1.0f - RELATIVE);
+    const lanes_float f_low =
+        interval_square_low(ring_low, ring_high) + interval_square_low(low[2], high[2]) + s->form[3];
+    const lanes_float f_high =
+        interval_square_high(ring_low, ring_high) + interval_square_high(low[2], high[2]) + s->form[3];
+    const lanes_float slack = RELATIVE * (fabs(f_low) + fabs(f_high) + 2.0f * fabs(s->form[3]));
+    return decide(f_low - slack, f_high + slack);
 }
 
 #endif

@@ -237,62 +237,60 @@ MORTISE_NOINLINE void split_parent(__global const TreeNode* parents, __global ui
             stack[top] = value;
             masks[i] = (ushort)lane_bits(value == unsure, keeps);
         }
-        {
-            // An unchanged tape was reduced when it was made; the root's is written anew.
-            const uint changed = anew | ~find_kept(tape, parent.tape_length, masks);
-            const lanes_int value = stack[0];
-            const lanes_int goes_on = value == (lanes_int)(kUnknown);
-            const uint bits = lane_bits(goes_on, value > 0);
-            uint undecided = bits & 0xffu;
-            in += popcount(bits >> 8);
-            store_children(select(value, (lanes_int)((int)parent.tape_offset), goes_on),
-                           select((lanes_int)(0), (lanes_int)((int)parent.tape_length), goes_on),
-                           children + 8 * item + round);
-            if ((undecided & ~changed) != 0) longest = max(longest, parent.tape_length);
-            for (uint rest = undecided & changed; rest != 0; rest &= rest - 1) {
-                const uint lane = mortise_lowest_bit(rest);
-                const uint c = (uint)round + lane;
-                uint words = keep_words(tape, parent.tape_length, spatial, masks, rests, lane, c, own);
-                const int is_short = words <= KEPT_WORDS;
-                uint offset = NOTHING;
-                ChildNode child;
-                child.place = parent.tape_offset;
-                child.tape_length = parent.tape_length;
-                if (is_short) {
-                    int constant_value = 0;
-                    words = reduce(own, words, &constant_value);
-                    if (words == 0) {
-                        child.place = (uint)constant_value;
-                        child.tape_length = 0;
-                        undecided ^= 1u << lane;
-                        in += constant_value > 0;
-                    } else {
-                        offset = find_tape(tapes, sibling_offsets, sibling_lengths, made, own, words);
-                    }
+        // An unchanged tape was reduced when it was made; the root's is written anew.
+        const uint changed = anew | ~find_kept(tape, parent.tape_length, masks);
+        const lanes_int value = stack[0];
+        const lanes_int goes_on = value == (lanes_int)(kUnknown);
+        const uint bits = lane_bits(goes_on, value > 0);
+        uint undecided = bits & 0xffu;
+        in += popcount(bits >> 8);
+        store_children(select(value, (lanes_int)((int)parent.tape_offset), goes_on),
+                       select((lanes_int)(0), (lanes_int)((int)parent.tape_length), goes_on),
+                       children + 8 * item + round);
+        if ((undecided & ~changed) != 0) longest = max(longest, parent.tape_length);
+        for (uint rest = undecided & changed; rest != 0; rest &= rest - 1) {
+            const uint lane = mortise_lowest_bit(rest);
+            const uint c = (uint)round + lane;
+            uint words = keep_words(tape, parent.tape_length, spatial, masks, rests, lane, c, own);
+            const int is_short = words <= KEPT_WORDS;
+            uint offset = NOTHING;
+            ChildNode child;
+            child.place = parent.tape_offset;
+            child.tape_length = parent.tape_length;
+            if (is_short) {
+                int constant_value = 0;
+                words = reduce(own, words, &constant_value);
+                if (words == 0) {
+                    child.place = (uint)constant_value;
+                    child.tape_length = 0;
+                    undecided ^= 1u << lane;
+                    in += constant_value > 0;
+                } else {
+                    offset = find_tape(tapes, sibling_offsets, sibling_lengths, made, own, words);
                 }
-                if (words > 0 && offset == NOTHING) {
-                    // Plain reads of used may be old: they only save atomic operations.
-                    const uint at = used[0] < MOST_TAPE_WORDS ? atomic_add(used, words) : capacity;
-                    if (at < capacity && words <= capacity - at) {
-                        offset = at;
-                        if (is_short) {
-                            for (uint i = 0; i < words; ++i) tapes[at + i] = own[i];
-                            sibling_offsets[made] = at;
-                            sibling_lengths[made++] = words;
-                        } else {
-                            copy_kept(tape, parent.tape_length, spatial, masks, rests, lane, c, tapes + at);
-                        }
-                    }
-                }
-                if (offset != NOTHING) {
-                    child.place = offset;
-                    child.tape_length = words;
-                }
-                longest = max(longest, child.tape_length);
-                children[8 * item + c] = child;
             }
-            unknown += popcount(undecided);
+            if (words > 0 && offset == NOTHING) {
+                // Plain reads of used may be old: they only save atomic operations.
+                const uint at = used[0] < MOST_TAPE_WORDS ? atomic_add(used, words) : capacity;
+                if (at < capacity && words <= capacity - at) {
+                    offset = at;
+                    if (is_short) {
+                        for (uint i = 0; i < words; ++i) tapes[at + i] = own[i];
+                        sibling_offsets[made] = at;
+                        sibling_lengths[made++] = words;
+                    } else {
+                        copy_kept(tape, parent.tape_length, spatial, masks, rests, lane, c, tapes + at);
+                    }
+                }
+            }
+            if (offset != NOTHING) {
+                child.place = offset;
+                child.tape_length = words;
+            }
+            longest = max(longest, child.tape_length);
+            children[8 * item + c] = child;
         }
+        unknown += popcount(undecided);
     }
     unknown_counts[item] = unknown;
     in_counts[item] = in;
@@ -306,13 +304,10 @@ MORTISE_KERNEL void descend(__global const TreeNode* parents, __global uint* tap
                             __global ushort* scratch, uint capacity, uint first_item, uint slot_words,
                             int level, uint items) {
     if (get_global_id(0) >= items) return;
-    {
-        const ulong slot = get_global_id(0) * (ulong)slot_words;
-        __global ushort* rests = scratch + items * (ulong)slot_words;
-        split_parent(parents, tapes, surfaces, ops, spatial, children, unknown_counts, in_counts, used,
-                     scratch + slot, rests + slot * LANES, capacity, level,
-                     first_item + (uint)get_global_id(0));
-    }
+    const ulong slot = get_global_id(0) * (ulong)slot_words;
+    __global ushort* rests = scratch + items * (ulong)slot_words;
+    split_parent(parents, tapes, surfaces, ops, spatial, children, unknown_counts, in_counts, used,
+                 scratch + slot, rests + slot * LANES, capacity, level, first_item + (uint)get_global_id(0));
 }
 
 // Packs the children of a level in Morton order: unknown ones into `next`, IN ones behind `in_base` of
@@ -323,32 +318,30 @@ MORTISE_KERNEL void gather_children(__global const TreeNode* parents, __global c
                                     int level, uint items) {
     const uint item = get_global_id(0);
     if (item >= items) return;
-    {
-        const ulong first_child = parents[item].morton << 3;
-        uint at_unknown = unknown_offsets[item];
-        uint at_in = in_base + in_offsets[item];
-        uint unknown = 0;
-        uint in = 0;
-        for (uint c = 0; c < 8; ++c) {
-            const ChildNode child = children[8 * item + c];
-            unknown |= (child.tape_length != 0 ? 1u : 0u) << c;
-            in |= (child.place != 0 ? 1u : 0u) << c;
-        }
-        for (uint rest = unknown; rest != 0; rest &= rest - 1) {
-            const uint c = mortise_lowest_bit(rest);
-            TreeNode node;
-            node.morton = first_child | (ulong)c;
-            node.tape_offset = children[8 * item + c].place;
-            node.tape_length = children[8 * item + c].tape_length;
-            next[at_unknown++] = node;
-        }
-        for (uint rest = in & ~unknown; rest != 0; rest &= rest - 1) {
-            const uint c = mortise_lowest_bit(rest);
-            InNode node;
-            node.morton = first_child | (ulong)c;
-            node.level = (uint)level;
-            node.region = children[8 * item + c].place;
-            in_nodes[at_in++] = node;
-        }
+    const ulong first_child = parents[item].morton << 3;
+    uint at_unknown = unknown_offsets[item];
+    uint at_in = in_base + in_offsets[item];
+    uint unknown = 0;
+    uint in = 0;
+    for (uint c = 0; c < 8; ++c) {
+        const ChildNode child = children[8 * item + c];
+        unknown |= (child.tape_length != 0 ? 1u : 0u) << c;
+        in |= (child.place != 0 ? 1u : 0u) << c;
+    }
+    for (uint rest = unknown; rest != 0; rest &= rest - 1) {
+        const uint c = mortise_lowest_bit(rest);
+        TreeNode node;
+        node.morton = first_child | (ulong)c;
+        node.tape_offset = children[8 * item + c].place;
+        node.tape_length = children[8 * item + c].tape_length;
+        next[at_unknown++] = node;
+    }
+    for (uint rest = in & ~unknown; rest != 0; rest &= rest - 1) {
+        const uint c = mortise_lowest_bit(rest);
+        InNode node;
+        node.morton = first_child | (ulong)c;
+        node.level = (uint)level;
+        node.region = children[8 * item + c].place;
+        in_nodes[at_in++] = node;
     }
 }

@@ -14,17 +14,15 @@ MORTISE_KERNEL void store_in(__global const InNode* in_nodes, __global uint* is_
                              uint items) {
     const uint item = get_global_id(0);
     if (item >= items) return;
-    {
-        const InNode node = in_nodes[item];
-        const uint depth = (uint)shape.level - node.level;
-        const ulong first = (node.morton << (3 * depth)) >> shape.directory_shift;
-        const ulong last = (((node.morton + 1) << (3 * depth)) - 1) >> shape.directory_shift;
-        if (item > 0 && in_nodes[item - 1].level == node.level &&
-            (in_nodes[item - 1].morton << (3 * depth)) >> shape.directory_shift == first) {
-            return;
-        }
-        for (ulong page = first; page <= last; ++page) atomic_or(is_stored + page, 1u);
+    const InNode node = in_nodes[item];
+    const uint depth = (uint)shape.level - node.level;
+    const ulong first = (node.morton << (3 * depth)) >> shape.directory_shift;
+    const ulong last = (((node.morton + 1) << (3 * depth)) - 1) >> shape.directory_shift;
+    if (item > 0 && in_nodes[item - 1].level == node.level &&
+        (in_nodes[item - 1].morton << (3 * depth)) >> shape.directory_shift == first) {
+        return;
     }
+    for (ulong page = first; page <= last; ++page) atomic_or(is_stored + page, 1u);
 }
 
 // The same for NIO leaves.
@@ -32,11 +30,9 @@ MORTISE_KERNEL void store_nio(__global const TreeNode* nodes, __global uint* is_
                               uint items) {
     const uint item = get_global_id(0);
     if (item >= items) return;
-    {
-        const ulong page = nodes[item].morton >> shape.directory_shift;
-        if (item > 0 && nodes[item - 1].morton >> shape.directory_shift == page) return;
-        atomic_or(is_stored + page, 1u);
-    }
+    const ulong page = nodes[item].morton >> shape.directory_shift;
+    if (item > 0 && nodes[item - 1].morton >> shape.directory_shift == page) return;
+    atomic_or(is_stored + page, 1u);
 }
 
 // page_codes of the pages that the directory, a scan of is_stored, tells. One work-item handles one cell of
@@ -56,19 +52,17 @@ MORTISE_KERNEL void mark_in(__global const InNode* in_nodes, __global const uint
                             __global uint* bits, TreeShape shape, uint items) {
     const uint item = get_global_id(0);
     if (item >= items) return;
-    {
-        const InNode node = in_nodes[item];
-        const uint depth = (uint)shape.level - node.level;
-        const ulong first = node.morton << (3 * depth);
-        __global uint* own = bits + word_of(directory, shape, first);
-        if (depth == 0) {
-            atomic_or(own, 1u << (first & 31));
-        } else if (depth == 1) {
-            atomic_or(own, 0xffu << (first & 31));
-        } else {
-            const ulong words = 1UL << (3 * depth - 5);
-            for (ulong w = 0; w < words; ++w) own[w] = 0xffffffffu;
-        }
+    const InNode node = in_nodes[item];
+    const uint depth = (uint)shape.level - node.level;
+    const ulong first = node.morton << (3 * depth);
+    __global uint* own = bits + word_of(directory, shape, first);
+    if (depth == 0) {
+        atomic_or(own, 1u << (first & 31));
+    } else if (depth == 1) {
+        atomic_or(own, 0xffu << (first & 31));
+    } else {
+        const ulong words = 1UL << (3 * depth - 5);
+        for (ulong w = 0; w < words; ++w) own[w] = 0xffffffffu;
     }
 }
 
@@ -78,10 +72,8 @@ MORTISE_KERNEL void mark_nio(__global const TreeNode* nodes, __global const uint
                              __global uint* bits, TreeShape shape, uint items) {
     const uint item = get_global_id(0);
     if (item >= items) return;
-    {
-        const ulong morton = nodes[item].morton;
-        atomic_or(bits + word_of(directory, shape, morton), 1u << (morton & 31));
-    }
+    const ulong morton = nodes[item].morton;
+    atomic_or(bits + word_of(directory, shape, morton), 1u << (morton & 31));
 }
 
 // counts[w] = set bits of word w: their exclusive scan is the rank. One work-item handles one word.

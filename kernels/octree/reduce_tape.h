@@ -124,29 +124,27 @@ static uint reduce(uint* tape, uint length, int* constant_value) {
     for (uint j = 0; (region_bits >> j) != 0; ++j) *constant_value |= (int)((regions[j] & 1u) << j);
     if (redundant == 0) return length;
     if (redundant == (1u << count) - 1u) return 0;
-    {
-        Pruning p;  // in place: never more words than were read
-        p.top = -1;
-        p.words = 0;
-        for (uint i = 0; i < length; ++i) {
-            const uint word = tape[i];
-            uint kept = NOTHING;
-            if (tape_operation(word) == kTapeLiteral) {
-                uint s = 0;
-                while (surfaces[s] != tape_surface(word)) ++s;
-                if ((redundant >> s) & 1) {
-                    push_value(&p, (int)tape_negated(word));  // may be taken as outside everywhere
-                } else {
-                    push_value(&p, kUnknown);
-                    kept = word;
-                }
+    Pruning p;  // in place: never more words than were read
+    p.top = -1;
+    p.words = 0;
+    for (uint i = 0; i < length; ++i) {
+        const uint word = tape[i];
+        uint kept = NOTHING;
+        if (tape_operation(word) == kTapeLiteral) {
+            uint s = 0;
+            while (surfaces[s] != tape_surface(word)) ++s;
+            if ((redundant >> s) & 1) {
+                push_value(&p, (int)tape_negated(word));  // may be taken as outside everywhere
             } else {
-                kept = take_operation(&p, word);
+                push_value(&p, kUnknown);
+                kept = word;
             }
-            if (kept != NOTHING) tape[p.words++] = kept;
+        } else {
+            kept = take_operation(&p, word);
         }
-        return p.words;
+        if (kept != NOTHING) tape[p.words++] = kept;
     }
+    return p.words;
 }
 
 #endif

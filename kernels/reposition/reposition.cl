@@ -14,21 +14,19 @@ MORTISE_KERNEL void propose(__global const MovableNode* movable, __global const 
                             __global NodeMove* moves, uint items) {
     const uint item = get_global_id(0);
     if (item >= items) return;
-    {
-        NodeStar s;
-        if (rests[item] != 0) {
-            moves[item].wanted = 0;
-            return;
-        }
-        rests[item] = 1;
-        s.star = star;
-        s.points = points;
-        s.ops = ops;
-        s.scale = scale;
-        s.node = movable[item];
-        s.surface = s.node.surface != kNoSurface ? surfaces + s.node.surface : 0;
-        moves[item] = find_move(&s);
+    NodeStar s;
+    if (rests[item] != 0) {
+        moves[item].wanted = 0;
+        return;
     }
+    rests[item] = 1;
+    s.star = star;
+    s.points = points;
+    s.ops = ops;
+    s.scale = scale;
+    s.node = movable[item];
+    s.surface = s.node.surface != kNoSurface ? surfaces + s.node.surface : 0;
+    moves[item] = find_move(&s);
 }
 
 // Moves the nodes that go first.
@@ -43,18 +41,16 @@ MORTISE_KERNEL void settle(__global const MovableNode* movable, __global const S
                            uint items) {
     const uint item = get_global_id(0);
     if (item >= items || moves[item].wanted == 0) return;
-    {
-        const MovableNode node = movable[item];
-        rests[item] = 0;
-        if (!goes_first(star, node, movable_at, moves, item)) return;
-        for (int j = 0; j < 3; ++j) points[3 * (ulong)node.node + j] = moves[item].point[j];
-        moved[item] = 1;
-        for (uint i = 0; i < node.elements; ++i) {
-            __global const StarElement* e = star + node.first + i;
-            for (int k = 0; k < kStarNodes[e->type]; ++k) {
-                const uint other = movable_at[e->node[k]];
-                if (other != kNoSurface) rests[other] = 0;
-            }
+    const MovableNode node = movable[item];
+    rests[item] = 0;
+    if (!goes_first(star, node, movable_at, moves, item)) return;
+    for (int j = 0; j < 3; ++j) points[3 * (ulong)node.node + j] = moves[item].point[j];
+    moved[item] = 1;
+    for (uint i = 0; i < node.elements; ++i) {
+        __global const StarElement* e = star + node.first + i;
+        for (int k = 0; k < kStarNodes[e->type]; ++k) {
+            const uint other = movable_at[e->node[k]];
+            if (other != kNoSurface) rests[other] = 0;
         }
     }
 }

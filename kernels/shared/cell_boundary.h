@@ -318,19 +318,17 @@ MORTISE_FUNCTION int link_loop(const LoopEdges* face, u8* loop) {
     }
     if (edges > kLargestLoop) return -1;
     if (edges == 0) return 0;
-    {
-        int at = 0;
-        int size = 0;
-        int start;
-        while (((has_next >> at) & 1) == 0) ++at;
-        start = at;
-        do {
-            loop[size++] = (u8)at;
-            if (((has_next >> at) & 1) == 0) return -1;
-            at = next[at];
-        } while (at != start && size < edges);
-        return at == start && size == edges ? size : -1;
-    }
+    int at = 0;
+    int size = 0;
+    int start;
+    while (((has_next >> at) & 1) == 0) ++at;
+    start = at;
+    do {
+        loop[size++] = (u8)at;
+        if (((has_next >> at) & 1) == 0) return -1;
+        at = next[at];
+    } while (at != start && size < edges);
+    return at == start && size == edges ? size : -1;
 }
 
 // Outlines of all faces and the loop of Γ; face meshes are left to the caller, who knows positions.

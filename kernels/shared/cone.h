@@ -146,15 +146,13 @@ MORTISE_FUNCTION u8 facets_of_division(const Division* division, int n, u32 lane
         const int i = chain & 15;
         const int j = chain >> 4;
         if (j - i < 2) continue;
-        {
-            const int k = division->places[i][j][lane] & 15;
-            const int l = division->places[i][j][lane] >> 4;
-            facets[count++] =
-                (u16)(k == l ? i | (k << 4) | (j << 8) | (j << 12) : i | (k << 4) | (l << 8) | (j << 12));
-            stack[top++] = (u8)(i | (k << 4));
-            if (k != l) stack[top++] = (u8)(k | (l << 4));
-            stack[top++] = (u8)(l | (j << 4));
-        }
+        const int k = division->places[i][j][lane] & 15;
+        const int l = division->places[i][j][lane] >> 4;
+        facets[count++] =
+            (u16)(k == l ? i | (k << 4) | (j << 8) | (j << 12) : i | (k << 4) | (l << 8) | (j << 12));
+        stack[top++] = (u8)(i | (k << 4));
+        if (k != l) stack[top++] = (u8)(k | (l << 4));
+        stack[top++] = (u8)(l | (j << 4));
     }
     return count;
 }

@@ -205,22 +205,20 @@ MORTISE_NOINLINE double expression_sample(MORTISE_GLOBAL ExpressionOp* ops, u32 
             continue;
         }
         r[kExpressionLiteral] = ops[i].literal;
-        {
-            const double a = r[ops[i].a];
-            const double b = r[ops[i].b];
-            const double value = expression_apply(operation, a, b);
-            double by_a;
-            double by_b;
-            expression_slopes(operation, a, b, value, &by_a, &by_b);
-            for (int j = 0; j < 3; ++j) {
-                const double da = d[ops[i].a][j];
-                const double db = d[ops[i].b][j];
-                // What is not taken may have an infinite slope, and infinite slopes may be at what stays as
-                // it is: acos(min(f, 1)).
-                d[out][j] = (by_a != 0 && da != 0 ? by_a * da : 0) + (by_b != 0 && db != 0 ? by_b * db : 0);
-            }
-            r[out] = value;
+        const double a = r[ops[i].a];
+        const double b = r[ops[i].b];
+        const double value = expression_apply(operation, a, b);
+        double by_a;
+        double by_b;
+        expression_slopes(operation, a, b, value, &by_a, &by_b);
+        for (int j = 0; j < 3; ++j) {
+            const double da = d[ops[i].a][j];
+            const double db = d[ops[i].b][j];
+            // What is not taken may have an infinite slope, and infinite slopes may be at what stays as
+            // it is: acos(min(f, 1)).
+            d[out][j] = (by_a != 0 && da != 0 ? by_a * da : 0) + (by_b != 0 && db != 0 ? by_b * db : 0);
         }
+        r[out] = value;
     }
     for (int j = 0; j < 3; ++j) gradient[j] = d[0][j];
     return r[0];

@@ -86,25 +86,21 @@ MORTISE_FUNCTION Interval interval_add(Interval a, Interval b) {
         (!(b.high < kFloatHuge) && !(a.low > -kFloatHuge))) {
         return undefined_interval();
     }
-    {
-        const Interval sum = make_interval(a.low + b.low, a.high + b.high);
-        return a.low >= 0 && b.low >= 0 ? nonnegative(sum) : sum;
-    }
+    const Interval sum = make_interval(a.low + b.low, a.high + b.high);
+    return a.low >= 0 && b.low >= 0 ? nonnegative(sum) : sum;
 }
 
 MORTISE_FUNCTION Interval interval_multiply(Interval a, Interval b) {
     // 0 · ∞
     if ((is_unbounded(a) && holds_zero(b)) || (is_unbounded(b) && holds_zero(a))) return undefined_interval();
-    {
-        const float p = a.low * b.low;
-        const float q = a.low * b.high;
-        const float r = a.high * b.low;
-        const float s = a.high * b.high;
-        const Interval product =
-            make_interval(smaller(smaller(p, q), smaller(r, s)), larger(larger(p, q), larger(r, s)));
-        if (p != p || q != q || r != r || s != s) return undefined_interval();
-        return a.low >= 0 && b.low >= 0 ? nonnegative(product) : product;
-    }
+    const float p = a.low * b.low;
+    const float q = a.low * b.high;
+    const float r = a.high * b.low;
+    const float s = a.high * b.high;
+    const Interval product =
+        make_interval(smaller(smaller(p, q), smaller(r, s)), larger(larger(p, q), larger(r, s)));
+    if (p != p || q != q || r != r || s != s) return undefined_interval();
+    return a.low >= 0 && b.low >= 0 ? nonnegative(product) : product;
 }
 
 MORTISE_FUNCTION Interval interval_divide(Interval a, Interval b) {
@@ -112,10 +108,8 @@ MORTISE_FUNCTION Interval interval_divide(Interval a, Interval b) {
         // The sign of a zero is not known, so nor is that of the quotient.
         return holds_zero(a) ? undefined_interval() : any_number();
     }
-    {
-        const Interval inverse = make_interval((float)(1.0 / (double)b.high), (float)(1.0 / (double)b.low));
-        return interval_multiply(a, b.low > 0 ? nonnegative(inverse) : inverse);
-    }
+    const Interval inverse = make_interval((float)(1.0 / (double)b.high), (float)(1.0 / (double)b.low));
+    return interval_multiply(a, b.low > 0 ? nonnegative(inverse) : inverse);
 }
 
 // sin over [low, high] + quarter·π/2, from whether a maximum or a minimum lies inside.
@@ -125,20 +119,18 @@ MORTISE_FUNCTION Interval interval_sin(Interval a, i32 quarter) {
     if (!(a.high - a.low < 6.2f) || !(mortise_fabs(a.low) < 1e6f) || !(mortise_fabs(a.high) < 1e6f)) {
         return make_interval(-1, 1);
     }
-    {
-        const double low = (double)a.low + quarter * half_pi;
-        const double high = (double)a.high + quarter * half_pi;
-        const double slack = 1e-7;
-        // Maxima at π/2 + 2πn, minima at 3π/2 + 2πn.
-        const double top = mortise_floor((high + slack - half_pi) / (4 * half_pi)) * (4 * half_pi) + half_pi;
-        const double bottom =
-            mortise_floor((high + slack - 3 * half_pi) / (4 * half_pi)) * (4 * half_pi) + 3 * half_pi;
-        const double at_low = expression_sin((double)a.low, quarter);
-        const double at_high = expression_sin((double)a.high, quarter);
-        const float least = (float)(at_low < at_high ? at_low : at_high);
-        const float most = (float)(at_low > at_high ? at_low : at_high);
-        return make_interval(bottom >= low - slack ? -1.0f : least, top >= low - slack ? 1.0f : most);
-    }
+    const double low = (double)a.low + quarter * half_pi;
+    const double high = (double)a.high + quarter * half_pi;
+    const double slack = 1e-7;
+    // Maxima at π/2 + 2πn, minima at 3π/2 + 2πn.
+    const double top = mortise_floor((high + slack - half_pi) / (4 * half_pi)) * (4 * half_pi) + half_pi;
+    const double bottom =
+        mortise_floor((high + slack - 3 * half_pi) / (4 * half_pi)) * (4 * half_pi) + 3 * half_pi;
+    const double at_low = expression_sin((double)a.low, quarter);
+    const double at_high = expression_sin((double)a.high, quarter);
+    const float least = (float)(at_low < at_high ? at_low : at_high);
+    const float most = (float)(at_low > at_high ? at_low : at_high);
+    return make_interval(bottom >= low - slack ? -1.0f : least, top >= low - slack ? 1.0f : most);
 }
 
 // Monotone between two poles; anything where one may lie between the ends.

@@ -109,24 +109,19 @@ MORTISE_FUNCTION void patch_try_triangle(MORTISE_GLOBAL patch_number* t, const d
             }
         }
     }
-    {
-        double to[3];
-        double squared;
-        for (int j = 0; j < 3; ++j) to[j] = ax[j] - s * ab[j] - r * ac[j];
-        squared = patch_dot(to, to);
-        if (squared > best->squared * (1 + kPatchTie)) return;
-        {
-            const double facing = height * height;
-            if (squared >= best->squared * (1 - kPatchTie) && facing <= best->facing) return;
-            best->squared = squared;
-            best->facing = facing;
-            best->rim = ((i32)t[9] & on) != 0;
-            for (int j = 0; j < 3; ++j) {
-                best->to[j] = to[j];
-                best->normal[j] =
-                    best->rim ? (1 - s - r) * t[13 + j] + s * t[16 + j] + r * t[19 + j] : t[10 + j];
-            }
-        }
+    double to[3];
+    double squared;
+    for (int j = 0; j < 3; ++j) to[j] = ax[j] - s * ab[j] - r * ac[j];
+    squared = patch_dot(to, to);
+    if (squared > best->squared * (1 + kPatchTie)) return;
+    const double facing = height * height;
+    if (squared >= best->squared * (1 - kPatchTie) && facing <= best->facing) return;
+    best->squared = squared;
+    best->facing = facing;
+    best->rim = ((i32)t[9] & on) != 0;
+    for (int j = 0; j < 3; ++j) {
+        best->to[j] = to[j];
+        best->normal[j] = best->rim ? (1 - s - r) * t[13 + j] + s * t[16 + j] + r * t[19 + j] : t[10 + j];
     }
 }
 
@@ -161,18 +156,16 @@ MORTISE_NOINLINE double patch_sample(MORTISE_GLOBAL patch_number* nodes,
             }
         }
     }
-    {
-        const double distance = mortise_sqrt(hit.squared);
-        const double length = mortise_sqrt(patch_dot(hit.normal, hit.normal));
-        const double height = length > 0 ? patch_dot(hit.normal, hit.to) / length : distance;
-        // On the surface and beyond the rim along the normal; elsewhere the distance.
-        const int flat = hit.rim || distance <= near || mortise_fabs(height) >= distance * (1 - 1e-12);
-        const double side = height < 0 ? -1 : 1;
-        for (int j = 0; j < 3; ++j) {
-            gradient[j] = !flat ? side * hit.to[j] / distance : length > 0 ? hit.normal[j] / length : 0;
-        }
-        return flat ? height : side * distance;
+    const double distance = mortise_sqrt(hit.squared);
+    const double length = mortise_sqrt(patch_dot(hit.normal, hit.normal));
+    const double height = length > 0 ? patch_dot(hit.normal, hit.to) / length : distance;
+    // On the surface and beyond the rim along the normal; elsewhere the distance.
+    const int flat = hit.rim || distance <= near || mortise_fabs(height) >= distance * (1 - 1e-12);
+    const double side = height < 0 ? -1 : 1;
+    for (int j = 0; j < 3; ++j) {
+        gradient[j] = !flat ? side * hit.to[j] / distance : length > 0 ? hit.normal[j] / length : 0;
     }
+    return flat ? height : side * distance;
 }
 
 #endif

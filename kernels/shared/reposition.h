@@ -168,15 +168,11 @@ MORTISE_FUNCTION double star_sag(const NodeStar* s, const double* x) {
             for (int j = 0; j < 3; ++j) m[j] += moves ? x[j] : s->points[3 * (u64)e->node[k] + j];
         }
         for (int j = 0; j < 3; ++j) m[j] /= count;
-        {
-            const SurfaceSample sample = surface_sample(s->surface, s->ops, m[0], m[1], m[2]);
-            for (int j = 0; j < 3; ++j) square += sample.gradient[j] * sample.gradient[j];
-            if (!(square > 0 && square < kMortiseInfinity)) return kMortiseInfinity;
-            {
-                const double sag = mortise_fabs(sample.value) / mortise_sqrt(square);
-                if (!(sag <= worst)) worst = sag;
-            }
-        }
+        const SurfaceSample sample = surface_sample(s->surface, s->ops, m[0], m[1], m[2]);
+        for (int j = 0; j < 3; ++j) square += sample.gradient[j] * sample.gradient[j];
+        if (!(square > 0 && square < kMortiseInfinity)) return kMortiseInfinity;
+        const double sag = mortise_fabs(sample.value) / mortise_sqrt(square);
+        if (!(sag <= worst)) worst = sag;
     }
     return worst;
 }

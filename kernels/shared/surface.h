@@ -96,11 +96,9 @@ MORTISE_FUNCTION double surface_value(MORTISE_GLOBAL Surface* s, MORTISE_GLOBAL 
         double gradient[3];
         return rounded_sample(ops + s->first_op, u, gradient);
     }
-    {
-        const double radial = mortise_sqrt(u[0] * u[0] + u[1] * u[1]);
-        if (s->kind == kSurfaceCone) return radial + u[2];
-        return (radial - s->form[0]) * (radial - s->form[0]) + u[2] * u[2] + s->form[3];
-    }
+    const double radial = mortise_sqrt(u[0] * u[0] + u[1] * u[1]);
+    if (s->kind == kSurfaceCone) return radial + u[2];
+    return (radial - s->form[0]) * (radial - s->form[0]) + u[2] * u[2] + s->form[3];
 }
 
 // f(x) and its gradient. Where the gradient does not exist (a cone's axis), the part that does.
@@ -218,21 +216,19 @@ MORTISE_FUNCTION double segment_root(MORTISE_GLOBAL Surface* s, MORTISE_GLOBAL E
     for (int i = 0; i < kRootIterations && high - low > 1e-12; ++i) {
         double t = low + (high - low) * (f_low / (f_low - f_high));
         if (!(t > low && t < high) || (i >= 8 && (i & 1) == 0)) t = 0.5 * (low + high);
-        {
-            const double f = surface_value(s, ops, a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1]),
-                                           a[2] + t * (b[2] - a[2]));
-            if (f == 0) return t;
-            if ((f < 0) == (f_low < 0)) {
-                low = t;
-                f_low = f;
-                if (kept == 1) f_high *= 0.5;
-                kept = 1;
-            } else {
-                high = t;
-                f_high = f;
-                if (kept == -1) f_low *= 0.5;
-                kept = -1;
-            }
+        const double f = surface_value(s, ops, a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1]),
+                                       a[2] + t * (b[2] - a[2]));
+        if (f == 0) return t;
+        if ((f < 0) == (f_low < 0)) {
+            low = t;
+            f_low = f;
+            if (kept == 1) f_high *= 0.5;
+            kept = 1;
+        } else {
+            high = t;
+            f_high = f;
+            if (kept == -1) f_low *= 0.5;
+            kept = -1;
         }
     }
     return 0.5 * (low + high);

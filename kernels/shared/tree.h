@@ -366,11 +366,9 @@ MORTISE_FUNCTION u64 corner_owner(const Tree* tree, MORTISE_GLOBAL u32* used, u6
     if ((mark & kFinerAround) == 0) {
         *bit = 7;
         if (c == 7) return code;
-        {
-            const Leaf behind =
-                leaf_at_vertex(tree, x + (c & 1) * edge, y + ((c >> 1) & 1) * edge, z + (c >> 2) * edge, 0);
-            if (behind.level == (i32)(mark & kMarkLevel) && leaf_uses(used, behind, 7)) return behind.code;
-        }
+        const Leaf behind =
+            leaf_at_vertex(tree, x + (c & 1) * edge, y + ((c >> 1) & 1) * edge, z + (c >> 2) * edge, 0);
+        if (behind.level == (i32)(mark & kMarkLevel) && leaf_uses(used, behind, 7)) return behind.code;
     }
     return vertex_owner(tree, used, x + (c & 1) * edge, y + ((c >> 1) & 1) * edge, z + (c >> 2) * edge, bit);
 }

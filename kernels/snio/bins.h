@@ -98,13 +98,11 @@ static Bin* bin_of_look(Chunk* chunk, const Look look) {
         if (bin->states == look.states && bin->others == look.others) return bin;
     }
     chunk->by_topology[place] = (ushort)chunk->bin_count;
-    {
-        Bin* bin = chunk->bins + chunk->bin_count++;
-        bin->states = look.states;
-        bin->others = look.others;
-        bin->count = 0;
-        return bin;
-    }
+    Bin* bin = chunk->bins + chunk->bin_count++;
+    bin->states = look.states;
+    bin->others = look.others;
+    bin->count = 0;
+    return bin;
 }
 
 // Enters a leaf of the chunk. The bin that it fills is returned, or 0; the caller asks about its leaves and
@@ -121,11 +119,9 @@ static Bin* enter_leaf(Chunk* chunk, uint leaf, const Look look, POINTS_PARAMETE
     }
     chunk->by_look[place] = chunk->like[at] = (ushort)at;
     chunk->looks[at] = look;
-    {
-        Bin* bin = bin_of_look(chunk, look);
-        bin->leaf[bin->count++] = (ushort)at;
-        return bin->count == kLanes ? bin : 0;
-    }
+    Bin* bin = bin_of_look(chunk, look);
+    bin->leaf[bin->count++] = (ushort)at;
+    return bin->count == kLanes ? bin : 0;
 }
 
 // The leaf in a lane of a bin; lanes behind the last one repeat the first.

@@ -254,10 +254,8 @@ MORTISE_KERNEL void classify(TREE_PARAMETERS, __global const TreeNode* nio, __gl
                              __global SnioCandidate* candidates, int snap, uint items) {
     const uint item = get_global_id(0);
     if (item >= items) return;
-    {
-        const Tree tree = TREE_OF_PARAMETERS;
-        candidates[item] = candidate_of(&tree, nio[item], tapes, surfaces, ops, 0, snap);
-    }
+    const Tree tree = TREE_OF_PARAMETERS;
+    candidates[item] = candidate_of(&tree, nio[item], tapes, surfaces, ops, 0, snap);
 }
 
 // The same again for simple leaves that have corners snapped beside complex ones.
@@ -270,11 +268,8 @@ MORTISE_KERNEL void classify_snapped(TREE_PARAMETERS, __global const TreeNode* n
                                      __global SnioCandidate* candidates, uint items) {
     const uint item = get_global_id(0);
     if (item >= items) return;
-    {
-        const Tree tree = TREE_OF_PARAMETERS;
-        candidates[item] =
-            candidate_of(&tree, nio[snapped[item].leaf], tapes, surfaces, ops, snapped + item, 1);
-    }
+    const Tree tree = TREE_OF_PARAMETERS;
+    candidates[item] = candidate_of(&tree, nio[snapped[item].leaf], tapes, surfaces, ops, snapped + item, 1);
 }
 
 // Leaves that hold more than their samples tell are not simple, whatever `classify` says.

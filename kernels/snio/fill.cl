@@ -9,14 +9,12 @@ static int has_volume(const Tree* tree, __global const SnioCandidate* candidates
                       int level, ulong morton, int f) {
     const Leaf beyond = leaf_beyond(tree, morton, level, f);
     if (beyond.kind != kLeafNio) return beyond.kind == kLeafIn;
-    {
-        const SnioCandidate candidate = candidates[beyond.index];
-        const uint moved = moved_corners(candidate, vetoes_of(vetoes, beyond.index));
-        if (!stays_simple(candidate, moved) || (candidate.flags & kCandidatePromoted) != 0) {
-            return 1;
-        }
-        return (candidate.inside & ~(candidate.zero | moved)) != 0;
+    const SnioCandidate candidate = candidates[beyond.index];
+    const uint moved = moved_corners(candidate, vetoes_of(vetoes, beyond.index));
+    if (!stays_simple(candidate, moved) || (candidate.flags & kCandidatePromoted) != 0) {
+        return 1;
     }
+    return (candidate.inside & ~(candidate.zero | moved)) != 0;
 }
 
 // What `fill` writes.

@@ -22,15 +22,13 @@ static int depends_on(__global const uint* tapes, const TreeNode node, uint surf
 MORTISE_KERNEL void mark_exposed(TREE_PARAMETERS, __global uint* promoted, uint items) {
     const uint word = get_global_id(0);
     if (word >= items) return;
-    {
-        const Tree tree = TREE_OF_PARAMETERS;
-        for (uint rest = in_bits[word]; rest != 0; rest &= rest - 1) {
-            const uint bit = mortise_lowest_bit(rest);
-            const ulong code = word_code(&tree, word) | bit;
-            const int level = leaf_level(&tree, code);
-            for (int f = 0; f < 6; ++f) {
-                if (leaf_beyond(&tree, code, level, f).kind == kLeafNone) promoted[word] |= 1u << bit;
-            }
+    const Tree tree = TREE_OF_PARAMETERS;
+    for (uint rest = in_bits[word]; rest != 0; rest &= rest - 1) {
+        const uint bit = mortise_lowest_bit(rest);
+        const ulong code = word_code(&tree, word) | bit;
+        const int level = leaf_level(&tree, code);
+        for (int f = 0; f < 6; ++f) {
+            if (leaf_beyond(&tree, code, level, f).kind == kLeafNone) promoted[word] |= 1u << bit;
         }
     }
 }
@@ -61,32 +59,28 @@ MORTISE_KERNEL void find_misfits(TREE_PARAMETERS, __global const TreeNode* nio, 
                                  uint items) {
     const uint item = get_global_id(0);
     if (item >= items) return;
-    {
-        const Tree tree = TREE_OF_PARAMETERS;
-        const SnioCandidate candidate = candidates[item];
-        const ulong code = nio[item].morton;
-        const int level = leaf_level(&tree, code);
-        const uint inside = candidate.inside & ~(uint)candidate.zero;
-        const uint outside = ~(uint)candidate.inside & ~(uint)candidate.zero;
-        int fits = 1;
-        for (int f = 0; f < 6 && fits; ++f) {
-            fits = face_fits(&tree, nio, tapes, candidates, candidate, code, level, f);
-        }
-        for (int e = 0; e < 12 && fits; ++e) {
-            const uint low = 1u << kEdgeCorners[e][0];
-            const uint high = 1u << kEdgeCorners[e][1];
-            const int axis = e >> 2;
-            int direction[3] = {0, 0, 0};
-            if (!((inside & low) && (outside & high)) && !((inside & high) && (outside & low))) continue;
-            direction[axis == 0 ? 1 : 0] = (e & 1) ? 1 : -1;
-            direction[axis == 2 ? 1 : 2] = (e & 2) ? 1 : -1;
-            {
-                const Leaf beyond = leaf_beside(&tree, code, level, direction);
-                fits = beyond.kind == kLeafNio && depends_on(tapes, nio[beyond.index], candidate.surface);
-            }
-        }
-        misfit[item] = (uchar)!fits;
+    const Tree tree = TREE_OF_PARAMETERS;
+    const SnioCandidate candidate = candidates[item];
+    const ulong code = nio[item].morton;
+    const int level = leaf_level(&tree, code);
+    const uint inside = candidate.inside & ~(uint)candidate.zero;
+    const uint outside = ~(uint)candidate.inside & ~(uint)candidate.zero;
+    int fits = 1;
+    for (int f = 0; f < 6 && fits; ++f) {
+        fits = face_fits(&tree, nio, tapes, candidates, candidate, code, level, f);
     }
+    for (int e = 0; e < 12 && fits; ++e) {
+        const uint low = 1u << kEdgeCorners[e][0];
+        const uint high = 1u << kEdgeCorners[e][1];
+        const int axis = e >> 2;
+        int direction[3] = {0, 0, 0};
+        if (!((inside & low) && (outside & high)) && !((inside & high) && (outside & low))) continue;
+        direction[axis == 0 ? 1 : 0] = (e & 1) ? 1 : -1;
+        direction[axis == 2 ? 1 : 2] = (e & 2) ? 1 : -1;
+        const Leaf beyond = leaf_beside(&tree, code, level, direction);
+        fits = beyond.kind == kLeafNio && depends_on(tapes, nio[beyond.index], candidate.surface);
+    }
+    misfit[item] = (uchar)!fits;
 }
 
 // Leaves the misfits to the certificate. One work-item handles one leaf.

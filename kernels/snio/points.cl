@@ -26,12 +26,10 @@ MORTISE_NOINLINE void find_row(const Tree* tree, __global const TreeNode* nio,
     for (uint leaf = begin; leaf < end && snap; ++leaf) {
         const SnioCandidate candidate = candidates[leaf];
         if ((candidate.flags & kCandidateSimple) == 0 || !has_lanes(surfaces + candidate.surface)) continue;
-        {
-            const ulong code = nio[leaf].morton;
-            const int level = leaf_level(tree, code);
-            add_corners(&corners, leaf - begin, code, leaf_edge(tree, level),
-                        point_kind(candidate.surface, level), candidate.zero);
-        }
+        const ulong code = nio[leaf].morton;
+        const int level = leaf_level(tree, code);
+        add_corners(&corners, leaf - begin, code, leaf_edge(tree, level),
+                    point_kind(candidate.surface, level), candidate.zero);
     }
     move_corners(&corners, surfaces, finest);
 #endif
@@ -113,8 +111,6 @@ MORTISE_KERNEL void find_points(TREE_PARAMETERS, __global const TreeNode* nio,
     const uint begin = LEAVES * get_global_id(0);
     const uint end = begin + LEAVES < leaves ? begin + LEAVES : leaves;
     if (get_global_id(0) >= items) return;
-    {
-        const Tree tree = TREE_OF_PARAMETERS;
-        find_row(&tree, nio, surfaces, ops, candidates, points, near, snap, begin, end);
-    }
+    const Tree tree = TREE_OF_PARAMETERS;
+    find_row(&tree, nio, surfaces, ops, candidates, points, near, snap, begin, end);
 }

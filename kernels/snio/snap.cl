@@ -42,41 +42,39 @@ MORTISE_KERNEL void mark_vertices(TREE_PARAMETERS, __global const TreeNode* nio,
                                   __global uint* promoted, uint items) {
     const uint item = get_global_id(0);
     if (item >= items) return;
-    {
-        const Tree tree = TREE_OF_PARAMETERS;
-        const SnioCandidate candidate = candidates[item];
-        const ulong own = nio[item].morton;
-        const int level = leaf_level(&tree, own);
-        const BorderCells cells = border_cells(&tree, own, level);
-        const uint corners = (candidate.flags & kCandidateSimple) ? candidate.near | candidate.zero : 0;
-        for (uint c = 0; c < 8; ++c) {
-            Leaf in_leaves[8];
-            uint in_count = 0;
-            int allowed = 1;
-            int is_first = 1;
-            if (((corners >> c) & 1) == 0) continue;
-            for (uint d = 0; d < 8 && is_first; ++d) {
-                Leaf leaf;
-                if (d == 7 - c) continue;  // this one
-                leaf = leaf_at_corner(&tree, &cells, c, d);
-                if (leaf.kind != kLeafNone && leaf.level != level) {
-                    allowed = 0;
-                } else if (leaf.kind == kLeafIn) {
-                    in_leaves[in_count++] = leaf;
-                } else if (leaf.kind == kLeafNio) {
-                    const SnioCandidate other = candidates[leaf.index];
-                    const int is_like =
-                        (other.flags & kCandidateSimple) != 0 && other.surface == candidate.surface;
-                    allowed = allowed && is_like && other.region == candidate.region;
-                    is_first = !(is_like && d < 7 - c && (((other.near | other.zero) >> (7 - d)) & 1) != 0);
-                }
+    const Tree tree = TREE_OF_PARAMETERS;
+    const SnioCandidate candidate = candidates[item];
+    const ulong own = nio[item].morton;
+    const int level = leaf_level(&tree, own);
+    const BorderCells cells = border_cells(&tree, own, level);
+    const uint corners = (candidate.flags & kCandidateSimple) ? candidate.near | candidate.zero : 0;
+    for (uint c = 0; c < 8; ++c) {
+        Leaf in_leaves[8];
+        uint in_count = 0;
+        int allowed = 1;
+        int is_first = 1;
+        if (((corners >> c) & 1) == 0) continue;
+        for (uint d = 0; d < 8 && is_first; ++d) {
+            Leaf leaf;
+            if (d == 7 - c) continue;  // this one
+            leaf = leaf_at_corner(&tree, &cells, c, d);
+            if (leaf.kind != kLeafNone && leaf.level != level) {
+                allowed = 0;
+            } else if (leaf.kind == kLeafIn) {
+                in_leaves[in_count++] = leaf;
+            } else if (leaf.kind == kLeafNio) {
+                const SnioCandidate other = candidates[leaf.index];
+                const int is_like =
+                    (other.flags & kCandidateSimple) != 0 && other.surface == candidate.surface;
+                allowed = allowed && is_like && other.region == candidate.region;
+                is_first = !(is_like && d < 7 - c && (((other.near | other.zero) >> (7 - d)) & 1) != 0);
             }
-            if (!is_first) continue;
-            if (!allowed) veto_vertex(&tree, &cells, level, c, vetoes);
-            if (!allowed && ((candidate.zero >> c) & 1) == 0) continue;
-            for (uint i = 0; i < in_count; ++i) {
-                atomic_or(promoted + in_leaves[i].word, 1u << (uint)(in_leaves[i].code & 31));
-            }
+        }
+        if (!is_first) continue;
+        if (!allowed) veto_vertex(&tree, &cells, level, c, vetoes);
+        if (!allowed && ((candidate.zero >> c) & 1) == 0) continue;
+        for (uint i = 0; i < in_count; ++i) {
+            atomic_or(promoted + in_leaves[i].word, 1u << (uint)(in_leaves[i].code & 31));
         }
     }
 }
@@ -107,75 +105,72 @@ MORTISE_KERNEL void promote_leaves(TREE_PARAMETERS, __global const uint* new_nio
                                    uint items) {
     const uint word = get_global_id(0);
     if (word >= items) return;
-    {
-        const Tree tree = TREE_OF_PARAMETERS;
-        uint to = new_nio_rank[word];
-        uint from = nio_rank[word];
-        for (uint rest = new_nio_bits[word]; rest != 0; rest &= rest - 1, ++to) {
-            const uint bit = mortise_lowest_bit(rest);
-            const ulong own = word_code(&tree, word) | bit;
-            TreeNode node;
-            SnioCandidate candidate;
-            int mixed = 0;
-            if ((nio_bits[word] >> bit) & 1) {
-                node = nio[from];
-                candidate = candidates[from];
-                candidate.near &= ~(uchar)vetoes_of(vetoes, from);
-                point_of[to] = from++;
-            } else {
-                const int level = leaf_level(&tree, own);
-                const BorderCells cells = border_cells(&tree, own, level);
-                __global SnioPoints* own_points = promoted_points + (to - from);
-                point_of[to] = kPromotedPoints | (to - from);
-                node.morton = own;
-                node.tape_offset = 0;
-                node.tape_length = 0;
-                candidate.surface = kNoCandidateSurface;
-                candidate.region = 0;
-                candidate.inside = 0xff;
-                candidate.zero = 0;
-                candidate.near = 0;
-                candidate.flags = kCandidateSimple | kCandidatePromoted;
-                candidate.needed = 0;
-                candidate.snapped = 0;
-                // The places around: beside this leaf along the axes of `across`, on the high side along
-                // those of `high`.
-                for (uint place = 0; place < 64; ++place) {
-                    const uint across = place >> 3;
-                    const uint high = place & 7;
-                    const uint along = 7 & ~across;
-                    Leaf leaf;
-                    SnioCandidate other;
-                    uint on;
-                    if (across == 0 || (high & along) != 0) continue;
-                    // Corner c of this one is 7 - d of the other.
-                    leaf = leaf_at_corner(&tree, &cells, high, along | high);
-                    if (leaf.kind != kLeafNio || leaf.level != level) continue;
-                    other = candidates[leaf.index];
-                    if ((other.flags & kCandidateSimple) == 0) continue;
-                    other.near &= ~(uchar)vetoes_of(vetoes, leaf.index);
-                    on = other.zero | other.near;
-                    for (uint c = 0; c < 8 && on != 0; ++c) {
-                        const uint theirs = c ^ across;
-                        if ((c & across) != high || ((on >> theirs) & 1) == 0) continue;
-                        if (candidate.surface == kNoCandidateSurface) {
-                            candidate.surface = other.surface;
-                            candidate.region = other.region;
-                        }
-                        if (candidate.surface != other.surface) mixed = 1;
-                        candidate.zero |= ((other.zero >> theirs) & 1u) << c;
-                        if (((other.near >> theirs) & 1) == 0) continue;
-                        candidate.near |= 1u << c;
-                        for (int j = 0; j < 3; ++j)
-                            own_points->moved[c][j] = points[leaf.index].moved[theirs][j];
+    const Tree tree = TREE_OF_PARAMETERS;
+    uint to = new_nio_rank[word];
+    uint from = nio_rank[word];
+    for (uint rest = new_nio_bits[word]; rest != 0; rest &= rest - 1, ++to) {
+        const uint bit = mortise_lowest_bit(rest);
+        const ulong own = word_code(&tree, word) | bit;
+        TreeNode node;
+        SnioCandidate candidate;
+        int mixed = 0;
+        if ((nio_bits[word] >> bit) & 1) {
+            node = nio[from];
+            candidate = candidates[from];
+            candidate.near &= ~(uchar)vetoes_of(vetoes, from);
+            point_of[to] = from++;
+        } else {
+            const int level = leaf_level(&tree, own);
+            const BorderCells cells = border_cells(&tree, own, level);
+            __global SnioPoints* own_points = promoted_points + (to - from);
+            point_of[to] = kPromotedPoints | (to - from);
+            node.morton = own;
+            node.tape_offset = 0;
+            node.tape_length = 0;
+            candidate.surface = kNoCandidateSurface;
+            candidate.region = 0;
+            candidate.inside = 0xff;
+            candidate.zero = 0;
+            candidate.near = 0;
+            candidate.flags = kCandidateSimple | kCandidatePromoted;
+            candidate.needed = 0;
+            candidate.snapped = 0;
+            // The places around: beside this leaf along the axes of `across`, on the high side along
+            // those of `high`.
+            for (uint place = 0; place < 64; ++place) {
+                const uint across = place >> 3;
+                const uint high = place & 7;
+                const uint along = 7 & ~across;
+                Leaf leaf;
+                SnioCandidate other;
+                uint on;
+                if (across == 0 || (high & along) != 0) continue;
+                // Corner c of this one is 7 - d of the other.
+                leaf = leaf_at_corner(&tree, &cells, high, along | high);
+                if (leaf.kind != kLeafNio || leaf.level != level) continue;
+                other = candidates[leaf.index];
+                if ((other.flags & kCandidateSimple) == 0) continue;
+                other.near &= ~(uchar)vetoes_of(vetoes, leaf.index);
+                on = other.zero | other.near;
+                for (uint c = 0; c < 8 && on != 0; ++c) {
+                    const uint theirs = c ^ across;
+                    if ((c & across) != high || ((on >> theirs) & 1) == 0) continue;
+                    if (candidate.surface == kNoCandidateSurface) {
+                        candidate.surface = other.surface;
+                        candidate.region = other.region;
                     }
+                    if (candidate.surface != other.surface) mixed = 1;
+                    candidate.zero |= ((other.zero >> theirs) & 1u) << c;
+                    if (((other.near >> theirs) & 1) == 0) continue;
+                    candidate.near |= 1u << c;
+                    for (int j = 0; j < 3; ++j) own_points->moved[c][j] = points[leaf.index].moved[theirs][j];
                 }
-                candidate.inside = (uchar)(0xff & ~candidate.zero);
-                if (mixed) candidate.flags = kCandidatePromoted;
             }
-            new_nio[to] = node;
-            new_candidates[to] = candidate;
+            candidate.inside = (uchar)(0xff & ~candidate.zero);
+            if (mixed) candidate.flags = kCandidatePromoted;
         }
+        new_nio[to] = node;
+        new_candidates[to] = candidate;
     }
 }
 
@@ -188,25 +183,23 @@ MORTISE_KERNEL void snap_corners_of(__global const SnappedLeaf* snapped, __globa
                                     __global SnioPoints* promoted_points, uint items) {
     const uint item = get_global_id(0);
     if (item >= items) return;
-    {
-        const uint leaf = snapped[item].leaf;
-        const uint corners = snapped[item].snapped;
-        __global SnioPoints* points = POINTS_OF(leaf);
-        candidates[leaf].snapped = (uchar)corners;
-        candidates[leaf].near &= ~(uchar)corners;
-        if (snapped[item].region != 0) {
-            candidates[leaf].region = snapped[item].region;
-            if (snapped[item].surface != kNoCandidateSurface) {
-                // Which surface a corner moves onto is told by the leaf's.
-                if (candidates[leaf].near != 0 && candidates[leaf].surface != snapped[item].surface)
-                    candidates[leaf].flags |= kCandidateTorn;
-                candidates[leaf].surface = snapped[item].surface;
-            }
+    const uint leaf = snapped[item].leaf;
+    const uint corners = snapped[item].snapped;
+    __global SnioPoints* points = POINTS_OF(leaf);
+    candidates[leaf].snapped = (uchar)corners;
+    candidates[leaf].near &= ~(uchar)corners;
+    if (snapped[item].region != 0) {
+        candidates[leaf].region = snapped[item].region;
+        if (snapped[item].surface != kNoCandidateSurface) {
+            // Which surface a corner moves onto is told by the leaf's.
+            if (candidates[leaf].near != 0 && candidates[leaf].surface != snapped[item].surface)
+                candidates[leaf].flags |= kCandidateTorn;
+            candidates[leaf].surface = snapped[item].surface;
         }
-        for (uint rest = corners; rest != 0; rest &= rest - 1) {
-            const uint c = mortise_lowest_bit(rest);
-            for (int j = 0; j < 3; ++j) points->moved[c][j] = snapped[item].moved[c][j];
-        }
+    }
+    for (uint rest = corners; rest != 0; rest &= rest - 1) {
+        const uint c = mortise_lowest_bit(rest);
+        for (int j = 0; j < 3; ++j) points->moved[c][j] = snapped[item].moved[c][j];
     }
 }
 
@@ -265,16 +258,14 @@ MORTISE_NOINLINE void test_bin(Bin* bin, const Chunk* chunk, POINTS_PARAMETERS,
         }
         safe &= valid;
         if (++i >> count != 0 || safe == 0) break;
-        {
-            const uint changed = mortise_lowest_bit(i);
-            const uint c = others[changed];
-            const int is_moved = ((subset ^= 1u << c) >> c) & 1;
-            for (int j = 0; j < 3; ++j) {
-                p[c][j] = (double)((c >> j) & 1);
-                if (is_moved) p[c][j] = moved[changed][j];
-            }
-            choices.stale |= kNodeFaces[c];
+        const uint changed = mortise_lowest_bit(i);
+        const uint c = others[changed];
+        const int is_moved = ((subset ^= 1u << c) >> c) & 1;
+        for (int j = 0; j < 3; ++j) {
+            p[c][j] = (double)((c >> j) & 1);
+            if (is_moved) p[c][j] = moved[changed][j];
         }
+        choices.stale |= kNodeFaces[c];
     }
     for (uint lane = 0; lane < bin->count; ++lane) {
         const uint kept = (simple >> lane) & 1 ? before : before & ~(uint)kCandidateSimple;

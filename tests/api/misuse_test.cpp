@@ -248,6 +248,16 @@ TEST_CASE("cells larger than the model are told of, much larger ones refused") {
     CHECK(report.warnings.empty());
 }
 
+TEST_CASE("sizes whose powers double precision does not have are refused") {
+    for (const char* text : {"cube(1e-60);", "sphere(r = 1e-90, $fn = 0);", "cube(1e-120);"}) {
+        const Model speck = parse_model(text, "csg", "speck");
+        CHECK(contains(refusal(ExitCode::kInput, [&] { generate_mesh(speck, coarse()); }),
+                       "choose other units"));
+    }
+    const Model small = parse_model("sphere(r = 1e-40, $fn = 0);", "csg", "small");
+    CHECK(generate_mesh(small, coarse()).element_count() > 0);
+}
+
 TEST_CASE("a limit of memory is for meshes in parts alone") {
     MeshOptions options = coarse();
     options.memory = 1;
