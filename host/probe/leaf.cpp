@@ -128,16 +128,17 @@ bool LeafProbe::is_flat(const TreeNode& leaf) const {
 
 void LeafProbe::take_signs(const Vec3& x) {
     signs_.resize(surfaces_.size());
+    values_here_.resize(surfaces_.size());
     for (std::size_t s = 0; s < surfaces_.size(); ++s) {
-        const double value =
+        values_here_[s] =
             surface_value(&model_.surfaces[surfaces_[s]], model_.expression_ops.data(), x[0], x[1], x[2]);
-        signs_[s] = value <= 0 ? std::int8_t{-1} : std::int8_t{1};
+        signs_[s] = values_here_[s] <= 0 ? std::int8_t{-1} : std::int8_t{1};
     }
 }
 
-/// Whether the solid at x differs from what it is with the hidden surfaces' signs at the samples.
-bool LeafProbe::is_missed(const Vec3& x, Found& found) {
-    take_signs(x);
+/// Whether the solid at x, where signs_ are known, differs from what it is with the hidden surfaces' signs at
+/// the samples.
+bool LeafProbe::differs_here(const Vec3& x, Found& found) {
     assumed_ = signs_;
     bool contrary = false;
     double deepest = 0;
@@ -145,15 +146,35 @@ bool LeafProbe::is_missed(const Vec3& x, Found& found) {
         if (signs_[hidden_[h]] == hidden_sign_[h]) continue;
         contrary = true;
         assumed_[hidden_[h]] = hidden_sign_[h];
-        const double value = std::fabs(surface_value(&model_.surfaces[surfaces_[hidden_[h]]],
-                                                     model_.expression_ops.data(), x[0], x[1], x[2]));
-        deepest = std::max(deepest, value);
+        deepest = std::max(deepest, std::fabs(values_here_[hidden_[h]]));
     }
     if (!contrary) return false;
     const std::int32_t region = local_tape_.resolve(signs_.data());
     if (region == local_tape_.resolve(assumed_.data())) return false;
     found = {region, x, deepest};
     return true;
+}
+
+bool LeafProbe::is_missed(const Vec3& x, Found& found) {
+    take_signs(x);
+    return differs_here(x, found);
+}
+
+/// The same at many points: found_at_.
+void LeafProbe::find_missed_at(const std::vector<Vec3>& points) {
+    values_at_.resize(surfaces_.size());
+    for (std::size_t s = 0; s < surfaces_.size(); ++s)
+        batch_.values(surfaces_[s], tape::Places(points), values_at_[s]);
+    found_at_.assign(points.size(), Found{});
+    signs_.resize(surfaces_.size());
+    values_here_.resize(surfaces_.size());
+    for (std::size_t k = 0; k < points.size(); ++k) {
+        for (std::size_t s = 0; s < surfaces_.size(); ++s) {
+            values_here_[s] = values_at_[s][k];
+            signs_[s] = values_here_[s] <= 0 ? std::int8_t{-1} : std::int8_t{1};
+        }
+        differs_here(points[k], found_at_[k]);
+    }
 }
 
 void LeafProbe::run(std::uint32_t leaf, std::vector<Component>& out) {
@@ -247,28 +268,64 @@ void LeafProbe::finish(Component& component) {
     }
 }
 
-/// Length of the component from its point in a direction (of unit length), within the leaf.
-double LeafProbe::reach(const Component& component, const Vec3& direction) {
-    const auto inside = [&](double t) {
-        Vec3 x{};
-        for (std::size_t j = 0; j < 3; ++j) {
-            x[j] = component.point[j] + t * edge_ * direction[j];
-            if (x[j] < low_[j] || x[j] > low_[j] + edge_) return false;
+/// Lengths of the component from its point in some directions (of unit length), within the leaf. All searches
+/// go on together, since a surface at many points takes little longer than at one.
+std::vector<double> LeafProbe::reaches(const Component& component, const std::vector<Vec3>& directions) {
+    constexpr double kFirst = 1e-6;  ///< of the leaf's edge, as all lengths here
+    constexpr double kLongest = 2;
+    constexpr int kHalvings = 12;
+    struct Search {
+        double low = 0;
+        double high = kFirst;
+        int halvings = -1;  ///< -1: `high` still grows
+
+        bool is_done() const { return halvings == kHalvings; }
+        double next() const { return halvings < 0 ? high : 0.5 * (low + high); }
+        void learn(bool inside) {
+            if (halvings >= 0) {
+                (inside ? low : high) = next();
+                ++halvings;
+            } else if (inside) {
+                low = high;
+                high *= 2;
+                if (!(high < kLongest)) halvings = 0;
+            } else {
+                halvings = 0;
+            }
         }
-        Found at;
-        return is_missed(x, at) && at.region == component.region;
     };
-    double low = 0;
-    double high = 1e-6;
-    while (high < 2 && inside(high)) {
-        low = high;
-        high *= 2;
+    std::vector<Search> searches(directions.size());
+    std::vector<std::size_t> asked;
+    std::vector<Vec3> points;
+    while (true) {
+        asked.clear();
+        points.clear();
+        for (std::size_t k = 0; k < searches.size(); ++k) {
+            // Beyond the leaf nothing need be asked.
+            while (!searches[k].is_done()) {
+                const double t = searches[k].next();
+                Vec3 x{};
+                bool is_in_leaf = true;
+                for (std::size_t j = 0; j < 3; ++j) {
+                    x[j] = component.point[j] + t * edge_ * directions[k][j];
+                    is_in_leaf = is_in_leaf && x[j] >= low_[j] && x[j] <= low_[j] + edge_;
+                }
+                if (is_in_leaf) {
+                    asked.push_back(k);
+                    points.push_back(x);
+                    break;
+                }
+                searches[k].learn(false);
+            }
+        }
+        if (asked.empty()) break;
+        find_missed_at(points);
+        for (std::size_t i = 0; i < asked.size(); ++i)
+            searches[asked[i]].learn(found_at_[i].region == component.region);
     }
-    for (int i = 0; i < 12; ++i) {
-        const double middle = 0.5 * (low + high);
-        (inside(middle) ? low : high) = middle;
-    }
-    return low * edge_;
+    std::vector<double> lengths;
+    for (const Search& search : searches) lengths.push_back(search.low * edge_);
+    return lengths;
 }
 
 /// Moves the component's point to the middle of its chords along the axes, which for a ball is its centre,
@@ -279,26 +336,27 @@ void LeafProbe::measure(Component& component) {
         Vec3 back{};
         forward[axis % 3] = 1;
         back[axis % 3] = -1;
-        const double ahead = reach(component, forward);
-        const double behind = reach(component, back);
+        const std::vector<double> chord = reaches(component, {forward, back});
         const double before = component.point[axis % 3];
-        component.point[axis % 3] += 0.5 * (ahead - behind);
+        component.point[axis % 3] += 0.5 * (chord[0] - chord[1]);
         Found at;
         if (!is_missed(component.point, at) || at.region != component.region)
             component.point[axis % 3] = before;
     }
-    component.thickness = 2 * edge_;
+    std::vector<Vec3> directions;
     for (int k = 14; k < 27; ++k) {
         const std::array<int, 3> d = {k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1};
         const double length = std::sqrt(static_cast<double>(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]));
-        double chord = 0;
         for (const double side : {-1.0, 1.0}) {
             Vec3 direction{};
             for (std::size_t j = 0; j < 3; ++j) direction[j] = side * d[j] / length;
-            chord += reach(component, direction);
+            directions.push_back(direction);
         }
-        component.thickness = std::min(component.thickness, chord);
     }
+    const std::vector<double> lengths = reaches(component, directions);
+    component.thickness = 2 * edge_;
+    for (std::size_t k = 0; k < lengths.size(); k += 2)
+        component.thickness = std::min(component.thickness, lengths[k] + lengths[k + 1]);
 }
 
 /// Whether only the leaf's centre tells that some surface passes through it: the apex must stay there then.

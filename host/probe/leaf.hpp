@@ -92,11 +92,13 @@ class LeafProbe {
     bool load(const TreeNode& leaf);
     void load_tape(const TreeNode& leaf);
     std::int8_t sample_sign(std::uint32_t surface) const;
+    bool differs_here(const Vec3& x, Found& found);
     bool is_missed(const Vec3& x, Found& found);
+    void find_missed_at(const std::vector<Vec3>& points);
     void gather(std::uint32_t leaf, std::vector<Component>& out);
     void finish(Component& component);
     bool sees_all(const Component& component);
-    double reach(const Component& component, const Vec3& direction);
+    std::vector<double> reaches(const Component& component, const std::vector<Vec3>& directions);
     void measure(Component& component);
     bool needs_centre() const;
     void take_signs(const Vec3& x);
@@ -134,6 +136,9 @@ class LeafProbe {
     std::vector<Found> missed_;  ///< by index into pieces_
     std::vector<Found> found_;   ///< by piece of the last depth, or empty
     std::vector<std::int8_t> signs_, assumed_;
+    std::vector<double> values_here_;             ///< of surfaces_, where signs_ are
+    std::vector<std::vector<double>> values_at_;  ///< of surfaces_, at many points
+    std::vector<Found> found_at_;
     std::vector<std::uint8_t> layer_;
 };
 
