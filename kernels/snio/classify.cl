@@ -73,7 +73,7 @@ MORTISE_NOINLINE int is_close(__global const Surface* surface, __global const Ex
 }
 
 // Signs of a leaf's surface at the leaf's corners (0 to 7), in the middles of its faces (8 to 13) and its own
-// (14), as they are asked for; those of a plane or quadric all at once.
+// (14), all at once where there are lanes for the surface, else as they are asked for.
 #define MIDDLE_OF_FACE 8
 #define MIDDLE 14
 typedef struct CellSigns {
@@ -131,8 +131,9 @@ static void start_signs(CellSigns* signs) {
                                     z + (double8)(0.5, 0.5, 0.5, 0.5, 0, 1, 0.5, 0.5) * cell};
         uint zero_middles;
         signs->known = 0xffff;
-        signs->inside = signs_in_lanes(signs->surface, corners, cell, &signs->zero);
-        signs->inside |= signs_in_lanes(signs->surface, middles, cell, &zero_middles) << MIDDLE_OF_FACE;
+        signs->inside = signs_in_lanes(signs->surface, signs->ops, corners, cell, &signs->zero);
+        signs->inside |= signs_in_lanes(signs->surface, signs->ops, middles, cell, &zero_middles)
+                         << MIDDLE_OF_FACE;
         signs->zero |= zero_middles << MIDDLE_OF_FACE;
     }
 #endif

@@ -4,7 +4,8 @@
 // Four leaves and more have a corner or an edge in common. Formulas take long to evaluate: the first leaf of
 // those that agree about the surface finds the point, the others take it. Points of planes and quadrics are
 // found once for a row of leaves where a work-item handles one, else by each leaf, which costs less than
-// looking for the first. Either way points are functions of position and surface alone.
+// looking for the first; there corners that move are found eight at a time. Either way points are functions
+// of position and surface alone.
 #include "shared/bounds.h"
 #include "shared/snap.h"
 #include "shared/snio.h"
@@ -28,10 +29,17 @@ MORTISE_NOINLINE void find_row(const Tree* tree, __global const TreeNode* nio,
         if ((candidate.flags & kCandidateSimple) == 0 || !has_lanes(surfaces + candidate.surface)) continue;
         const ulong code = nio[leaf].morton;
         const int level = leaf_level(tree, code);
+        uint others = candidate.zero;  // corners that this leaf does not look after
+        for (uint c = 0; c < 8 && is_shared(surfaces + candidate.surface); ++c) {
+            uint first;
+            if (((others >> c) & 1) == 0 &&
+                first_at_corner(tree, candidates, candidate.surface, code, level, c, &first) != 7 - c)
+                others |= 1u << c;
+        }
         add_corners(&corners, leaf - begin, code, leaf_edge(tree, level),
-                    point_kind(candidate.surface, level), candidate.zero);
+                    point_kind(candidate.surface, level), others);
     }
-    move_corners(&corners, surfaces, finest);
+    move_corners(&corners, surfaces, ops, finest);
 #endif
     for (uint leaf = begin; leaf < end; ++leaf) {
         const SnioCandidate candidate = candidates[leaf];
@@ -83,7 +91,7 @@ MORTISE_NOINLINE void find_row(const Tree* tree, __global const TreeNode* nio,
             a[2] = z + (low >> 2) * cell;
             for (int j = 0; j < 3; ++j) b[j] = a[j] + (e / 4 == (uint)j ? cell : 0);
 #if LANES == 8
-            if (by_row) {
+            if (by_row && !shared) {
                 uint is_new;
                 const uint index =
                     index_of_point(&roots.keys, vertex_at(first_vertex(code), leaf_edge(tree, level), low),

@@ -1,6 +1,6 @@
-// Points that leaves in a row have in common, on planes and quadrics. Leaves in Morton order lie side by
-// side: a corner is one of four leaves of the row, mostly, and is moved once for all of them, eight corners
-// at a time; an edge's root is found once.
+// Points that leaves in a row have in common, on planes, quadrics and formulas. Leaves in Morton order lie
+// side by side: a corner is one of four leaves of the row, mostly, and is moved once for all of them, eight
+// corners at a time; an edge's root is found once.
 #ifndef MORTISE_SNIO_ROW_POINTS_H
 #define MORTISE_SNIO_ROW_POINTS_H
 
@@ -90,7 +90,8 @@ static void add_corners(RowCorners* corners, uint leaf_of_row, ulong code, uint 
 }
 
 // Moves all listed corners.
-MORTISE_NOINLINE void move_corners(RowCorners* corners, __global const Surface* surfaces, double finest) {
+MORTISE_NOINLINE void move_corners(RowCorners* corners, __global const Surface* surfaces,
+                                   __global const ExpressionOp* ops, double finest) {
     uint count;
     for (uint first = 0; first < corners->keys.count; first += count) {
         const uint kind = corners->keys.kind[first];
@@ -108,7 +109,7 @@ MORTISE_NOINLINE void move_corners(RowCorners* corners, __global const Surface* 
         {
             const double8 lanes[3] = {vload8(0, at[0]), vload8(0, at[1]), vload8(0, at[2])};
             const double cell = 1.0 / (double)(1u << (kind & 31));
-            found = snap_points(surfaces + (kind >> 5), lanes, cell, (1u << count) - 1, units);
+            found = snap_points(surfaces + (kind >> 5), ops, lanes, cell, (1u << count) - 1, units);
         }
         for (uint i = 0; i < count; ++i) {
             corners->moves[first + i] = (uchar)((found >> i) & 1);

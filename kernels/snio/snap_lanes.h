@@ -1,5 +1,5 @@
-// snap_displacement (shared/snap.h) for eight vertices at a time, on planes and quadrics: the same operations
-// in the same order, lane by lane, and so the same bits.
+// snap_displacement (shared/snap.h) for eight vertices at a time, on planes, quadrics and formulas: the same
+// operations in the same order, lane by lane, and so the same bits.
 #ifndef MORTISE_SNIO_SNAP_LANES_H
 #define MORTISE_SNIO_SNAP_LANES_H
 
@@ -10,8 +10,8 @@
 
 // Displacements, in lattice units, of those of eight vertices in the set `wanted` that have one: the set of
 // these is returned.
-MORTISE_NOINLINE uint snap_points(__global const Surface* s, const double8* first, double cell, uint wanted,
-                                  int (*units)[8]) {
+MORTISE_NOINLINE uint snap_points(__global const Surface* s, __global const ExpressionOp* ops,
+                                  const double8* first, double cell, uint wanted, int (*units)[8]) {
     const long8 bit = (long8)(1, 2, 4, 8, 16, 32, 64, 128);
     const double reach = snap_distance(s) * cell;
     const double still = cell / 1073741824.0;
@@ -23,7 +23,7 @@ MORTISE_NOINLINE uint snap_points(__global const Surface* s, const double8* firs
     long8 settles = ((long8)wanted & bit) != 0;
     long8 goes_on = settles;
     for (int step = 0; step < kProjectionSteps && any(goes_on); ++step) {
-        const LaneSample sample = sample_lanes(s, at);
+        const LaneSample sample = sample_lanes(s, ops, at);
         const double8 square = squared_lanes(sample.gradient);
         double8 value = sample.value;
         double8 length = 0;
@@ -44,12 +44,12 @@ MORTISE_NOINLINE uint snap_points(__global const Surface* s, const double8* firs
     for (int j = 0; j < 3; ++j) offset[j] = at[j] - first[j];
     settles &= (way <= still * still) & (squared_lanes(offset) < reach * reach);
     if (!is_plane && any(settles)) {
-        const LaneSample sample = sample_lanes(s, at);
+        const LaneSample sample = sample_lanes(s, ops, at);
         const double8 sign = select((double8)1.0, (double8)-1.0, side < 0);
         const double8 step = sign * kVertexSnapThickness * cell / sqrt(squared_lanes(sample.gradient));
         double8 far[3];
         for (int j = 0; j < 3; ++j) far[j] = first[j] + step * sample.gradient[j];
-        settles &= (side == 0) | ((sample_lanes(s, far).value < 0) == (side < 0));
+        settles &= (side == 0) | ((sample_lanes(s, ops, far).value < 0) == (side < 0));
     }
     for (int j = 0; j < 3; ++j)
         vstore8(convert_int8(rint(offset[j] / cell * (double)kCellUnits)), 0, units[j]);

@@ -60,6 +60,14 @@ Model solid(const Primitive& primitive, std::mt19937_64* random = nullptr) {
     return model;
 }
 
+/// Formulas with all operations that lanes know, and some that go lane by lane.
+Primitive expression(const std::string& text) {
+    Primitive primitive;
+    primitive.kind = Primitive::Kind::kExpression;
+    primitive.expression = text;
+    return primitive;
+}
+
 /// The cells' vertices are by less than `part` of a cell farther from its faces than others' may move.
 Model box_beside_grid_planes(double part) {
     const double cell = std::ldexp(kSide, -kLevel);
@@ -111,6 +119,14 @@ TEST_CASE("leaves are classified alike with eight lanes and with one") {
         models.push_back({"cylinder", solid(infinite_cylinder(0.3 + 0.1 * i), &random)});
         models.push_back({"cone", solid(cone(0.6, 0.5), &random)});
         models.push_back({"torus", solid(torus(0.6, 0.3), &random)});
+    }
+    for (const char* text :
+         {"sin(5*x)*cos(5*y) + sin(5*y)*cos(5*z) + sin(5*z)*cos(5*x) - 0.3", "abs(x) + abs(y) + abs(z) - 0.9",
+          "max(x^2 + y^2 - 0.5, min(sin(9*x), z/(1.3 + y)) - 0.7)", "sqrt(x^2 + y^2 + 0.1) - exp(-z) + 0.2*y",
+          "sin(12*x)/x + 4*(y^2 + z^2) - 2", "sqrt(x) + y^2 + z^2 - 0.8",
+          "atan2(y, x) + log(1.5 + z) - 0.4*tan(x*y)"}) {
+        for (std::mt19937_64* const turned : {static_cast<std::mt19937_64*>(nullptr), &random})
+            models.push_back({text, solid(expression(text), turned)});
     }
     std::size_t leaves = 0;
     for (const auto& [name, model] : models) {
