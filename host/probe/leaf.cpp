@@ -61,8 +61,70 @@ void LeafProbe::load_tape(const TreeNode& leaf) {
     local_tape_.load(words, leaf.tape_length, surfaces_);
 }
 
+/// The surfaces of a leaf's tape that may hide something; equal ones in a row count once.
+LeafProbe::Curved LeafProbe::curved_surfaces(const TreeNode& leaf) const {
+    const std::uint32_t* words = tree_.tapes.data() + leaf.tape_offset;
+    Curved curved;
+    for (std::uint32_t i = 0; i < leaf.tape_length; ++i) {
+        const std::uint32_t surface = tape_surface(words[i]);
+        if (tape_operation(words[i]) != kTapeLiteral || (curved.count > 0 && surface == curved.last))
+            continue;
+        if (cannot_hide(surface)) continue;
+        curved.last = surface;
+        ++curved.count;
+    }
+    return curved;
+}
+
+/// Formulas alone in their leaves take most of a probe's time, and are asked in lanes.
+void LeafProbe::look_at(std::uint32_t begin, std::uint32_t end) {
+    first_seen_ = begin;
+    steady_.assign(end - begin, std::int8_t{-1});
+    struct Sole {
+        std::uint32_t surface;
+        int level;
+        std::uint32_t leaf;
+    };
+    std::vector<Sole> list;
+    for (std::uint32_t i = begin; i < end; ++i) {
+        const TreeNode& leaf = tree_.nio[i];
+        const Curved curved = curved_surfaces(leaf);
+        if (curved.count == 1 && model_.surfaces[curved.last].kind == kSurfaceExpression)
+            list.push_back({curved.last, tree_.level_of(leaf.morton), i});
+    }
+    std::stable_sort(list.begin(), list.end(), [](const Sole& a, const Sole& b) {
+        return a.surface != b.surface ? a.surface < b.surface : a.level < b.level;
+    });
+    std::vector<Vec3> centres;
+    std::vector<std::uint8_t> steady;
+    for (std::size_t i = 0; i < list.size();) {
+        const std::size_t first = i;
+        const double edge = octree::Octree::edge_of(list[first].level);
+        centres.clear();
+        for (;
+             i < list.size() && list[i].surface == list[first].surface && list[i].level == list[first].level;
+             ++i) {
+            const std::uint64_t code = tree_.nio[list[i].leaf].morton;
+            Vec3 x{};
+            for (std::size_t j = 0; j < 3; ++j)
+                x[j] = gather_bits(code >> j) * tree_.finest_edge() + 0.5 * edge;
+            centres.push_back(x);
+        }
+        batch_.find_steady(list[first].surface, centres, 0.5 * edge, steady);
+        for (std::size_t k = first; k < i; ++k)
+            steady_[list[k].leaf - begin] = static_cast<std::int8_t>(steady[k - first]);
+    }
+}
+
+bool LeafProbe::is_steady(std::uint32_t index, std::uint32_t surface, const tape::Cell& whole) const {
+    const std::size_t at = index - first_seen_;
+    if (index >= first_seen_ && at < steady_.size() && steady_[at] >= 0) return steady_[at] != 0;
+    return tape::has_small_variation(model_, surface, whole);
+}
+
 /// Finds the hidden surfaces, and the winding ones; false if none of the hidden ones may hide a feature.
-bool LeafProbe::load(const TreeNode& leaf) {
+bool LeafProbe::load(std::uint32_t index) {
+    const TreeNode& leaf = tree_.nio[index];
     winding_.clear();
     folds_ = false;
     if (leaf.tape_length == 0) return false;  // an IN leaf among the others
@@ -71,16 +133,8 @@ bool LeafProbe::load(const TreeNode& leaf) {
     const std::uint8_t origin[3] = {0, 0, 0};
     const tape::Cell whole = cell(origin, 0);
     // One smooth surface alone, by far the most frequent, is asked before anything is set up.
-    const std::uint32_t* words = tree_.tapes.data() + leaf.tape_offset;
-    std::uint32_t curved = 0;
-    std::uint32_t last = 0xffffffffu;
-    for (std::uint32_t i = 0; i < leaf.tape_length; ++i) {
-        if (tape_operation(words[i]) != kTapeLiteral || tape_surface(words[i]) == last) continue;
-        if (cannot_hide(tape_surface(words[i]))) continue;
-        last = tape_surface(words[i]);
-        ++curved;
-    }
-    if (curved == 0 || (curved == 1 && tape::has_small_variation(model_, last, whole))) return false;
+    const Curved curved = curved_surfaces(leaf);
+    if (curved.count == 0 || (curved.count == 1 && is_steady(index, curved.last, whole))) return false;
     load_tape(leaf);
     hidden_.clear();
     hidden_sign_.clear();
@@ -178,7 +232,7 @@ void LeafProbe::find_missed_at(const std::vector<Vec3>& points) {
 }
 
 void LeafProbe::run(std::uint32_t leaf, std::vector<Component>& out) {
-    if (load(tree_.nio[leaf])) {
+    if (load(leaf)) {
         keep_watch();
         ++probed_;
         subdivide();

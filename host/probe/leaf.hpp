@@ -45,6 +45,9 @@ class LeafProbe {
     LeafProbe(const tape::BoundModel& model, const octree::Octree& tree)
         : model_(model), tree_(tree), batch_(model) {}
 
+    /// Looks at leaves from `begin` to `end` together, before run() is asked for each of them: faster.
+    void look_at(std::uint32_t begin, std::uint32_t end);
+
     /// Appends the leaf's components, ordered by their first pieces.
     void run(std::uint32_t leaf, std::vector<Component>& out);
 
@@ -89,7 +92,13 @@ class LeafProbe {
     void approach(std::size_t hidden, int depth);
     void step_beyond(std::vector<std::size_t>& pieces, std::vector<Vec3>& points, int depth);
     // leaf.cpp
-    bool load(const TreeNode& leaf);
+    struct Curved {
+        std::uint32_t count = 0;
+        std::uint32_t last = 0;
+    };
+    Curved curved_surfaces(const TreeNode& leaf) const;
+    bool is_steady(std::uint32_t index, std::uint32_t surface, const tape::Cell& whole) const;
+    bool load(std::uint32_t index);
     void load_tape(const TreeNode& leaf);
     std::int8_t sample_sign(std::uint32_t surface) const;
     bool differs_here(const Vec3& x, Found& found);
@@ -117,6 +126,9 @@ class LeafProbe {
     double low_[3] = {};
     double edge_ = 0;  ///< of the leaf
     bool folds_ = false;
+    std::uint32_t first_seen_ = 0;  ///< by look_at()
+    std::vector<std::int8_t>
+        steady_;  ///< by leaf from there on: has_small_variation of its one surface; -1: not known
     std::vector<std::uint32_t> surfaces_;  ///< of the leaf's tape, ascending
     tape::LocalTape local_tape_;
     std::vector<std::uint32_t> hidden_;     ///< indices into surfaces_

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "host/tape/expression_program.hpp"
+#include "host/tape/variation.hpp"
 
 namespace mortise::tape {
 namespace {
@@ -133,6 +134,24 @@ void SurfaceBatch::slopes(std::uint32_t surface, const Grid& grid, const std::ve
         if (!(slopes[k] < kMortiseInfinity)) slopes[k] = kMortiseInfinity;
     };
     run_at(programs_->gradients, model_, s, places, CoordinateRange(s, 0.5 * grid.edge), store);
+}
+
+void SurfaceBatch::find_steady(std::uint32_t surface, const std::vector<Vec3>& centres, double half,
+                               std::vector<std::uint8_t>& steady) {
+    const Surface& s = model_.surfaces[surface];
+    steady.assign(centres.size(), 0);
+    const auto store = [&](std::size_t k, const GradientLanes::Block& block, std::size_t lane) {
+        GradientBox box{};
+        bool partial = block.f.partial[lane] != 0;
+        for (int i = 0; i < 3; ++i) {
+            const Interval d = BoundsLanes::get(block.slope[i], lane);
+            partial = partial || d.partial != 0;
+            box.low[i] = d.low;
+            box.high[i] = d.high;
+        }
+        steady[k] = !partial && keeps_direction(to_local(s, box)) ? 1 : 0;
+    };
+    run_at(programs_->gradients, model_, s, Places(centres), CoordinateRange(s, half), store);
 }
 
 void SurfaceBatch::values(std::uint32_t surface, const Places& places, std::vector<double>& values) {

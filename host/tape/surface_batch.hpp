@@ -58,6 +58,10 @@ class SurfaceBatch {
     /// axes at once; infinite if unknown, as for all but formulas.
     void slopes(std::uint32_t surface, const Grid& grid, const std::vector<GridPlace>& cells,
                 std::vector<double>& slopes);
+    /// has_small_variation of a formula in cells of a size around points, by bounds that are sharper by some
+    /// rounding.
+    void find_steady(std::uint32_t surface, const std::vector<Vec3>& centres, double half,
+                     std::vector<std::uint8_t>& steady);
     /// surface_value at each place.
     void values(std::uint32_t surface, const Places& places, std::vector<double>& values);
     /// surface_sample at each place.

@@ -129,6 +129,18 @@ Gradient rounded_gradient(const Surface& s, const ExpressionOp* ops, const doubl
 
 }  // namespace
 
+GradientBox to_local(const Surface& surface, const GradientBox& gradient) {
+    Gradient frame{};
+    for (std::size_t j = 0; j < 3; ++j) frame[j] = {gradient.low[j], gradient.high[j]};
+    const Gradient local = to_local(surface, frame);
+    GradientBox box{};
+    for (std::size_t j = 0; j < 3; ++j) {
+        box.low[j] = local[j].low;
+        box.high[j] = local[j].high;
+    }
+    return box;
+}
+
 bool keeps_direction(const GradientBox& box) {
     double low = 0;
     double size = 0;

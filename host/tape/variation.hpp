@@ -22,6 +22,9 @@ struct GradientBox {
 };
 bool gradient_box(const BoundModel& model, std::uint32_t surface, const Cell& cell, GradientBox& box);
 
+/// From the surface's own frame to box-local coordinates.
+GradientBox to_local(const Surface& surface, const GradientBox& gradient);
+
 /// Whether the inner product of any two vectors of the box is positive. Ends that are not numbers: no.
 bool keeps_direction(const GradientBox& box);
 

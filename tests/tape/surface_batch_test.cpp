@@ -44,6 +44,8 @@ TEST_CASE("surfaces at many places: the bits of one after the other") {
     RandomSource random(7);
     int decided = 0;
     int bounded = 0;
+    int steady = 0;
+    int steady_alone = 0;
     for (int i = 0; i < 3000; ++i) {
         CAPTURE(i);
         const tape::BoundModel model = random_formula(random);
@@ -70,12 +72,14 @@ TEST_CASE("surfaces at many places: the bits of one after the other") {
         std::vector<std::int8_t> signs;
         std::vector<double> widths, slopes, values, values_at;
         std::vector<SurfaceSample> samples, samples_at;
+        std::vector<std::uint8_t> is_steady;
         batch.classify(0, grid, cells, signs, &widths);
         batch.slopes(0, grid, cells, slopes);
         batch.values(0, places, values);
         batch.values(0, tape::Places(points), values_at);
         batch.samples(0, places, samples);
         batch.samples(0, tape::Places(points), samples_at);
+        batch.find_steady(0, points, 0.5 * grid.edge, is_steady);
         for (std::size_t k = 0; k < cells.size(); ++k) {
             const Vec3& x = points[k];
             const double half = 0.5 * grid.edge;
@@ -88,17 +92,31 @@ TEST_CASE("surfaces at many places: the bits of one after the other") {
             REQUIRE(same_bits(samples[k], sample));
             REQUIRE(same_bits(samples_at[k], sample));
             decided += signs[k] != 0 ? 1 : 0;
+            if (tape::has_small_variation(model, 0, cell)) {
+                ++steady_alone;
+                REQUIRE(is_steady[k] != 0);
+            }
             if (divides_by_steps || !(slopes[k] < kMortiseInfinity) || !(widths[k] < kMortiseInfinity))
                 continue;
             ++bounded;
             const Vec3 y = {x[0] + random.uniform(-half, half), x[1] + random.uniform(-half, half),
                             x[2] + random.uniform(-half, half)};
+            const SurfaceSample there = surface_sample(&model.surfaces[0], ops, y[0], y[1], y[2]);
+            if (is_steady[k] != 0) {
+                ++steady;
+                double product = 0;
+                for (int j = 0; j < 3; ++j) product += sample.gradient[j] * there.gradient[j];
+                REQUIRE(product > 0);
+            }
             const double other = surface_value(&model.surfaces[0], ops, y[0], y[1], y[2]);
             REQUIRE(std::fabs(other - value) <= half * slopes[k] + 1e-6 * widths[k]);
         }
     }
     CHECK(decided > 100000);
     CHECK(bounded > 50000);
+    MESSAGE(steady, " cells in which the gradient keeps its direction, ", steady_alone,
+            " one after the other");
+    CHECK(steady > 20000);
 }
 
 }  // namespace mortise::test
