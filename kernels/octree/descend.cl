@@ -141,16 +141,129 @@ static void copy_kept(__global const uint* tape, uint length, __global const uin
     }
 }
 
-// Place of a tape among those made for siblings, or NOTHING.
-static uint find_tape(__global const uint* tapes, const uint* offsets, const uint* lengths, uint count,
-                      const uint* tape, uint length) {
-    for (uint k = 0; k < count; ++k) {
+// What is known of a tape in the children of a round, by lane: a region, or kUnknown. masks[i] and rests are
+// for find_kept and kept_word. Sets *anew to lanes whose tapes are written even if all words stay.
+static lanes_int evaluate_children(__global const uint* tape, uint length,
+                                   __global const SurfaceBounds* surfaces, __global const ExpressionOp* ops,
+                                   __global const uint* spatial, Cube cube, int round, __global ushort* masks,
+                                   __global ushort* rests, uint* anew) {
+    const lanes_int unsure = (lanes_int)(kUnknown);
+    lanes_int stack[kTapeStack];
+    int top = -1;
+    for (uint i = 0; i < length; ++i) {
+        const uint word = tape[i];
+        const uint operation = tape_operation(word);
+        lanes_int value;
+        lanes_int keeps;
+        if (operation == kTapeLiteral) {
+            const lanes_int sign = classify_surface(surfaces + tape_surface(word), ops, cube);
+            const int inside = tape_negated(word) ? 0 : 1;
+            value = select(select(unsure, (lanes_int)(inside), sign < 0), (lanes_int)(1 - inside), sign > 0);
+            keeps = value == unsure;
+            ++top;
+        } else if (operation == kTapeSpatial) {
+            int states[LANES];
+            for (int lane = 0; lane < LANES; ++lane)
+                states[lane] = spatial_state(spatial[tape_surface(word) + (uint)(round + lane)], word);
+            value = LOAD_LANES(states);
+            keeps = value == unsure;
+            *anew = 0xffu;
+            ++top;
+        } else if (operation == kTapeSelectConst) {
+            const lanes_int a = stack[top];
+            const int region = tape_region(word);
+            const int otherwise = tape_otherwise(word);
+            const lanes_int same = (lanes_int)(region == otherwise ? region : kUnknown);
+            value = select(select(same, (lanes_int)(otherwise), a == 0), (lanes_int)(region), a == 1);
+            keeps = value == unsure;
+        } else {
+            const lanes_int b = stack[top--];
+            const lanes_int a = stack[top];
+            if (operation == kTapeAnd) {
+                value = select(select(unsure, (lanes_int)(1), (a == 1) & (b == 1)), (lanes_int)(0),
+                               (a == 0) | (b == 0));
+                keeps = (a == unsure) & (b == unsure);
+            } else if (operation == kTapeOr) {
+                value = select(select(unsure, (lanes_int)(0), (a == 0) & (b == 0)), (lanes_int)(1),
+                               (a == 1) | (b == 1));
+                keeps = (a == unsure) & (b == unsure);
+            } else {
+                const lanes_int region = (lanes_int)(tape_region(word));
+                int rest[LANES];
+                value = select(select(select(unsure, region, a == region), a, b == 0), region, b == 1);
+                keeps = (value == unsure) & (b == unsure);
+                STORE_LANES(a, rest);
+                for (int lane = 0; lane < LANES; ++lane)
+                    rests[i * LANES + (uint)lane] =
+                        (ushort)(rest[lane] == kUnknown ? kMaxRegions + 1 : rest[lane]);
+            }
+        }
+        stack[top] = value;
+        masks[i] = (ushort)lane_bits(value == unsure, keeps);
+    }
+    return stack[0];
+}
+
+// The short tapes that were made for a parent's children: siblings share equal ones.
+typedef struct NewTapes {
+    uint offsets[8];
+    uint lengths[8];
+    uint count;
+} NewTapes;
+
+// Place of a tape among them, or NOTHING.
+static uint find_tape(__global const uint* tapes, const NewTapes* made, const uint* tape, uint length) {
+    for (uint k = 0; k < made->count; ++k) {
         uint i = 0;
-        if (lengths[k] != length) continue;
-        while (i < length && tapes[offsets[k] + i] == tape[i]) ++i;
-        if (i == length) return offsets[k];
+        if (made->lengths[k] != length) continue;
+        while (i < length && tapes[made->offsets[k] + i] == tape[i]) ++i;
+        if (i == length) return made->offsets[k];
     }
     return NOTHING;
+}
+
+// An undecided child c, in a lane, that does not keep all words: with a reduced tape of its own, or a
+// sibling's; as it was if the arena is full; decided after all if nothing is left.
+static ChildNode shortened_child(const TreeNode parent, __global uint* tapes, __global const uint* spatial,
+                                 __global const ushort* masks, __global const ushort* rests, uint lane,
+                                 uint c, uint capacity, __global uint* used, NewTapes* made) {
+    __global const uint* tape = tapes + parent.tape_offset;
+    uint own[KEPT_WORDS + 1];
+    uint words = keep_words(tape, parent.tape_length, spatial, masks, rests, lane, c, own);
+    const int is_short = words <= KEPT_WORDS;
+    uint offset = NOTHING;
+    ChildNode child;
+    child.place = parent.tape_offset;
+    child.tape_length = parent.tape_length;
+    if (is_short) {
+        int constant_value = 0;
+        words = reduce(own, words, &constant_value);
+        if (words == 0) {
+            child.place = (uint)constant_value;
+            child.tape_length = 0;
+            return child;
+        }
+        offset = find_tape(tapes, made, own, words);
+    }
+    if (offset == NOTHING) {
+        // Plain reads of used may be old: they only save atomic operations.
+        const uint at = used[0] < MOST_TAPE_WORDS ? atomic_add(used, words) : capacity;
+        if (at < capacity && words <= capacity - at) {
+            offset = at;
+            if (is_short) {
+                for (uint i = 0; i < words; ++i) tapes[at + i] = own[i];
+                made->offsets[made->count] = at;
+                made->lengths[made->count++] = words;
+            } else {
+                copy_kept(tape, parent.tape_length, spatial, masks, rests, lane, c, tapes + at);
+            }
+        }
+    }
+    if (offset != NOTHING) {
+        child.place = offset;
+        child.tape_length = words;
+    }
+    return child;
 }
 
 // The work of one item: see the top. `masks` and `rests` are its scratch.
@@ -168,78 +281,22 @@ MORTISE_NOINLINE void split_parent(__global const TreeNode* parents, __global ui
     const float x = (float)(2 * gather_bits(parent.morton) + 1) * edge;
     const float y = (float)(2 * gather_bits(parent.morton >> 1) + 1) * edge;
     const float z = (float)(2 * gather_bits(parent.morton >> 2) + 1) * edge;
-    uint own[KEPT_WORDS + 1];  // of a child's tape
-    uint sibling_offsets[8];
-    uint sibling_lengths[8];
-    uint made = 0;
+    NewTapes made;
     uint longest = 0;
     uint unknown = 0;
     uint in = 0;
+    made.count = 0;
     for (int round = 0; round < ROUNDS; ++round) {
-        lanes_int stack[kTapeStack];
-        int top = -1;
-        uint anew = level == 1 ? 0xffu : 0u;  // lanes whose tapes are written even if all words stay
+        uint anew = level == 1 ? 0xffu : 0u;
         Cube cube;
         cube.x = x + half_edge * CHILD_X(round);
         cube.y = y + half_edge * CHILD_Y(round);
         cube.z = z + half_edge * CHILD_Z(round);
         cube.half_edge = half_edge;
-        for (uint i = 0; i < parent.tape_length; ++i) {
-            const uint word = tape[i];
-            const uint operation = tape_operation(word);
-            const lanes_int unsure = (lanes_int)(kUnknown);
-            lanes_int value;
-            lanes_int keeps;
-            if (operation == kTapeLiteral) {
-                const lanes_int sign = classify_surface(surfaces + tape_surface(word), ops, cube);
-                const int inside = tape_negated(word) ? 0 : 1;
-                value =
-                    select(select(unsure, (lanes_int)(inside), sign < 0), (lanes_int)(1 - inside), sign > 0);
-                keeps = value == unsure;
-                ++top;
-            } else if (operation == kTapeSpatial) {
-                int states[LANES];
-                for (int lane = 0; lane < LANES; ++lane)
-                    states[lane] = spatial_state(spatial[tape_surface(word) + (uint)(round + lane)], word);
-                value = LOAD_LANES(states);
-                keeps = value == unsure;
-                anew = 0xffu;
-                ++top;
-            } else if (operation == kTapeSelectConst) {
-                const lanes_int a = stack[top];
-                const int region = tape_region(word);
-                const int otherwise = tape_otherwise(word);
-                const lanes_int same = (lanes_int)(region == otherwise ? region : kUnknown);
-                value = select(select(same, (lanes_int)(otherwise), a == 0), (lanes_int)(region), a == 1);
-                keeps = value == unsure;
-            } else {
-                const lanes_int b = stack[top--];
-                const lanes_int a = stack[top];
-                if (operation == kTapeAnd) {
-                    value = select(select(unsure, (lanes_int)(1), (a == 1) & (b == 1)), (lanes_int)(0),
-                                   (a == 0) | (b == 0));
-                    keeps = (a == unsure) & (b == unsure);
-                } else if (operation == kTapeOr) {
-                    value = select(select(unsure, (lanes_int)(0), (a == 0) & (b == 0)), (lanes_int)(1),
-                                   (a == 1) | (b == 1));
-                    keeps = (a == unsure) & (b == unsure);
-                } else {
-                    const lanes_int region = (lanes_int)(tape_region(word));
-                    int rest[LANES];
-                    value = select(select(select(unsure, region, a == region), a, b == 0), region, b == 1);
-                    keeps = (value == unsure) & (b == unsure);
-                    STORE_LANES(a, rest);
-                    for (int lane = 0; lane < LANES; ++lane)
-                        rests[i * LANES + (uint)lane] =
-                            (ushort)(rest[lane] == kUnknown ? kMaxRegions + 1 : rest[lane]);
-                }
-            }
-            stack[top] = value;
-            masks[i] = (ushort)lane_bits(value == unsure, keeps);
-        }
+        const lanes_int value = evaluate_children(tape, parent.tape_length, surfaces, ops, spatial, cube,
+                                                  round, masks, rests, &anew);
         // An unchanged tape was reduced when it was made; the root's is written anew.
         const uint changed = anew | ~find_kept(tape, parent.tape_length, masks);
-        const lanes_int value = stack[0];
         const lanes_int goes_on = value == (lanes_int)(kUnknown);
         const uint bits = lane_bits(goes_on, value > 0);
         uint undecided = bits & 0xffu;
@@ -251,41 +308,11 @@ MORTISE_NOINLINE void split_parent(__global const TreeNode* parents, __global ui
         for (uint rest = undecided & changed; rest != 0; rest &= rest - 1) {
             const uint lane = mortise_lowest_bit(rest);
             const uint c = (uint)round + lane;
-            uint words = keep_words(tape, parent.tape_length, spatial, masks, rests, lane, c, own);
-            const int is_short = words <= KEPT_WORDS;
-            uint offset = NOTHING;
-            ChildNode child;
-            child.place = parent.tape_offset;
-            child.tape_length = parent.tape_length;
-            if (is_short) {
-                int constant_value = 0;
-                words = reduce(own, words, &constant_value);
-                if (words == 0) {
-                    child.place = (uint)constant_value;
-                    child.tape_length = 0;
-                    undecided ^= 1u << lane;
-                    in += constant_value > 0;
-                } else {
-                    offset = find_tape(tapes, sibling_offsets, sibling_lengths, made, own, words);
-                }
-            }
-            if (words > 0 && offset == NOTHING) {
-                // Plain reads of used may be old: they only save atomic operations.
-                const uint at = used[0] < MOST_TAPE_WORDS ? atomic_add(used, words) : capacity;
-                if (at < capacity && words <= capacity - at) {
-                    offset = at;
-                    if (is_short) {
-                        for (uint i = 0; i < words; ++i) tapes[at + i] = own[i];
-                        sibling_offsets[made] = at;
-                        sibling_lengths[made++] = words;
-                    } else {
-                        copy_kept(tape, parent.tape_length, spatial, masks, rests, lane, c, tapes + at);
-                    }
-                }
-            }
-            if (offset != NOTHING) {
-                child.place = offset;
-                child.tape_length = words;
+            const ChildNode child =
+                shortened_child(parent, tapes, spatial, masks, rests, lane, c, capacity, used, &made);
+            if (child.tape_length == 0) {
+                undecided ^= 1u << lane;
+                in += child.place > 0;
             }
             longest = max(longest, child.tape_length);
             children[8 * item + c] = child;
