@@ -97,6 +97,47 @@ int Improver::pass_count() const {
     return is_graded ? 2 * kShifts : kShifts;
 }
 
+BlockOptions Improver::block_options(int number, Effort effort) const {
+    BlockOptions options;
+    options.look_ahead = effort != Effort::kPlain;
+    options.reposition = options_.smooth > 0;
+    options.keeps_loose = options_.keeps_loose;
+    // Where nodes are repositioned they get out of the way; after the last pass there is no later one.
+    options.spares_shared = options_.smooth == 0 && effort == Effort::kPlain && number + 1 < pass_count();
+    options.is_first = aim_.is_first;
+    options.raised_from = aim_.raised_from;
+    options.target = aim_.target;
+    options.rounds = std::max(2, 2 * options_.smooth);
+    return options;
+}
+
+/// What a pass makes of each block; nodes that stay in the zone are moved there. Blocks that nothing is to be
+/// done about, or that failed, have no result, and count as given up but where nothing was poor.
+std::vector<Block::Result> Improver::run_blocks(int number, Effort effort) {
+    const BlockOptions options = block_options(number, effort);
+    const auto threads = static_cast<std::size_t>(thread_count(options_.threads));
+    std::vector<Block> blocks(threads, Block(surfaces_));
+    std::vector<std::vector<std::uint32_t>> place(threads);
+    std::vector<Block::Result> results(groups_.size());
+    parallel_chunks(groups_.size(), 1, options_.threads, [&](std::size_t g, std::size_t, int thread) {
+        const Group& group = groups_[g];
+        if (!group.poor) return;
+        results[g].counters.given_up = 1;
+        if (group.crowded || (effort != Effort::kPlain && group.lost)) return;
+        auto& scratch = place[static_cast<std::size_t>(thread)];
+        if (scratch.empty()) scratch.assign(zone_.points.size(), kNone);
+        Block& block = blocks[static_cast<std::size_t>(thread)];
+        const auto load = [&] { block.load(zone_, group.tetrahedra, group.pyramids, free_, scratch); };
+        std::optional<Block::Result> result =
+            effort == Effort::kLoosen ? loosen_block(block, load, options) : run_block(block, load, options);
+        if (!result) return;
+        for (const auto& [node, point] : result->points) zone_.points[node] = point;
+        result->points = {};
+        results[g] = std::move(*result);
+    });
+    return results;
+}
+
 /// Cells of two sizes share their blocks, which have 16 of the larger along an edge: those of classes -1 and
 /// 0, 1 and 2, 3 and 4, … above the finest for the first passes, of 0 and 1, 2 and 3, … for the others.
 void Improver::pass(int number, Effort effort, Counters& counters) {
@@ -104,62 +145,24 @@ void Improver::pass(int number, Effort effort, Counters& counters) {
     group(pairing, kBlockCells / kShifts * shift, effort == Effort::kLoosen ? kLoosenBelow : aim_.target);
     find_free_nodes();
     std::vector<Point> before = zone_.points;
-    std::vector<std::vector<Block::NewNode>> added(groups_.size());
-    std::vector<std::vector<Tetrahedron>> results(groups_.size());
-    std::vector<Block::Strata> strata(groups_.size());
-    const auto threads = static_cast<std::size_t>(thread_count(options_.threads));
-    std::vector<std::vector<std::uint32_t>> place(threads);
-    std::vector<BlockCounters> counted(groups_.size());
-    BlockOptions block_options;
-    block_options.look_ahead = effort != Effort::kPlain;
-    block_options.reposition = options_.smooth > 0;
-    block_options.keeps_loose = options_.keeps_loose;
-    // Where nodes are repositioned they get out of the way; after the last pass there is no later one.
-    block_options.spares_shared =
-        options_.smooth == 0 && effort == Effort::kPlain && number + 1 < pass_count();
-    block_options.is_first = aim_.is_first;
-    block_options.raised_from = aim_.raised_from;
-    block_options.target = aim_.target;
-    block_options.rounds = std::max(2, 2 * options_.smooth);
-    std::vector<Block> blocks(threads, Block(surfaces_));
-    parallel_chunks(groups_.size(), 1, options_.threads, [&](std::size_t begin, std::size_t, int thread) {
-        const Group& group = groups_[begin];
-        if (!group.poor) return;
-        if (group.crowded || (effort != Effort::kPlain && group.lost)) {
-            counted[begin].given_up = 1;
-            return;
-        }
-        auto& scratch = place[static_cast<std::size_t>(thread)];
-        if (scratch.empty()) scratch.assign(zone_.points.size(), kNone);
-        Block& block = blocks[static_cast<std::size_t>(thread)];
-        const auto load = [&] { block.load(zone_, group.tetrahedra, group.pyramids, free_, scratch); };
-        std::optional<Block::Result> result = effort == Effort::kLoosen
-                                                  ? loosen_block(block, load, block_options)
-                                                  : run_block(block, load, block_options);
-        if (!result) {
-            counted[begin].given_up = 1;
-            return;
-        }
-        for (const auto& [node, point] : result->points) zone_.points[node] = point;
-        results[begin] = std::move(result->tetrahedra);
-        added[begin] = std::move(result->added);
-        strata[begin] = std::move(result->strata);
-        counted[begin] = result->counters;
-    });
+    std::vector<Block::Result> results = run_blocks(number, effort);
     aim_.is_first = false;
-    for (std::uint32_t g = 0; g < groups_.size(); ++g) number_added(g, added[g], results[g]);
-    before.resize(zone_.points.size(), {HUGE_VAL, HUGE_VAL, HUGE_VAL});
+    std::vector<BlockCounters> counted;
     std::vector<Piece> pieces(groups_.size());
-    for (std::size_t g = 0; g < groups_.size(); ++g) {
-        if (groups_[g].poor && counted[g].given_up == 0)
-            pieces[g] = {true, results[g].data(), results[g].size()};
+    for (std::uint32_t g = 0; g < groups_.size(); ++g) {
+        Block::Result& result = results[g];
+        number_added(g, result.added, result.tetrahedra);
+        counted.push_back(result.counters);
+        if (groups_[g].poor && result.counters.given_up == 0)
+            pieces[g] = {true, result.tetrahedra.data(), result.tetrahedra.size()};
     }
+    before.resize(zone_.points.size(), {HUGE_VAL, HUGE_VAL, HUGE_VAL});
     std::vector<Tetrahedron> all = join(pieces);
-    results = {};
+    for (Block::Result& result : results) result.tetrahedra = {};
     while (revert_clashes(before, all, counted)) {
     }
     for (std::size_t g = 0; g < groups_.size(); ++g) {
-        if (counted[g].given_up == 0) zone_.set_strata(strata[g]);
+        if (counted[g].given_up == 0) zone_.set_strata(results[g].strata);
         counters.block.add(counted[g]);
     }
     zone_.tetrahedra = std::move(all);

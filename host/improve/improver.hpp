@@ -69,6 +69,8 @@ class Improver {
         int size_class = 0;
     };
 
+    BlockOptions block_options(int number, Effort effort) const;
+    std::vector<Block::Result> run_blocks(int number, Effort effort);
     void number_added(std::uint32_t group, const std::vector<Block::NewNode>& added,
                       std::vector<Tetrahedron>& tetrahedra);
     template <class Load>

@@ -114,6 +114,94 @@ static lanes_int classify_rounded(__global const SurfaceBounds* s, __global cons
     return decide(value - reach - slack, value + above + slack);
 }
 
+// A quadric's exact Taylor form about the centre, linear part and squares bounded apart.
+static lanes_int classify_quadric(__global const SurfaceBounds* s, Cube cube, const lanes_float* u,
+                                  const float* width) {
+    lanes_float value = s->form[3];
+    lanes_float size = fabs(s->form[3]);
+    lanes_float gx = 0;
+    lanes_float gy = 0;
+    lanes_float gz = 0;
+    lanes_float error = 0;
+    float above = 0;
+    float below = 0;
+    for (int i = 0; i < 3; ++i) {
+        const float form = s->form[i];
+        const lanes_float weighted = form * u[i];
+        const lanes_float magnitude = fabs(weighted);
+        const float square = form * width[i] * width[i];
+        value += weighted * u[i];
+        size += magnitude * fabs(u[i]);
+        gx += weighted * s->map[4 * i];
+        gy += weighted * s->map[4 * i + 1];
+        gz += weighted * s->map[4 * i + 2];
+        error += 2.0f * magnitude * (s->error[i] + RELATIVE * width[i]) +
+                 fabs(form) * s->error[i] * (s->error[i] + 2.0f * width[i]);
+        if (square > 0) {
+            above += square;
+        } else {
+            below += square;
+        }
+    }
+    const lanes_float spread =
+        2.0f * cube.half_edge * (fabs(gx) + fabs(gy) + fabs(gz)) + error + RELATIVE * (size + above - below);
+    return decide(value - spread + below, value + spread + above);
+}
+
+// A formula, from the ranges of its coordinates, lane by lane.
+static lanes_int classify_formula(__global const SurfaceBounds* s, __global const ExpressionOp* ops,
+                                  const lanes_float* low, const lanes_float* high) {
+    float lows[3][LANES];
+    float highs[3][LANES];
+    int signs[LANES];
+    for (int i = 0; i < 3; ++i) {
+        STORE_LANES(low[i], lows[i]);
+        STORE_LANES(high[i], highs[i]);
+    }
+    for (int lane = 0; lane < LANES; ++lane) {
+        const Interval f = expression_bounds(
+            ops + s->first_op, s->op_count, make_interval(lows[0][lane], highs[0][lane]),
+            make_interval(lows[1][lane], highs[1][lane]), make_interval(lows[2][lane], highs[2][lane]));
+        signs[lane] = interval_sign(f);
+    }
+    return LOAD_LANES(signs);
+}
+
+// `sign`: by the ranges of a cone's terms. Below the apex f has the sign of u0² + u1² - u2², whose Taylor
+// form is sharper.
+static lanes_int sharpen_cone(__global const SurfaceBounds* s, Cube cube, const lanes_float* u,
+                              const float* width, lanes_float top, lanes_int sign) {
+    const lanes_float value = u[0] * u[0] + u[1] * u[1] - u[2] * u[2];
+    const lanes_float size = u[0] * u[0] + u[1] * u[1] + u[2] * u[2];
+    const lanes_float gx = u[0] * s->map[0] + u[1] * s->map[4] - u[2] * s->map[8];
+    const lanes_float gy = u[0] * s->map[1] + u[1] * s->map[5] - u[2] * s->map[9];
+    const lanes_float gz = u[0] * s->map[2] + u[1] * s->map[6] - u[2] * s->map[10];
+    const float above = width[0] * width[0] + width[1] * width[1];
+    const float below = -width[2] * width[2];
+    lanes_float error = 0;
+    for (int i = 0; i < 3; ++i) {
+        error += 2.0f * fabs(u[i]) * (s->error[i] + RELATIVE * width[i]) +
+                 s->error[i] * (s->error[i] + 2.0f * width[i]);
+    }
+    const lanes_float spread =
+        2.0f * cube.half_edge * (fabs(gx) + fabs(gy) + fabs(gz)) + error + RELATIVE * (size + above - below);
+    const lanes_int sharper = decide(value - spread + below, value + spread + above);
+    return select(sign, sharper, (top < 0.0f) & (sign == 0));
+}
+
+// A torus, from the ranges of the distance to its axis and of the height.
+static lanes_int classify_torus(__global const SurfaceBounds* s, lanes_float radial_low,
+                                lanes_float radial_high, lanes_float low, lanes_float high) {
+    const lanes_float ring_low = radial_low - s->form[0] * (1.0f + RELATIVE);
+    const lanes_float ring_high = radial_high - s->form[0] * (1.0f - RELATIVE);
+    const lanes_float f_low =
+        interval_square_low(ring_low, ring_high) + interval_square_low(low, high) + s->form[3];
+    const lanes_float f_high =
+        interval_square_high(ring_low, ring_high) + interval_square_high(low, high) + s->form[3];
+    const lanes_float slack = RELATIVE * (fabs(f_low) + fabs(f_high) + 2.0f * fabs(s->form[3]));
+    return decide(f_low - slack, f_high + slack);
+}
+
 static lanes_int classify_surface(__global const SurfaceBounds* s, __global const ExpressionOp* ops,
                                   Cube cube) {
     lanes_float u[3];
@@ -131,38 +219,7 @@ static lanes_int classify_surface(__global const SurfaceBounds* s, __global cons
         const float reach = width[0] + s->error[0];
         return decide(u[0] - reach, u[0] + reach);
     }
-    if (s->kind == kSurfaceQuadric) {
-        // Exact Taylor form about the centre, linear part and squares bounded apart.
-        lanes_float value = s->form[3];
-        lanes_float size = fabs(s->form[3]);
-        lanes_float gx = 0;
-        lanes_float gy = 0;
-        lanes_float gz = 0;
-        lanes_float error = 0;
-        float above = 0;
-        float below = 0;
-        for (int i = 0; i < 3; ++i) {
-            const float form = s->form[i];
-            const lanes_float weighted = form * u[i];
-            const lanes_float magnitude = fabs(weighted);
-            const float square = form * width[i] * width[i];
-            value += weighted * u[i];
-            size += magnitude * fabs(u[i]);
-            gx += weighted * s->map[4 * i];
-            gy += weighted * s->map[4 * i + 1];
-            gz += weighted * s->map[4 * i + 2];
-            error += 2.0f * magnitude * (s->error[i] + RELATIVE * width[i]) +
-                     fabs(form) * s->error[i] * (s->error[i] + 2.0f * width[i]);
-            if (square > 0) {
-                above += square;
-            } else {
-                below += square;
-            }
-        }
-        const lanes_float spread = 2.0f * cube.half_edge * (fabs(gx) + fabs(gy) + fabs(gz)) + error +
-                                   RELATIVE * (size + above - below);
-        return decide(value - spread + below, value + spread + above);
-    }
+    if (s->kind == kSurfaceQuadric) return classify_quadric(s, cube, u, width);
     if (s->kind == kSurfaceRounded) return classify_rounded(s, ops, cube, u, width);
     lanes_float low[3];
     lanes_float high[3];
@@ -171,22 +228,7 @@ static lanes_int classify_surface(__global const SurfaceBounds* s, __global cons
         low[i] = u[i] - reach;
         high[i] = u[i] + reach;
     }
-    if (s->kind == kSurfaceExpression) {
-        float lows[3][LANES];
-        float highs[3][LANES];
-        int signs[LANES];
-        for (int i = 0; i < 3; ++i) {
-            STORE_LANES(low[i], lows[i]);
-            STORE_LANES(high[i], highs[i]);
-        }
-        for (int lane = 0; lane < LANES; ++lane) {
-            const Interval f = expression_bounds(
-                ops + s->first_op, s->op_count, make_interval(lows[0][lane], highs[0][lane]),
-                make_interval(lows[1][lane], highs[1][lane]), make_interval(lows[2][lane], highs[2][lane]));
-            signs[lane] = interval_sign(f);
-        }
-        return LOAD_LANES(signs);
-    }
+    if (s->kind == kSurfaceExpression) return classify_formula(s, ops, low, high);
     const lanes_float radial_low =
         sqrt(interval_square_low(low[0], high[0]) + interval_square_low(low[1], high[1])) * (1.0f - RELATIVE);
     const lanes_float radial_high =
@@ -194,36 +236,10 @@ static lanes_int classify_surface(__global const SurfaceBounds* s, __global cons
         (1.0f + RELATIVE);
     if (s->kind == kSurfaceCone) {
         const lanes_float slack = RELATIVE * (radial_high + fabs(low[2]) + fabs(high[2]));
-        lanes_int sign = decide(radial_low + low[2] - slack, radial_high + high[2] + slack);
-        // Below the apex f has the sign of u0² + u1² - u2², whose Taylor form is sharper.
-        const lanes_float value = u[0] * u[0] + u[1] * u[1] - u[2] * u[2];
-        const lanes_float size = u[0] * u[0] + u[1] * u[1] + u[2] * u[2];
-        const lanes_float gx = u[0] * s->map[0] + u[1] * s->map[4] - u[2] * s->map[8];
-        const lanes_float gy = u[0] * s->map[1] + u[1] * s->map[5] - u[2] * s->map[9];
-        const lanes_float gz = u[0] * s->map[2] + u[1] * s->map[6] - u[2] * s->map[10];
-        lanes_float error = 0;
-        for (int i = 0; i < 3; ++i) {
-            error += 2.0f * fabs(u[i]) * (s->error[i] + RELATIVE * width[i]) +
-                     s->error[i] * (s->error[i] + 2.0f * width[i]);
-        }
-        {
-            const float above = width[0] * width[0] + width[1] * width[1];
-            const float below = -width[2] * width[2];
-            const lanes_float spread = 2.0f * cube.half_edge * (fabs(gx) + fabs(gy) + fabs(gz)) + error +
-                                       RELATIVE * (size + above - below);
-            const lanes_int sharper = decide(value - spread + below, value + spread + above);
-            sign = select(sign, sharper, (high[2] < 0.0f) & (sign == 0));
-        }
-        return sign;
+        const lanes_int sign = decide(radial_low + low[2] - slack, radial_high + high[2] + slack);
+        return sharpen_cone(s, cube, u, width, high[2], sign);
     }
-    const lanes_float ring_low = radial_low - s->form[0] * (1.0f + RELATIVE);
-    const lanes_float ring_high = radial_high - s->form[0] * (1.0f - RELATIVE);
-    const lanes_float f_low =
-        interval_square_low(ring_low, ring_high) + interval_square_low(low[2], high[2]) + s->form[3];
-    const lanes_float f_high =
-        interval_square_high(ring_low, ring_high) + interval_square_high(low[2], high[2]) + s->form[3];
-    const lanes_float slack = RELATIVE * (fabs(f_low) + fabs(f_high) + 2.0f * fabs(s->form[3]));
-    return decide(f_low - slack, f_high + slack);
+    return classify_torus(s, radial_low, radial_high, low[2], high[2]);
 }
 
 #endif
