@@ -47,10 +47,9 @@ struct DeepPlace {
     std::uint32_t facet;
 };
 
-/// The same region at x and around it, along a facet's normal first, where a true one has two.
-bool is_alike_around(Regions& regions, const Vec3& x, const Vec3& normal, double distance) {
-    const std::int32_t region = regions.at(sum(x, scaled(normal, distance)));
-    if (regions.at(sum(x, scaled(normal, -distance))) != region || regions.at(x) != region) return false;
+/// Whether this is the region at x and around it.
+bool is_alike_around(Regions& regions, const Vec3& x, std::int32_t region, double distance) {
+    if (regions.at(x) != region) return false;
     for (int k = 0; k < 27; ++k) {
         const Vec3 d = {k % 3 - 1.0, k / 3 % 3 - 1.0, k / 9 - 1.0};
         const double length = std::sqrt(dot(d, d));
@@ -119,14 +118,26 @@ void find_deep_places(Regions& regions, const Triangle& p, double edge, std::uin
     }
     const std::size_t before = found.size();
     const int parts = std::min(kMostParts, 3 + static_cast<int>(longest / (kSpacing * edge)));
+    const double distance = kDeep * edge;
+    std::vector<Vec3> places;
+    std::vector<Vec3> beside;
     for (int i = 1; i < parts; ++i) {
         for (int j = 1; i + j < parts; ++j) {
             const double a = static_cast<double>(i) / parts;
             const double b = static_cast<double>(j) / parts;
             const Vec3 x = sum(scaled(p[0], 1 - a - b), sum(scaled(p[1], a), scaled(p[2], b)));
-            if (is_alike_around(regions, x, normal, kDeep * edge))
-                found.push_back({x, normal, edge, regions.at(x), facet});
+            places.push_back(x);
+            beside.push_back(sum(x, scaled(normal, distance)));
+            beside.push_back(sum(x, scaled(normal, -distance)));
         }
+    }
+    // Along its normal a true facet has two regions.
+    std::vector<std::int32_t> region;
+    regions.at(beside, region);
+    for (std::size_t k = 0; k < places.size(); ++k) {
+        if (region[2 * k] == region[2 * k + 1] &&
+            is_alike_around(regions, places[k], region[2 * k], distance))
+            found.push_back({places[k], normal, edge, region[2 * k], facet});
     }
     // Where struts are thinner than cells most places are deep, and films are wider than their distance.
     const std::size_t count = found.size() - before;

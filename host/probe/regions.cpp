@@ -31,6 +31,36 @@ std::int32_t Regions::at(const Vec3& x) {
     return known.tape.resolve(signs_.data());
 }
 
+void Regions::at(const std::vector<Vec3>& points, std::vector<std::int32_t>& regions) {
+    regions.resize(points.size());
+    by_leaf_.clear();
+    for (std::uint32_t k = 0; k < points.size(); ++k) {
+        const Leaf leaf = leaf_at_point(points[k]);
+        const bool is_undecided = leaf.kind == kLeafNio && tree_.nio[leaf.index].tape_length != 0;
+        if (is_undecided)
+            by_leaf_.push_back({leaf.index, k});
+        else
+            regions[k] = leaf.kind == kLeafNone ? 0 : octree::in_region(tree_, leaf.code);
+    }
+    std::sort(by_leaf_.begin(), by_leaf_.end());
+    for (std::size_t begin = 0, end = 0; begin < by_leaf_.size(); begin = end) {
+        const std::uint32_t leaf = by_leaf_[begin].first;
+        leaf_points_.clear();
+        for (; end < by_leaf_.size() && by_leaf_[end].first == leaf; ++end)
+            leaf_points_.push_back(points[by_leaf_[end].second]);
+        const Known& known = load(leaf, tree_.nio[leaf]);
+        values_.resize(std::max(values_.size(), known.surfaces.size()));
+        for (std::size_t s = 0; s < known.surfaces.size(); ++s)
+            batch_.values(known.surfaces[s], tape::Places(leaf_points_), values_[s]);
+        signs_.resize(known.surfaces.size());
+        for (std::size_t i = begin; i < end; ++i) {
+            for (std::size_t s = 0; s < known.surfaces.size(); ++s)
+                signs_[s] = values_[s][i - begin] <= 0 ? std::int8_t{-1} : std::int8_t{1};
+            regions[by_leaf_[i].second] = known.tape.resolve(signs_.data());
+        }
+    }
+}
+
 const Regions::Known& Regions::load(std::uint32_t leaf, const TreeNode& node) {
     Known& known = known_[leaf % known_.size()];
     if (known.leaf == leaf) return known;
