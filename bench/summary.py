@@ -183,7 +183,17 @@ def show_load(run: dict) -> List[str]:
 
 
 def main() -> int:
-    run = json.load(open(sys.argv[1], encoding="utf-8"))
+    path = sys.argv[1]
+    try:
+        with open(path, encoding="utf-8") as file:
+            run = json.load(file)
+    except (OSError, ValueError) as error:
+        print(f"summary: cannot read '{path}': {error}; expected a file of bench/run.sh --json", file=sys.stderr)
+        return 2
+    if not isinstance(run, dict) or run.get("format") != "mortise-bench 1":
+        print(f"summary: '{path}' is no file of bench/run.sh --json: its format is not mortise-bench 1",
+              file=sys.stderr)
+        return 2
     machine = run["machine"]
     print(f"{machine['processor']}, {machine['cores']} cores, {1e-9 * machine['memory_bytes']:.0f} GB; "
           f"medians of {run['repeats']} runs.\n")
