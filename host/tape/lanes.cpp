@@ -1,6 +1,7 @@
 #include "host/tape/lanes.hpp"
 
 #include "host/tape/interval_slopes.hpp"
+#include "host/tape/sine_lanes.hpp"
 
 namespace mortise::tape {
 namespace {
@@ -139,6 +140,8 @@ void ValueLanes::apply(std::int32_t operation, const Block& p, const Block& q, B
         case kExprDivide:
             for (std::size_t k = 0; k < n; ++k) f[k] = a[k] / b[k];
             break;
+        case kExprSin: sine_lanes(a, n, 0, f); break;
+        case kExprCos: sine_lanes(a, n, 1, f); break;
         default:
             for (std::size_t k = 0; k < n; ++k) f[k] = expression_apply(operation, a[k], b[k]);
             break;
@@ -166,6 +169,14 @@ void SampleLanes::apply(std::int32_t operation, const Block& a, const Block& b, 
         case kExprSquare:
             for (std::size_t k = 0; k < n; ++k) {
                 by_a[k] = 2 * a.f.value[k];
+                by_b[k] = 0;
+            }
+            break;
+        case kExprSin:
+        case kExprCos:
+            sine_lanes(a.f.value, n, operation == kExprSin ? 1 : 0, by_a);
+            for (std::size_t k = 0; k < n; ++k) {
+                if (operation == kExprCos) by_a[k] = -by_a[k];
                 by_b[k] = 0;
             }
             break;

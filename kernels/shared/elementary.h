@@ -31,35 +31,34 @@ inline constexpr double kMortiseInfinity = std::numeric_limits<double>::infinity
 inline constexpr double kMortiseNan = std::numeric_limits<double>::quiet_NaN();
 #endif
 
-// Functions for sin(r) and cos(r), |r| <= π/4, by their Taylor series; Real: double, or lanes of them.
-#define MORTISE_REDUCED_SINE_AND_COSINE(Real, sine, cosine) \
-    MORTISE_FUNCTION Real sine(Real r) {                    \
-        const Real s = r * r;                               \
-        Real p = -1.0 / 121645100408832000.0;               \
-        p = p * s + 1.0 / 355687428096000.0;                \
-        p = p * s - 1.0 / 1307674368000.0;                  \
-        p = p * s + 1.0 / 6227020800.0;                     \
-        p = p * s - 1.0 / 39916800.0;                       \
-        p = p * s + 1.0 / 362880.0;                         \
-        p = p * s - 1.0 / 5040.0;                           \
-        p = p * s + 1.0 / 120.0;                            \
-        p = p * s - 1.0 / 6.0;                              \
-        return r + r * s * p;                               \
-    }                                                       \
-    MORTISE_FUNCTION Real cosine(Real r) {                  \
-        const Real s = r * r;                               \
-        Real p = 1.0 / 2432902008176640000.0;               \
-        p = p * s - 1.0 / 6402373705728000.0;               \
-        p = p * s + 1.0 / 20922789888000.0;                 \
-        p = p * s - 1.0 / 87178291200.0;                    \
-        p = p * s + 1.0 / 479001600.0;                      \
-        p = p * s - 1.0 / 3628800.0;                        \
-        p = p * s + 1.0 / 40320.0;                          \
-        p = p * s - 1.0 / 720.0;                            \
-        p = p * s + 1.0 / 24.0;                             \
-        return 1.0 - 0.5 * s + s * s * p;                   \
+// Functions for sin(r) and cos(r), |r| <= π/4, by their Taylor series; Real: double, or lanes of them;
+// Function: what stands before such a function.
+#define MORTISE_REDUCED_SINE_AND_COSINE(Function, Real, sine, cosine)          \
+    Function Real sine(Real r) {                                               \
+        const Real s = r * r;                                                  \
+        Real p = s * (-1.0 / 121645100408832000.0) + 1.0 / 355687428096000.0;  \
+        p = p * s - 1.0 / 1307674368000.0;                                     \
+        p = p * s + 1.0 / 6227020800.0;                                        \
+        p = p * s - 1.0 / 39916800.0;                                          \
+        p = p * s + 1.0 / 362880.0;                                            \
+        p = p * s - 1.0 / 5040.0;                                              \
+        p = p * s + 1.0 / 120.0;                                               \
+        p = p * s - 1.0 / 6.0;                                                 \
+        return r + r * s * p;                                                  \
+    }                                                                          \
+    Function Real cosine(Real r) {                                             \
+        const Real s = r * r;                                                  \
+        Real p = s * (1.0 / 2432902008176640000.0) - 1.0 / 6402373705728000.0; \
+        p = p * s + 1.0 / 20922789888000.0;                                    \
+        p = p * s - 1.0 / 87178291200.0;                                       \
+        p = p * s + 1.0 / 479001600.0;                                         \
+        p = p * s - 1.0 / 3628800.0;                                           \
+        p = p * s + 1.0 / 40320.0;                                             \
+        p = p * s - 1.0 / 720.0;                                               \
+        p = p * s + 1.0 / 24.0;                                                \
+        return 1.0 - 0.5 * s + s * s * p;                                      \
     }
-MORTISE_REDUCED_SINE_AND_COSINE(double, sin_reduced, cos_reduced)
+MORTISE_REDUCED_SINE_AND_COSINE(MORTISE_FUNCTION, double, sin_reduced, cos_reduced)
 
 // sin(x + quarter·π/2), with π/2 in three parts (Cody and Waite).
 MORTISE_FUNCTION double expression_sin(double x, i32 quarter) {

@@ -8,7 +8,7 @@
 
 #if LANES == 8
 
-MORTISE_REDUCED_SINE_AND_COSINE(double8, sin_reduced_lanes, cos_reduced_lanes)
+MORTISE_REDUCED_SINE_AND_COSINE(static, double8, sin_reduced_lanes, cos_reduced_lanes)
 
 // expression_sin(x, 0) and expression_sin(x, 1).
 static void sin_cos_lanes(double8 x, double8* sine, double8* cosine) {
