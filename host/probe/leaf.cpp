@@ -61,6 +61,13 @@ void LeafProbe::load_tape(const TreeNode& leaf) {
     local_tape_.load(words, leaf.tape_length, surfaces_);
 }
 
+Vec3 LeafProbe::middle_of(const TreeNode& leaf) const {
+    const double half = 0.5 * octree::Octree::edge_of(tree_.level_of(leaf.morton));
+    Vec3 x{};
+    for (std::size_t j = 0; j < 3; ++j) x[j] = gather_bits(leaf.morton >> j) * tree_.finest_edge() + half;
+    return x;
+}
+
 /// The surfaces of a leaf's tape that may hide something; equal ones in a row count once.
 LeafProbe::Curved LeafProbe::curved_surfaces(const TreeNode& leaf) const {
     const std::uint32_t* words = tree_.tapes.data() + leaf.tape_offset;
@@ -104,11 +111,7 @@ void LeafProbe::look_at(std::uint32_t begin, std::uint32_t end) {
         for (;
              i < list.size() && list[i].surface == list[first].surface && list[i].level == list[first].level;
              ++i) {
-            const std::uint64_t code = tree_.nio[list[i].leaf].morton;
-            Vec3 x{};
-            for (std::size_t j = 0; j < 3; ++j)
-                x[j] = gather_bits(code >> j) * tree_.finest_edge() + 0.5 * edge;
-            centres.push_back(x);
+            centres.push_back(middle_of(tree_.nio[list[i].leaf]));
         }
         batch_.find_steady(list[first].surface, centres, 0.5 * edge, steady);
         for (std::size_t k = first; k < i; ++k)
@@ -159,8 +162,7 @@ bool LeafProbe::load(std::uint32_t index) {
 bool LeafProbe::is_flat(const TreeNode& leaf) const {
     constexpr double kAround = 1.0 / 8;  // cells
     const double edge = octree::Octree::edge_of(tree_.level_of(leaf.morton));
-    double x[3];
-    for (int j = 0; j < 3; ++j) x[j] = gather_bits(leaf.morton >> j) * tree_.finest_edge() + 0.5 * edge;
+    const Vec3 x = middle_of(leaf);
     const std::uint32_t* words = tree_.tapes.data() + leaf.tape_offset;
     std::uint32_t last = 0xffffffffu;
     for (std::uint32_t i = 0; i < leaf.tape_length; ++i) {
@@ -168,13 +170,14 @@ bool LeafProbe::is_flat(const TreeNode& leaf) const {
         last = tape_surface(words[i]);
         const Surface& surface = model_.surfaces[last];
         if (surface.kind != kSurfaceExpression) continue;
-        const auto is_zero = [&](int axis, double by) {
-            double at[3] = {x[0], x[1], x[2]};
+        const auto is_zero = [&](std::size_t axis, double by) {
+            Vec3 at = x;
             at[axis] += by * edge;
             return surface_value(&surface, model_.expression_ops.data(), at[0], at[1], at[2]) == 0;
         };
         bool flat = is_zero(0, 0);
-        for (int axis = 0; axis < 3 && flat; ++axis) flat = is_zero(axis, -kAround) && is_zero(axis, kAround);
+        for (std::size_t axis = 0; axis < 3 && flat; ++axis)
+            flat = is_zero(axis, -kAround) && is_zero(axis, kAround);
         if (flat) return true;
     }
     return false;
@@ -186,7 +189,7 @@ void LeafProbe::take_signs(const Vec3& x) {
     for (std::size_t s = 0; s < surfaces_.size(); ++s) {
         values_here_[s] =
             surface_value(&model_.surfaces[surfaces_[s]], model_.expression_ops.data(), x[0], x[1], x[2]);
-        signs_[s] = values_here_[s] <= 0 ? std::int8_t{-1} : std::int8_t{1};
+        signs_[s] = tape::sign_of(values_here_[s]);
     }
 }
 
@@ -225,7 +228,7 @@ void LeafProbe::find_missed_at(const std::vector<Vec3>& points) {
     for (std::size_t k = 0; k < points.size(); ++k) {
         for (std::size_t s = 0; s < surfaces_.size(); ++s) {
             values_here_[s] = values_at_[s][k];
-            signs_[s] = values_here_[s] <= 0 ? std::int8_t{-1} : std::int8_t{1};
+            signs_[s] = tape::sign_of(values_here_[s]);
         }
         differs_here(points[k], found_at_[k]);
     }

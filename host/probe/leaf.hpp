@@ -97,6 +97,7 @@ class LeafProbe {
         std::uint32_t last = 0;
     };
     Curved curved_surfaces(const TreeNode& leaf) const;
+    Vec3 middle_of(const TreeNode& leaf) const;
     bool is_steady(std::uint32_t index, std::uint32_t surface, const tape::Cell& whole) const;
     bool load(std::uint32_t index);
     void load_tape(const TreeNode& leaf);

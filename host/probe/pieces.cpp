@@ -17,8 +17,6 @@ constexpr double kFar = 4;
 /// Each operation of bounds in single precision widens them by far more than it rounds in double precision.
 constexpr double kRounding = 1e-6;
 
-std::int8_t sign_of(double value) { return value <= 0 ? std::int8_t{-1} : std::int8_t{1}; }
-
 }  // namespace
 
 tape::Grid LeafProbe::grid(int depth) const {
@@ -137,7 +135,8 @@ void LeafProbe::find_missed(const std::vector<std::size_t>& pieces, const std::v
     for (std::size_t h = 0; h < hidden_.size(); ++h) {
         if (h != sampled) batch_.values(surfaces_[hidden_[h]], tape::Places(points), values_);
         for (std::size_t k = 0; k < pieces.size(); ++k) {
-            if (sign_of(h == sampled ? samples_[k].value : values_[k]) != hidden_sign_[h]) contrary_[k] = 1;
+            if (tape::sign_of(h == sampled ? samples_[k].value : values_[k]) != hidden_sign_[h])
+                contrary_[k] = 1;
         }
     }
     for (std::size_t k = 0; k < pieces.size(); ++k) {
@@ -204,7 +203,7 @@ void LeafProbe::sample(int depth) {
     for (std::size_t h = 0; h < hidden_.size(); ++h) {
         batch_.samples(surfaces_[hidden_[h]], places, middles_[h]);
         for (std::size_t i = 0; i < pieces_.size(); ++i) {
-            if (sign_of(middles_[h][i].value) != hidden_sign_[h]) contrary_[i] = 1;
+            if (tape::sign_of(middles_[h][i].value) != hidden_sign_[h]) contrary_[i] = 1;
         }
     }
     std::vector<std::size_t> open;

@@ -26,7 +26,7 @@ std::int32_t Regions::at(const Vec3& x) {
     for (std::size_t s = 0; s < known.surfaces.size(); ++s) {
         const double value = surface_value(&model_.surfaces[known.surfaces[s]], model_.expression_ops.data(),
                                            x[0], x[1], x[2]);
-        signs_[s] = value <= 0 ? std::int8_t{-1} : std::int8_t{1};
+        signs_[s] = tape::sign_of(value);
     }
     return known.tape.resolve(signs_.data());
 }
@@ -55,7 +55,7 @@ void Regions::at(const std::vector<Vec3>& points, std::vector<std::int32_t>& reg
         signs_.resize(known.surfaces.size());
         for (std::size_t i = begin; i < end; ++i) {
             for (std::size_t s = 0; s < known.surfaces.size(); ++s)
-                signs_[s] = values_[s][i - begin] <= 0 ? std::int8_t{-1} : std::int8_t{1};
+                signs_[s] = tape::sign_of(values_[s][i - begin]);
             regions[by_leaf_[i].second] = known.tape.resolve(signs_.data());
         }
     }

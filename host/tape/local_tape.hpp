@@ -9,6 +9,9 @@ namespace mortise::tape {
 /// The surfaces that a tape names, ascending.
 void list_surfaces(const std::uint32_t* words, std::size_t length, std::vector<std::uint32_t>& surfaces);
 
+/// Sign of a surface, for a tape, where it has this value: what is on it is inside.
+inline std::int8_t sign_of(double value) { return value <= 0 ? std::int8_t{-1} : std::int8_t{1}; }
+
 class LocalTape {
   public:
     /// `surfaces`: ascending, holds every surface of the tape.

@@ -114,11 +114,12 @@ static lanes_int classify_rounded(__global const SurfaceBounds* s, __global cons
     return decide(value - reach - slack, value + above + slack);
 }
 
-// A quadric's exact Taylor form about the centre, linear part and squares bounded apart.
-static lanes_int classify_quadric(__global const SurfaceBounds* s, Cube cube, const lanes_float* u,
-                                  const float* width) {
-    lanes_float value = s->form[3];
-    lanes_float size = fabs(s->form[3]);
+// The sum of form[i] u[i]² and form[3], in its exact Taylor form about the centre, linear part and squares
+// bounded apart.
+static lanes_int classify_squares(__global const SurfaceBounds* s, const float* form, Cube cube,
+                                  const lanes_float* u, const float* width) {
+    lanes_float value = form[3];
+    lanes_float size = fabs(form[3]);
     lanes_float gx = 0;
     lanes_float gy = 0;
     lanes_float gz = 0;
@@ -126,17 +127,16 @@ static lanes_int classify_quadric(__global const SurfaceBounds* s, Cube cube, co
     float above = 0;
     float below = 0;
     for (int i = 0; i < 3; ++i) {
-        const float form = s->form[i];
-        const lanes_float weighted = form * u[i];
+        const lanes_float weighted = form[i] * u[i];
         const lanes_float magnitude = fabs(weighted);
-        const float square = form * width[i] * width[i];
+        const float square = form[i] * width[i] * width[i];
         value += weighted * u[i];
         size += magnitude * fabs(u[i]);
         gx += weighted * s->map[4 * i];
         gy += weighted * s->map[4 * i + 1];
         gz += weighted * s->map[4 * i + 2];
         error += 2.0f * magnitude * (s->error[i] + RELATIVE * width[i]) +
-                 fabs(form) * s->error[i] * (s->error[i] + 2.0f * width[i]);
+                 fabs(form[i]) * s->error[i] * (s->error[i] + 2.0f * width[i]);
         if (square > 0) {
             above += square;
         } else {
@@ -165,28 +165,6 @@ static lanes_int classify_formula(__global const SurfaceBounds* s, __global cons
         signs[lane] = interval_sign(f);
     }
     return LOAD_LANES(signs);
-}
-
-// `sign`: by the ranges of a cone's terms. Below the apex f has the sign of u0² + u1² - u2², whose Taylor
-// form is sharper.
-static lanes_int sharpen_cone(__global const SurfaceBounds* s, Cube cube, const lanes_float* u,
-                              const float* width, lanes_float top, lanes_int sign) {
-    const lanes_float value = u[0] * u[0] + u[1] * u[1] - u[2] * u[2];
-    const lanes_float size = u[0] * u[0] + u[1] * u[1] + u[2] * u[2];
-    const lanes_float gx = u[0] * s->map[0] + u[1] * s->map[4] - u[2] * s->map[8];
-    const lanes_float gy = u[0] * s->map[1] + u[1] * s->map[5] - u[2] * s->map[9];
-    const lanes_float gz = u[0] * s->map[2] + u[1] * s->map[6] - u[2] * s->map[10];
-    const float above = width[0] * width[0] + width[1] * width[1];
-    const float below = -width[2] * width[2];
-    lanes_float error = 0;
-    for (int i = 0; i < 3; ++i) {
-        error += 2.0f * fabs(u[i]) * (s->error[i] + RELATIVE * width[i]) +
-                 s->error[i] * (s->error[i] + 2.0f * width[i]);
-    }
-    const lanes_float spread =
-        2.0f * cube.half_edge * (fabs(gx) + fabs(gy) + fabs(gz)) + error + RELATIVE * (size + above - below);
-    const lanes_int sharper = decide(value - spread + below, value + spread + above);
-    return select(sign, sharper, (top < 0.0f) & (sign == 0));
 }
 
 // A torus, from the ranges of the distance to its axis and of the height.
@@ -219,7 +197,10 @@ static lanes_int classify_surface(__global const SurfaceBounds* s, __global cons
         const float reach = width[0] + s->error[0];
         return decide(u[0] - reach, u[0] + reach);
     }
-    if (s->kind == kSurfaceQuadric) return classify_quadric(s, cube, u, width);
+    if (s->kind == kSurfaceQuadric) {
+        const float form[4] = {s->form[0], s->form[1], s->form[2], s->form[3]};
+        return classify_squares(s, form, cube, u, width);
+    }
     if (s->kind == kSurfaceRounded) return classify_rounded(s, ops, cube, u, width);
     lanes_float low[3];
     lanes_float high[3];
@@ -237,7 +218,10 @@ static lanes_int classify_surface(__global const SurfaceBounds* s, __global cons
     if (s->kind == kSurfaceCone) {
         const lanes_float slack = RELATIVE * (radial_high + fabs(low[2]) + fabs(high[2]));
         const lanes_int sign = decide(radial_low + low[2] - slack, radial_high + high[2] + slack);
-        return sharpen_cone(s, cube, u, width, high[2], sign);
+        // Below the apex f has the sign of u0² + u1² - u2², whose bounds are sharper.
+        const float form[4] = {1, 1, -1, 0};
+        const lanes_int sharper = classify_squares(s, form, cube, u, width);
+        return select(sign, sharper, (high[2] < 0.0f) & (sign == 0));
     }
     return classify_torus(s, radial_low, radial_high, low[2], high[2]);
 }
