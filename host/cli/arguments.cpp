@@ -144,6 +144,11 @@ void read_mesh_words(const Words& words, Arguments& arguments) {
     options.hanging = words.hanging;
     if (options.hanging && options.tetrahedra)
         refuse("--hanging and --elements tet: only hexahedra have hanging nodes; leave one away");
+    if (!words.order.empty() && words.order != "1" && words.order != "2")
+        refuse("--order '" + words.order + "': expected 1 or 2");
+    options.second_order = words.order == "2";
+    if (options.hanging && options.second_order)
+        refuse("--hanging and --order 2: only elements of first order have hanging nodes; leave one away");
     options.templates = !words.no_templates;
     options.snap = !words.no_snap;
     options.improve = !words.no_improve;
@@ -197,7 +202,8 @@ void read_memory(const std::string& word, Arguments& arguments) {
                                                   {arguments.quality, "--quality"},
                                                   {!arguments.features.empty(), "--features"},
                                                   {!arguments.picture.empty(), "--picture"},
-                                                  {arguments.options.tetrahedra, "--elements tet"}};
+                                                  {arguments.options.tetrahedra, "--elements tet"},
+                                                  {arguments.options.second_order, "--order 2"}};
     for (const auto& [is_given, option] : wrong) {
         if (is_given)
             refuse(std::string(option) + " needs the whole mesh in memory; leave it or --memory away");

@@ -18,7 +18,10 @@ std::string touching_text(const CheckReport& report) {
 std::string figures_text(const CheckReport& report) {
     std::string text;
     text += "  elements   " + list_elements(report.elements) + "\n";
-    text += "  nodes      " + std::to_string(report.nodes) + "\n";
+    text += "  nodes      " + std::to_string(report.nodes);
+    if (report.middle_nodes > 0)
+        text += ", " + std::to_string(report.middle_nodes) + " of them in the middles of edges";
+    text += "\n";
     text += "  volume     " + short_number(report.volume, 9) + "\n";
     text += "  boundary   area " + short_number(report.boundary_area, 9) + ", " +
             std::to_string(report.boundary_facets) + " facets, Euler characteristic " +

@@ -149,6 +149,10 @@ Json mesh_document(const MeshReport& report, const MeshFigures& figures) {
         json["transition_cells"] = report.transition_cells;
         json["hanging_cells"] = report.hanging_cells;
     }
+    if (report.middle_nodes > 0)
+        json["second_order"] = {{"middle_nodes", report.middle_nodes},
+                                {"curved_edges", report.curved_edges},
+                                {"relaxed_edges", report.relaxed_edges}};
     json["cell_size"] = report.cell_size;
     json["root_box"] = {{"min", report.root.min}, {"max", report.root.max}};
     json["nodes"] = figures.nodes;
@@ -201,6 +205,7 @@ Json check_document(const CheckReport& report) {
         json["defects"].push_back({{"what", defect.what}, {"count", defect.count}, {"first", defect.first}});
     }
     json["nodes"] = report.nodes;
+    json["middle_nodes"] = report.middle_nodes;
     json["elements"] = by_type(report.elements);
     json["min_scaled_jacobian"] = worst_by_type(report.elements, report.min_scaled_jacobian);
     json["min_dihedral"] = report.min_dihedral;

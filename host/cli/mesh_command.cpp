@@ -82,6 +82,14 @@ std::string summary(const Arguments& arguments, const MeshReport& report, const 
         text += "\n";
     }
     text += "  elements   " + list_elements(figures.elements) + "\n";
+    if (report.middle_nodes > 0) {
+        text += "  order 2    " + std::to_string(report.middle_nodes) + " nodes in the middles of edges; " +
+                std::to_string(report.curved_edges) + " edges are curved";
+        if (report.relaxed_edges > 0)
+            text += ", " + std::to_string(report.relaxed_edges) +
+                    " less than the model, for the shape of elements there";
+        text += "\n";
+    }
     text += "  worst      scaled Jacobian " + list_jacobians(figures.elements, figures.min_scaled_jacobian);
     if (figures.worst_place) text += "; the lowest at " + place_text(*figures.worst_place);
     text += "\n";
@@ -105,7 +113,7 @@ std::string summary(const Arguments& arguments, const MeshReport& report, const 
 
 void check_outputs(const Arguments& arguments) {
     for (const std::string& path : arguments.outputs) {
-        check_mesh_format(path, arguments.options.hanging);
+        check_mesh_format(path, arguments.options.hanging, arguments.options.second_order);
         check_mesh_output(path);
     }
     if (!arguments.picture.empty()) check_other_output("--picture", arguments.picture, ".png");

@@ -9,8 +9,7 @@
 namespace mortise::cli {
 namespace {
 
-constexpr const char* kExamples = R"(
-Examples: mortise bracket.csg -o bracket.vtu --picture bracket.png
+constexpr const char* kExamples = R"(Examples: mortise bracket.csg -o bracket.vtu --picture bracket.png
           mortise pipe.geo -o pipe.vtu -o pipe.msh --box -1 -1 0 1 1 4 --size 0.05
 )";
 
@@ -107,6 +106,8 @@ void add_element_options(CLI::App& app, Arguments& arguments, Words& words) {
     app.option_defaults()->group("Elements");
     app.add_option("--elements", words.elements, "hex: mostly hexahedra (default); tet: tetrahedra only")
         ->option_text("hex|tet");
+    app.add_option("--order", words.order, "2: elements of second order, curved as the model (1)")
+        ->option_text("1|2");
     app.add_flag("--hanging", words.hanging,
                  "cells inside beside smaller ones stay hexahedra, with hanging nodes");
     app.add_option("--min-angle", words.min_angle, "smallest dihedral angle that elements get, 18 to 44 (18)")

@@ -1,14 +1,17 @@
-// Reads .msh files of other programs: Gmsh's text formats 4.1 and 2.2, first-order elements.
+// Reads .msh files of other programs: Gmsh's text formats 4.1 and 2.2, elements of first or second order
+// (serendipity: without nodes in faces and inside).
 //
 // Only volume elements are taken, and the nodes that they use, in the file's order. Each volume entity
 // becomes a region; the facets are the boundary and the interfaces between regions, without the model's
 // surfaces.
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdlib>
 #include <map>
 #include <string>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include "host/io/element_table.hpp"
@@ -17,7 +20,9 @@
 namespace mortise::io {
 namespace {
 
-constexpr std::array<int, 4> kLowerTypes = {15, 1, kGmshTriangle, kGmshQuadrilateral};
+/// Points, lines, triangles and quadrilaterals, which are left out.
+constexpr std::array<int, 8> kLowerTypes = {
+    15, 1, kGmshTriangle, kGmshQuadrilateral, 8, kGmshSecondTriangle, 10, kGmshSecondQuadrilateral};
 constexpr NodeId kUnused = 0xffffffffu;
 
 /// Numbers of one line.
@@ -35,7 +40,7 @@ class Line {
     }
     std::uint64_t whole() {
         const double value = number();
-        if (!(value >= 0 && value <= 9e15)) {
+        if (!(value >= 0 && value <= 9e15 && value == std::floor(value))) {
             file_.damaged("'" + text_.substr(0, 40) + "' found, expected whole numbers");
         }
         return static_cast<std::uint64_t>(value);
@@ -122,27 +127,44 @@ class GmshTextReader {
         }
     }
 
+    /// Our type of an element and whether it is of second order.
+    std::pair<std::size_t, bool> type_of(std::uint64_t type) const {
+        for (const bool second_order : {false, true}) {
+            for (std::size_t t = 0; t < kElementTypes; ++t) {
+                if (static_cast<std::uint64_t>(kElementTable[t].gmsh.type_of(second_order)) == type)
+                    return {t, second_order};
+            }
+        }
+        file_.damaged("element type " + std::to_string(type) +
+                      "; elements of first order can be read, and of second order those of 20, 15, 13 and 10 "
+                      "nodes");
+    }
+
+    NodeId node_of(std::uint64_t tag) const {
+        const auto found = places_.find(tag);
+        if (found == places_.end())
+            file_.damaged("an element uses node " + std::to_string(tag) + ", which is not there");
+        return found->second;
+    }
+
     /// One element; its type and entity are known, the nodes come next.
     void add_element(std::uint64_t type, std::uint64_t entity, Line& nodes) {
         for (const int lower : kLowerTypes) {
             if (type == static_cast<std::uint64_t>(lower)) return;
         }
-        std::size_t t = 0;
-        while (t < kElementTypes && static_cast<std::uint64_t>(kElementTable[t].gmsh.type) != type) ++t;
-        if (t == kElementTypes) {
-            file_.damaged("element type " + std::to_string(type) + "; only first-order elements can be read");
-        }
+        const auto [t, second_order] = type_of(type);
+        if (mesh_.element_count() > 0 && second_order != mesh_.is_second_order())
+            file_.damaged("elements of first and of second order in one mesh");
         ElementBlock& block = mesh_.elements[t];
-        const std::size_t count = nodes_per_element(t);
-        const std::size_t first = block.nodes.size();
-        block.nodes.resize(first + count);
-        for (std::size_t k = 0; k < count; ++k) {
-            const std::uint64_t tag = nodes.whole();
-            const auto found = places_.find(tag);
-            if (found == places_.end())
-                file_.damaged("an element uses node " + std::to_string(tag) + ", which is not there");
-            block.nodes[first + static_cast<std::size_t>(kElementTable[t].gmsh.nodes[k])] = found->second;
-        }
+        const FormatElement& format = kElementTable[t].gmsh;
+        const auto read = [&](std::vector<NodeId>& list, std::size_t count, const auto& order) {
+            const std::size_t first = list.size();
+            list.resize(first + count);
+            for (std::size_t k = 0; k < count; ++k)
+                list[first + static_cast<std::size_t>(order[k])] = node_of(nodes.whole());
+        };
+        read(block.nodes, nodes_per_element(t), format.nodes);
+        if (second_order) read(block.middles, middles_per_element(t), format.middles);
         const auto region = entities_.emplace(entity, entities_.size() + 1).first;
         if (region->second > 65535) file_.damaged("more than 65535 volume entities");
         block.region.push_back(static_cast<std::uint16_t>(region->second));
@@ -193,7 +215,9 @@ class GmshTextReader {
     void take_used_nodes() {
         std::vector<NodeId> place(mesh_.node_count(), kUnused);
         for (const ElementBlock& block : mesh_.elements) {
-            for (const NodeId node : block.nodes) place[node] = 0;
+            for (const auto* list : {&block.nodes, &block.middles}) {
+                for (const NodeId node : *list) place[node] = 0;
+            }
         }
         NodeId next = 0;
         for (std::size_t i = 0; i < place.size(); ++i) {
@@ -204,8 +228,24 @@ class GmshTextReader {
         }
         mesh_.points.resize(3 * std::size_t{next});
         for (ElementBlock& block : mesh_.elements) {
-            for (NodeId& node : block.nodes) node = place[node];
+            for (auto* list : {&block.nodes, &block.middles}) {
+                for (NodeId& node : *list) node = place[node];
+            }
         }
+    }
+
+    /// Nodes in the middles of a face's edges; a triangle repeats its last one.
+    static std::array<NodeId, 4> middles_of(const ElementBlock& block, ElementType type, std::size_t element,
+                                            const LocalFace& face) {
+        const std::size_t corners = face[3] < 0 ? 3 : 4;
+        const auto edges = static_cast<std::size_t>(local_edges(type).count);
+        std::array<NodeId, 4> middles{};
+        for (std::size_t k = 0; k < 4; ++k) {
+            const std::size_t side = std::min(k, corners - 1);
+            const int edge = local_edge(type, face[side], face[(side + 1) % corners]);
+            middles[k] = block.middles[edges * element + static_cast<std::size_t>(edge)];
+        }
+        return middles;
     }
 
     /// Faces of elements without a partner, and those between two regions, seen from the lower region.
@@ -213,15 +253,17 @@ class GmshTextReader {
         struct Face {
             std::array<NodeId, 4> key;  ///< sorted; a triangle ends with kUnused
             std::array<NodeId, 4> nodes;
+            std::array<NodeId, 4> middles;  ///< of second order: as FacetBlock::middles
             std::uint16_t region;
         };
+        const bool second_order = mesh_.is_second_order();
         std::vector<Face> faces;
         for (std::size_t t = 0; t < kElementTypes; ++t) {
             const ElementBlock& block = mesh_.elements[t];
             const LocalFaces local = local_faces(static_cast<ElementType>(t));
             for (std::size_t i = 0; i < block.size(); ++i) {
                 for (int f = 0; f < local.count; ++f) {
-                    Face face{{}, {}, block.region[i]};
+                    Face face{{}, {}, {}, block.region[i]};
                     for (std::size_t k = 0; k < 4; ++k) {
                         const int corner = local.faces[f][k];
                         face.key[k] =
@@ -231,6 +273,8 @@ class GmshTextReader {
                         face.nodes[k] = corner < 0 ? face.nodes[k - 1] : face.key[k];
                     }
                     std::sort(face.key.begin(), face.key.end());
+                    if (second_order)
+                        face.middles = middles_of(block, static_cast<ElementType>(t), i, local.faces[f]);
                     faces.push_back(face);
                 }
             }
@@ -244,6 +288,9 @@ class GmshTextReader {
             const std::uint16_t outside = j - i == 1 ? std::uint16_t{0} : faces[j - 1].region;
             if (outside == faces[i].region) continue;
             mesh_.facets.nodes.insert(mesh_.facets.nodes.end(), faces[i].nodes.begin(), faces[i].nodes.end());
+            if (second_order)
+                mesh_.facets.middles.insert(mesh_.facets.middles.end(), faces[i].middles.begin(),
+                                            faces[i].middles.end());
             mesh_.facets.surface.push_back(outside == 0 ? 0 : 1);
             mesh_.facets.inside.push_back(faces[i].region);
             mesh_.facets.outside.push_back(outside);

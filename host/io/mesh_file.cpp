@@ -60,8 +60,18 @@ std::string io::find_range_error(const Mesh& mesh) {
         if (!all_below(block.region, regions + 1) || !none_zero(block.region))
             return "element with a region out of range";
     }
+    const bool second_order = mesh.is_second_order();
+    for (std::size_t t = 0; t < kElementTypes; ++t) {
+        const ElementBlock& block = mesh.elements[t];
+        if (block.middles.size() != (second_order ? middles_per_element(t) * block.size() : 0))
+            return "elements of first and of second order in one mesh";
+        if (!all_below(block.middles, nodes)) return "element with a node index out of range";
+    }
     const FacetBlock& facets = mesh.facets;
     const std::size_t count = facets.size();
+    if (facets.middles.size() != (second_order ? 4 * count : 0))
+        return "facets and elements of different order";
+    if (!all_below(facets.middles, nodes)) return "facet with a node index out of range";
     if (facets.nodes.size() != 4 * count || facets.inside.size() != count || facets.outside.size() != count)
         return "facet arrays of unequal length";
     if (!all_below(facets.nodes, nodes)) return "facet with a node index out of range";
@@ -80,7 +90,7 @@ std::string io::find_range_error(const Mesh& mesh) {
 
 void write_mesh(const Mesh& mesh, const std::string& path, const std::vector<float>& jacobians,
                 const MeshFileOptions& options) {
-    check_mesh_format(path, mesh.hanging.size() > 0);
+    check_mesh_format(path, mesh.hanging.size() > 0, mesh.is_second_order());
     const Format format = format_of(path);
     std::string error = io::find_range_error(mesh);
     if (error.empty() && !jacobians.empty() && jacobians.size() != mesh.element_count())
@@ -102,11 +112,14 @@ bool is_mesh_folder(const std::string& path) {
     return end == name.size() || path[end - name.size() - 1] == '/';
 }
 
-void check_mesh_format(const std::string& path, bool hanging) {
-    if (format_of(path) == Format::kMsh && hanging) {
+void check_mesh_format(const std::string& path, bool hanging, bool second_order) {
+    const Format format = format_of(path);
+    const std::string what = "cannot write '" + path + "': ";
+    if (format == Format::kMsh && hanging)
+        throw Error(ExitCode::kUsage, what + ".msh files have no place for hanging nodes; use .vtu");
+    if (format == Format::kFoam && second_order)
         throw Error(ExitCode::kUsage,
-                    "cannot write '" + path + "': .msh files have no place for hanging nodes; use .vtu");
-    }
+                    what + "OpenFOAM's meshes have no elements of second order; leave --order 2 away");
 }
 
 void check_writable(const std::string& path) {

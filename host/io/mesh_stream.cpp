@@ -69,10 +69,10 @@ struct MeshFileStream::Implementation {
     /// What is known once the totals are.
     struct Arrays {
         Arrays(io::Spool& spool, const MeshTotals& totals, io::Packing packing)
-            : runs(totals),
+            : runs(totals, false),
               points(spool, {0, 3 * sizeof(double) * totals.nodes}, packing),
               model_dimension(spool, {0, totals.nodes}, packing),
-              connectivity(spool, scaled(runs.nodes, io::index_bytes(totals)), packing),
+              connectivity(spool, scaled(runs.nodes, io::index_bytes(totals, false)), packing),
               region(spool, scaled(runs.elements, sizeof(std::int32_t)), packing),
               kind(spool, scaled(runs.elements, 1), packing),
               scaled_jacobian(spool, scaled(runs.elements, sizeof(float)), packing) {}
@@ -125,7 +125,7 @@ void MeshFileStream::add(const Mesh& part, const std::vector<float>& scaled_jaco
     implementation_->expect(Implementation::State::kBegun, "add()");
     implementation_->count(part, scaled_jacobians);
     Implementation::Arrays& arrays = *implementation_->arrays;
-    const bool is_wide = io::index_bytes(implementation_->totals) == sizeof(std::int64_t);
+    const bool is_wide = io::index_bytes(implementation_->totals, false) == sizeof(std::int64_t);
     arrays.points.add(0, part.points.size() * sizeof(double), io::memory_source(part.points.data()));
     arrays.model_dimension.add(0, part.model_dimension.size(),
                                io::memory_source(part.model_dimension.data()));

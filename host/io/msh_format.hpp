@@ -10,6 +10,10 @@ namespace mortise::io {
 /// First line of the $Comments section of our files; the number counts versions of that section.
 inline constexpr const char* kMshSignature = "mortise mesh 1";
 
+/// First word of the comments' line with the numbers of facets and elements, which tells their order, too.
+inline constexpr const char* kMshCounts = "counts";
+inline constexpr const char* kMshSecondCounts = "counts_of_second_order";
+
 /// Facets that Gmsh sees as one surface entity.
 struct FacetGroup {
     std::uint32_t surface = 0;

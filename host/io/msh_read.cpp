@@ -46,7 +46,11 @@ class MshReader {
 
     /// A line of a keyword, if not empty, and `count` numbers.
     std::vector<std::uint64_t> numbers(const std::string& keyword, std::size_t count) {
-        const std::string line = bytes_.line();
+        return numbers_of(bytes_.line(), keyword, count);
+    }
+
+    std::vector<std::uint64_t> numbers_of(const std::string& line, const std::string& keyword,
+                                          std::size_t count) {
         std::istringstream stream(line);
         std::string word;
         if (!keyword.empty()) stream >> word;
@@ -83,16 +87,21 @@ class MshReader {
             groups_.push_back({static_cast<std::uint32_t>(values[0]), static_cast<std::uint16_t>(values[1]),
                                static_cast<std::uint16_t>(values[2])});
         }
-        const std::vector<std::uint64_t> counts = numbers("counts", 1 + kElementTypes);
+        const std::string line = bytes_.line();
+        second_order_ = line.compare(0, std::string(kMshSecondCounts).size(), kMshSecondCounts) == 0;
+        const std::vector<std::uint64_t> counts =
+            numbers_of(line, second_order_ ? kMshSecondCounts : kMshCounts, 1 + kElementTypes);
         bytes_.expect(counts[0], 4 * sizeof(std::uint64_t));
         mesh_.facets.nodes.resize(4 * static_cast<std::size_t>(counts[0]));
+        if (second_order_) mesh_.facets.middles.resize(mesh_.facets.nodes.size());
         mesh_.facets.surface.resize(static_cast<std::size_t>(counts[0]));
         mesh_.facets.inside.resize(static_cast<std::size_t>(counts[0]));
         mesh_.facets.outside.resize(static_cast<std::size_t>(counts[0]));
         for (std::size_t t = 0; t < kElementTypes; ++t) {
             const std::size_t count = static_cast<std::size_t>(counts[t + 1]);
-            bytes_.expect(count, (1 + nodes_per_element(t)) * sizeof(std::uint64_t));
+            bytes_.expect(count, (1 + all_nodes_per_element(t, second_order_)) * sizeof(std::uint64_t));
             mesh_.elements[t].nodes.resize(count * nodes_per_element(t));
+            if (second_order_) mesh_.elements[t].middles.resize(count * middles_per_element(t));
             mesh_.elements[t].region.resize(count);
             mesh_.elements[t].kind.resize(count);
         }
@@ -175,34 +184,47 @@ class MshReader {
     }
 
     void read_facets(int entity, int type, std::uint64_t count) {
+        const int triangle = second_order_ ? kGmshSecondTriangle : kGmshTriangle;
+        const int quadrilateral = second_order_ ? kGmshSecondQuadrilateral : kGmshQuadrilateral;
         if (entity < 1 || static_cast<std::size_t>(entity) > groups_.size() ||
-            (type != kGmshTriangle && type != kGmshQuadrilateral))
+            (type != triangle && type != quadrilateral))
             file_.damaged("surface elements of an unknown entity or type");
         const FacetGroup& group = groups_[static_cast<std::size_t>(entity - 1)];
         FacetBlock& facets = mesh_.facets;
         for (std::uint64_t i = 0; i < count; ++i) {
             const std::size_t at = next_index(0, facets.size());
             NodeId* nodes = facets.nodes.data() + 4 * at;
-            for (int k = 0; k < 3; ++k) nodes[k] = next_node();
-            nodes[3] = type == kGmshTriangle ? nodes[2] : next_node();
+            read_corners(nodes, type == triangle);
+            if (second_order_) read_corners(facets.middles.data() + 4 * at, type == triangle);
             facets.surface[at] = group.surface;
             facets.inside[at] = group.inside;
             facets.outside[at] = group.outside;
         }
     }
 
+    /// Four, of which the last two are one in a triangle.
+    void read_corners(NodeId* nodes, bool is_triangle) {
+        for (int k = 0; k < 3; ++k) nodes[k] = next_node();
+        nodes[3] = is_triangle ? nodes[2] : next_node();
+    }
+
     void read_volume_elements(int entity, int type, std::uint64_t count) {
         std::size_t t = 0, first = mesh_.facets.size();
-        while (t < kElementTypes && kElementTable[t].gmsh.type != type) first += mesh_.elements[t++].size();
+        while (t < kElementTypes && kElementTable[t].gmsh.type_of(second_order_) != type)
+            first += mesh_.elements[t++].size();
         if (t == kElementTypes || entity < 1 ||
             static_cast<std::size_t>(entity) > mesh_.region_names.size() || entity > 65535)
             file_.damaged("volume elements of an unknown entity or type");
         ElementBlock& block = mesh_.elements[t];
-        const std::size_t per_element = nodes_per_element(t);
+        const FormatElement& format = kElementTable[t].gmsh;
+        const std::size_t corners = nodes_per_element(t), middles = middles_per_element(t);
         for (std::uint64_t i = 0; i < count; ++i) {
             const std::size_t at = next_index(first, block.size());
-            NodeId* nodes = block.nodes.data() + per_element * at;
-            for (std::size_t k = 0; k < per_element; ++k) nodes[kElementTable[t].gmsh.nodes[k]] = next_node();
+            NodeId* const corner = block.nodes.data() + corners * at;
+            for (std::size_t k = 0; k < corners; ++k) corner[format.nodes[k]] = next_node();
+            NodeId* const middle = block.middles.data() + middles * at;
+            for (std::size_t k = 0; second_order_ && k < middles; ++k)
+                middle[format.middles[k]] = next_node();
             block.region[at] = static_cast<std::uint16_t>(entity);
         }
     }
@@ -210,6 +232,7 @@ class MshReader {
     const FileReader& file_;
     SequentialReader bytes_;
     Mesh mesh_;
+    bool second_order_ = false;
     std::vector<FacetGroup> groups_;
     std::vector<bool> seen_;  ///< by element tag - 1
 };

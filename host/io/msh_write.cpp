@@ -8,7 +8,8 @@
 //
 // Element tags number facets, then elements, in mesh order, so that the grouping by entities loses nothing.
 // What Gmsh has no place for stands in a $Comments section: names as they are, and each surface entity's
-// surface and regions. The `kind` of elements is not stored.
+// surface and regions. The `kind` of elements is not stored. A mesh of second order has Gmsh's types of
+// second order throughout, facets included.
 #include <algorithm>
 #include <limits>
 #include <map>
@@ -48,7 +49,8 @@ struct Box {
 
 class MshWriter {
   public:
-    MshWriter(const Mesh& mesh, TemporaryFile& file) : mesh_(mesh), file_(file) {}
+    MshWriter(const Mesh& mesh, TemporaryFile& file)
+        : mesh_(mesh), file_(file), second_order_(mesh.is_second_order()) {}
 
     void write() {
         group_facets();
@@ -73,8 +75,8 @@ class MshWriter {
         for (auto& [key, entity] : entities) {
             groups_.push_back({std::get<0>(key), std::get<1>(key), std::get<2>(key)});
             entity = static_cast<int>(groups_.size());
-            blocks_.push_back({2, entity, kGmshTriangle, {}});
-            blocks_.push_back({2, entity, kGmshQuadrilateral, {}});
+            blocks_.push_back({2, entity, second_order_ ? kGmshSecondTriangle : kGmshTriangle, {}});
+            blocks_.push_back({2, entity, second_order_ ? kGmshSecondQuadrilateral : kGmshQuadrilateral, {}});
         }
         for (std::size_t i = 0; i < facets.size(); ++i) {
             const int entity = entities[{facets.surface[i], facets.inside[i], facets.outside[i]}];
@@ -93,7 +95,8 @@ class MshWriter {
         for (const FacetGroup& group : groups_)
             text += std::to_string(group.surface) + " " + std::to_string(group.inside) + " " +
                     std::to_string(group.outside) + "\n";
-        text += "counts " + std::to_string(mesh_.facets.size());
+        text += std::string(second_order_ ? kMshSecondCounts : kMshCounts) + " " +
+                std::to_string(mesh_.facets.size());
         for (const ElementBlock& block : mesh_.elements) text += " " + std::to_string(block.size());
         file_.write(text + "\n$EndComments\n");
     }
@@ -211,8 +214,8 @@ class MshWriter {
         for (const Block& block : blocks_) {
             if (block.items.empty()) continue;
             put_block_header(block.dimension, block.entity, block.type, block.items.size());
-            for (const std::size_t i : block.items)
-                put_element(i + 1, mesh_.facets.nodes.data() + 4 * i, block.type == kGmshTriangle ? 3 : 4);
+            const bool is_triangle = block.type == kGmshTriangle || block.type == kGmshSecondTriangle;
+            for (const std::size_t i : block.items) put_facet(i, is_triangle ? 3 : 4);
         }
         std::uint64_t first_tag = mesh_.facets.size() + 1;
         for (std::size_t t = 0; t < kElementTypes; ++t) {
@@ -226,12 +229,14 @@ class MshWriter {
     void write_type(std::size_t t, std::uint64_t first_tag, const std::size_t* counts) {
         const ElementBlock& block = mesh_.elements[t];
         const FormatElement& format = kElementTable[t].gmsh;
-        const std::size_t per_element = nodes_per_element(t);
+        const std::size_t corners = nodes_per_element(t), middles = middles_per_element(t);
         const auto put = [&](std::size_t i) {
-            NodeId nodes[8];
-            for (std::size_t k = 0; k < per_element; ++k)
-                nodes[k] = block.nodes[per_element * i + static_cast<std::size_t>(format.nodes[k])];
-            put_element(first_tag + i, nodes, per_element);
+            NodeId nodes[kMostNodes];
+            for (std::size_t k = 0; k < corners; ++k)
+                nodes[k] = block.nodes[corners * i + at(format.nodes[k])];
+            for (std::size_t k = 0; second_order_ && k < middles; ++k)
+                nodes[corners + k] = block.middles[middles * i + at(format.middles[k])];
+            put_element(first_tag + i, nodes, all_nodes_per_element(t, second_order_));
         };
         // With one region the elements are in order already; else a stable counting sort brings them there.
         std::vector<std::size_t> order;
@@ -246,7 +251,7 @@ class MshWriter {
         for (int region = 1; region <= regions(); ++region) {
             const std::size_t count = counts[region - 1];
             if (count == 0) continue;
-            put_block_header(3, region, format.type, count);
+            put_block_header(3, region, format.type_of(second_order_), count);
             for (const std::size_t end = next + count; next < end; ++next)
                 put(order.empty() ? next : order[next]);
         }
@@ -259,8 +264,20 @@ class MshWriter {
         file_.put(count);
     }
 
+    static std::size_t at(int index) { return static_cast<std::size_t>(index); }
+
+    /// A triangle or a quadrilateral: its corners, then the middles of its edges.
+    void put_facet(std::size_t i, std::size_t corners) {
+        NodeId nodes[8];
+        std::copy_n(mesh_.facets.nodes.data() + 4 * i, corners, nodes);
+        if (second_order_) std::copy_n(mesh_.facets.middles.data() + 4 * i, corners, nodes + corners);
+        put_element(i + 1, nodes, second_order_ ? 2 * corners : corners);
+    }
+
+    static constexpr std::size_t kMostNodes = 20;  ///< of an element
+
     void put_element(std::uint64_t tag, const NodeId* nodes, std::size_t count) {
-        std::uint64_t line[9];
+        std::uint64_t line[1 + kMostNodes];
         line[0] = tag;
         for (std::size_t k = 0; k < count; ++k) line[k + 1] = std::uint64_t{nodes[k]} + 1;
         file_.write(line, (count + 1) * sizeof line[0]);
@@ -268,6 +285,7 @@ class MshWriter {
 
     const Mesh& mesh_;
     TemporaryFile& file_;
+    const bool second_order_;
     std::vector<FacetGroup> groups_;  ///< surface entity i + 1
     std::vector<Block> blocks_;       ///< triangles and quadrilaterals of each group
 };

@@ -22,10 +22,10 @@ ByteSource value_source(const Fill& fill) {
 
 /// Where the values of each element type begin in an array, and the end: by element, and by node of elements.
 struct TypeRuns {
-    explicit TypeRuns(const MeshTotals& totals) {
+    TypeRuns(const MeshTotals& totals, bool second_order) {
         for (std::size_t t = 0; t < kElementTypes; ++t) {
             elements[t + 1] = elements[t] + totals.elements[t];
-            nodes[t + 1] = nodes[t] + totals.elements[t] * nodes_per_element(t);
+            nodes[t + 1] = nodes[t] + totals.elements[t] * all_nodes_per_element(t, second_order);
         }
     }
     std::array<std::uint64_t, kElementTypes + 1> elements{}, nodes{};
@@ -35,13 +35,17 @@ struct TypeRuns {
 template <class Index>
 void vtk_connectivity(const ElementBlock& block, std::size_t t, std::size_t first, std::size_t last,
                       Index* out) {
-    const std::array<int, 8>& order = kElementTable[t].vtk.nodes;
-    const std::size_t per_element = nodes_per_element(t);
+    const FormatElement& order = kElementTable[t].vtk;
+    const std::size_t corners = nodes_per_element(t), middles = middles_per_element(t);
+    const std::size_t per_element = all_nodes_per_element(t, !block.middles.empty());
     std::size_t local = first % per_element;
-    for (std::size_t i = first - local; i < last; i += per_element, local = 0) {
-        const std::size_t last_local = std::min(per_element, last - i);
-        for (; local < last_local; ++local)
-            *out++ = static_cast<Index>(block.nodes[i + static_cast<std::size_t>(order[local])]);
+    for (std::size_t i = first / per_element; i * per_element < last; ++i, local = 0) {
+        const std::size_t end = std::min(per_element, last - i * per_element);
+        const NodeId* const corner = block.nodes.data() + corners * i;
+        for (; local < std::min(corners, end); ++local)
+            *out++ = static_cast<Index>(corner[order.nodes[local]]);
+        const NodeId* const middle = block.middles.data() + middles * i;
+        for (; local < end; ++local) *out++ = static_cast<Index>(middle[order.middles[local - corners]]);
     }
 }
 
@@ -52,9 +56,9 @@ struct VtuArrays {
 };
 
 /// 4 or 8: of connectivity and offsets.
-std::size_t index_bytes(const MeshTotals& totals);
+std::size_t index_bytes(const MeshTotals& totals, bool second_order);
 
-/// Writes the file; `outline` has facets and names. `arrays` must be packed so, too.
+/// Writes the file; `outline` has facets and names, and tells the order. `arrays` must be packed so, too.
 void write_vtu_file(const MeshTotals& totals, const Mesh& outline, const VtuArrays& arrays, Packing packing,
                     TemporaryFile& file);
 

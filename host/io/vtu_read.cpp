@@ -140,21 +140,28 @@ class VtuReader {
     Packing packing_ = Packing::kZlib;
 };
 
-/// Sizes the blocks by the cell types, which must come in the order of ElementType.
+/// Sizes the blocks by the cell types, which must come in the order of ElementType, all of one order.
 void read_types(const VtuReader& reader, Mesh& mesh) {
     const pugi::xml_node cells = reader.piece().child("Cells");
     const std::vector<std::uint8_t> types = reader.array<std::uint8_t>(cells, "types", "UInt8");
+    const bool second_order =
+        !types.empty() && std::any_of(kElementTable.begin(), kElementTable.end(),
+                                      [&](const ElementRow& row) { return types[0] == row.vtk.second_type; });
     std::size_t at = 0;
     for (std::size_t t = 0; t < kElementTypes; ++t) {
         const std::size_t begin = at;
-        while (at < types.size() && types[at] == kElementTable[t].vtk.type) ++at;
-        mesh.elements[t].region.resize(at - begin);
-        mesh.elements[t].kind.resize(at - begin);
+        while (at < types.size() && types[at] == kElementTable[t].vtk.type_of(second_order)) ++at;
+        ElementBlock& block = mesh.elements[t];
+        block.region.resize(at - begin);
+        block.kind.resize(at - begin);
+        block.nodes.resize(nodes_per_element(t) * block.size());
+        if (second_order) block.middles.resize(middles_per_element(t) * block.size());
     }
     if (at != types.size())
         reader.damaged(
             "cell " + std::to_string(at) + " has type " + std::to_string(types[at]) +
-            ", expected hexahedra (12), wedges (13), pyramids (14), tetrahedra (10) in this order");
+            ", expected hexahedra (12), wedges (13), pyramids (14), tetrahedra (10) in this order, "
+            "or all of second order (25, 26, 27, 24)");
 }
 
 template <class Index>
@@ -166,7 +173,7 @@ void read_connectivity(const VtuReader& reader, const char* type, Mesh& mesh) {
     std::size_t cell = 0;
     for (std::size_t t = 0; t < kElementTypes; ++t) {
         for (std::size_t i = 0; i < mesh.elements[t].size(); ++i, ++cell) {
-            end += nodes_per_element(t);
+            end += all_nodes_per_element(t, mesh.is_second_order());
             if (offsets[cell] < 0 || static_cast<std::uint64_t>(offsets[cell]) != end)
                 reader.damaged("offset of cell " + std::to_string(cell) + " does not fit its type");
         }
@@ -175,17 +182,21 @@ void read_connectivity(const VtuReader& reader, const char* type, Mesh& mesh) {
     if (connectivity.size() != end) reader.damaged("connectivity and offsets differ in length");
     const std::uint64_t nodes = mesh.node_count();
     std::size_t at = 0;
+    const auto next = [&] {
+        if (connectivity[at] < 0 || static_cast<std::uint64_t>(connectivity[at]) >= nodes)
+            reader.damaged("connectivity " + std::to_string(at) + " is no index of a point");
+        return static_cast<NodeId>(connectivity[at++]);
+    };
     for (std::size_t t = 0; t < kElementTypes; ++t) {
         ElementBlock& block = mesh.elements[t];
-        const std::size_t per_element = nodes_per_element(t);
-        const std::array<int, 8>& order = kElementTable[t].vtk.nodes;
-        block.nodes.resize(block.size() * per_element);
-        for (std::size_t i = 0; i < block.nodes.size(); i += per_element) {
-            for (std::size_t k = 0; k < per_element; ++k, ++at) {
-                if (connectivity[at] < 0 || static_cast<std::uint64_t>(connectivity[at]) >= nodes)
-                    reader.damaged("connectivity " + std::to_string(at) + " is no index of a point");
-                block.nodes[i + static_cast<std::size_t>(order[k])] = static_cast<NodeId>(connectivity[at]);
-            }
+        const FormatElement& order = kElementTable[t].vtk;
+        const std::size_t corners = nodes_per_element(t), middles = middles_per_element(t);
+        for (std::size_t i = 0; i < block.size(); ++i) {
+            NodeId* const corner = block.nodes.data() + corners * i;
+            for (std::size_t k = 0; k < corners; ++k) corner[order.nodes[k]] = next();
+            if (block.middles.empty()) continue;
+            NodeId* const middle = block.middles.data() + middles * i;
+            for (std::size_t k = 0; k < middles; ++k) middle[order.middles[k]] = next();
         }
     }
 }
@@ -234,6 +245,8 @@ Mesh read_vtu(const FileReader& file) {
     mesh.facets.surface = reader.array<std::uint32_t>(reader.fields(), "facet_surface", "UInt32");
     mesh.facets.inside = reader.array<std::uint16_t>(reader.fields(), "facet_inside", "UInt16");
     mesh.facets.outside = reader.array<std::uint16_t>(reader.fields(), "facet_outside", "UInt16");
+    if (mesh.is_second_order())
+        mesh.facets.middles = reader.array<std::uint32_t>(reader.fields(), "facet_middles", "UInt32");
     if (reader.fields().find_child_by_attribute("DataArray", "Name", "hanging_nodes")) {
         mesh.hanging.node = reader.array<std::uint32_t>(reader.fields(), "hanging_nodes", "UInt32");
         mesh.hanging.masters = reader.array<std::uint32_t>(reader.fields(), "hanging_masters", "UInt32");

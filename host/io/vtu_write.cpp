@@ -4,9 +4,10 @@
 // values fit and Int64 otherwise: half the bytes to compress, and every reader takes both. Cell arrays:
 // region (Int32), kind (UInt8, see ElementKind), scaled_jacobian (Float32). Point array, if it is known:
 // model_dimension (UInt8, see Features). VTK has no facets beside cells, so these travel in FieldData:
-// facet_nodes (4 per facet, a triangle repeats its last node), facet_surface, facet_inside, facet_outside (as
-// in FacetBlock), and the names as VTK string arrays region_names and surface_names, inline as character
-// codes; so do, if there are any, hanging_nodes and hanging_masters (4 per node, as in HangingNodes).
+// facet_nodes (4 per facet, a triangle repeats its last node), facet_surface, facet_inside, facet_outside
+// and, of second order, facet_middles (as in FacetBlock), and the names as VTK string arrays region_names and
+// surface_names, inline as character codes; so do, if there are any, hanging_nodes and hanging_masters (4 per
+// node, as in HangingNodes).
 #include <algorithm>
 #include <limits>
 #include <string>
@@ -47,6 +48,7 @@ ByteSource connectivity_source(const Mesh& mesh, const TypeRuns& runs) {
             });
         });
     if (sizeof(Index) != sizeof(mesh.elements[0].nodes[0])) return made;
+    if (mesh.is_second_order()) return made;
     // A mesh has most of them as they are stored; those need not be copied.
     return [&mesh, runs, made](std::size_t begin, std::size_t end, char* space) {
         const std::size_t first = begin / sizeof(Index), last = end / sizeof(Index);
@@ -60,11 +62,12 @@ ByteSource connectivity_source(const Mesh& mesh, const TypeRuns& runs) {
 }
 
 template <class Index>
-ByteSource offsets_source(const TypeRuns& runs) {
-    return value_source<Index>([runs](std::size_t first, std::size_t last, Index* out) {
+ByteSource offsets_source(const TypeRuns& runs, bool second_order) {
+    return value_source<Index>([runs, second_order](std::size_t first, std::size_t last, Index* out) {
         split_by_type(runs.elements, first, last, [&](std::size_t t, std::size_t begin, std::size_t end) {
+            const std::size_t nodes = all_nodes_per_element(t, second_order);
             for (std::size_t i = begin; i < end; ++i)
-                *out++ = static_cast<Index>(runs.nodes[t] + (i + 1) * nodes_per_element(t));
+                *out++ = static_cast<Index>(runs.nodes[t] + (i + 1) * nodes);
         });
     });
 }
@@ -82,15 +85,16 @@ ByteSource element_source(const Mesh& mesh, const TypeRuns& runs, Member member)
 
 }  // namespace
 
-std::size_t index_bytes(const MeshTotals& totals) {
+std::size_t index_bytes(const MeshTotals& totals, bool second_order) {
     constexpr std::uint64_t limit = std::numeric_limits<std::int32_t>::max();
-    return std::max(TypeRuns(totals).nodes.back(), totals.nodes) <= limit ? sizeof(std::int32_t)
-                                                                          : sizeof(std::int64_t);
+    const std::uint64_t connectivity = TypeRuns(totals, second_order).nodes.back();
+    return std::max(connectivity, totals.nodes) <= limit ? sizeof(std::int32_t) : sizeof(std::int64_t);
 }
 
 void write_vtu_file(const MeshTotals& totals, const Mesh& outline, const VtuArrays& arrays, Packing packing,
                     TemporaryFile& file) {
-    const TypeRuns runs(totals);
+    const bool second_order = outline.is_second_order();
+    const TypeRuns runs(totals, second_order);
     const std::uint64_t elements = runs.elements.back();
     VtkXmlWriter writer(file, "UnstructuredGrid", packing);
     writer.text("<UnstructuredGrid>");
@@ -101,6 +105,7 @@ void write_vtu_file(const MeshTotals& totals, const Mesh& outline, const VtuArra
     writer.field("UInt32", "facet_surface", 1, outline.facets.surface);
     writer.field("UInt16", "facet_inside", 1, outline.facets.inside);
     writer.field("UInt16", "facet_outside", 1, outline.facets.outside);
+    if (second_order) writer.field("UInt32", "facet_middles", 4, outline.facets.middles);
     if (outline.hanging.size() > 0) {
         writer.field("UInt32", "hanging_nodes", 1, outline.hanging.node);
         writer.field("UInt32", "hanging_masters", 4, outline.hanging.masters);
@@ -116,19 +121,23 @@ void write_vtu_file(const MeshTotals& totals, const Mesh& outline, const VtuArra
         writer.array("UInt8", "model_dimension", "", arrays.model_dimension);
         writer.text("</PointData>");
     }
-    const bool is_wide = index_bytes(totals) == sizeof(std::int64_t);
+    const std::size_t index = index_bytes(totals, second_order);
+    const bool is_wide = index == sizeof(std::int64_t);
     const char* index_type = is_wide ? "Int64" : "Int32";
     writer.text("<Cells>");
     writer.array(index_type, "connectivity", "", arrays.connectivity);
-    writer.array(index_type, "offsets", "", elements * index_bytes(totals),
-                 is_wide ? offsets_source<std::int64_t>(runs) : offsets_source<std::int32_t>(runs));
-    writer.array(
-        "UInt8", "types", "", elements,
-        value_source<std::uint8_t>([runs](std::size_t first, std::size_t last, std::uint8_t* out) {
-            split_by_type(runs.elements, first, last, [&](std::size_t t, std::size_t begin, std::size_t end) {
-                out = std::fill_n(out, end - begin, static_cast<std::uint8_t>(kElementTable[t].vtk.type));
-            });
-        }));
+    writer.array(index_type, "offsets", "", elements * index,
+                 is_wide ? offsets_source<std::int64_t>(runs, second_order)
+                         : offsets_source<std::int32_t>(runs, second_order));
+    writer.array("UInt8", "types", "", elements,
+                 value_source<std::uint8_t>([runs, second_order](std::size_t first, std::size_t last,
+                                                                 std::uint8_t* out) {
+                     split_by_type(runs.elements, first, last,
+                                   [&](std::size_t t, std::size_t begin, std::size_t end) {
+                                       const int type = kElementTable[t].vtk.type_of(second_order);
+                                       out = std::fill_n(out, end - begin, static_cast<std::uint8_t>(type));
+                                   });
+                 }));
     writer.text("</Cells>");
     writer.text("<CellData Scalars=\"region\">");
     writer.array("Int32", "region", "", arrays.region);
@@ -144,9 +153,9 @@ void write_vtu(const Mesh& mesh, const std::vector<float>& jacobians, Packing pa
     MeshTotals totals;
     totals.nodes = mesh.node_count();
     for (std::size_t t = 0; t < kElementTypes; ++t) totals.elements[t] = mesh.elements[t].size();
-    const TypeRuns runs(totals);
+    const TypeRuns runs(totals, mesh.is_second_order());
     const std::uint64_t elements = runs.elements.back();
-    const std::size_t index = index_bytes(totals);
+    const std::size_t index = index_bytes(totals, mesh.is_second_order());
     const std::vector<float> computed = jacobians.empty() ? scaled_jacobians(mesh) : std::vector<float>{};
     const std::vector<float>& quality = jacobians.empty() ? computed : jacobians;
     const auto store = [packing](std::size_t size, const ByteSource& source) {

@@ -101,6 +101,8 @@ void check_options(const MeshOptions& options) {
     }
     if (options.hanging && options.tetrahedra)
         refuse("hanging nodes are those of hexahedra; leave them or tetrahedra away");
+    if (options.hanging && options.second_order)
+        refuse("hanging nodes are those of elements of first order; leave them or second_order away");
     if (options.min_angle > kLeastMinAngle && !options.improve)
         refuse("a smallest angle needs elements to be improved");
     if (options.box) check_box(*options.box);

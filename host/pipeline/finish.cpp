@@ -13,6 +13,7 @@
 #include "host/pipeline/periodic_improvement.hpp"
 #include "host/quality/face_pairs.hpp"
 #include "host/report/report.hpp"
+#include "host/second_order/second_order.hpp"
 #include "host/tetrahedra/split.hpp"
 
 namespace mortise::pipeline {
@@ -112,32 +113,42 @@ void Finish::verify(const Mesh& mesh) {
 void Finish::describe(Mesh& mesh) {
     if (options_.improve) report_improvement(counters_, options_, model_.source, out_);
     stages_.begin("features", 0.96);
-    const std::vector<std::uint32_t> facet_surface = mesh.facets.surface;
+    facet_surface_ = mesh.facets.surface;
     name_surfaces(prepared_.compiled, prepared_.bound, mesh);
     features::Hinges hinges;
     parallel_chunks(2, 1, options_.threads, [&](std::size_t i, std::size_t, int) {  // most of both is serial
         if (i == 0)
             out_.features =
-                features::find_features(mesh, facet_surface, prepared_.bound, prepared_.leaves.level);
+                features::find_features(mesh, facet_surface_, prepared_.bound, prepared_.leaves.level);
         else
             hinges = features::find_hinges(mesh.facets, mesh.node_count(), options_.threads);
     });
     mesh.model_dimension = out_.features.model_dimension;
     report_hinges(hinges, mesh.points, options_, model_.source, out_);
     stages_.end(mesh.facets.size());
-    if (options_.quality) assess(mesh, facet_surface);
+    if (options_.quality) assess(mesh);
     stages_.begin("films", 0.985);
     report_false_facets(prepared_, mesh.points, mesh.facets, options_, model_.source, out_);
     stages_.end(mesh.facets.size());
     warn_of_empty_regions(mesh.region_names, regions_present(mesh), model_.source, out_);
 }
 
-void Finish::assess(const Mesh& mesh, const std::vector<std::uint32_t>& facet_surface) {
+void Finish::assess(const Mesh& mesh) {
     stages_.begin("quality", 0.97);
     const LeafGrid& leaves = prepared_.leaves;
-    out_.quality = report::assess(mesh, facet_surface, prepared_.bound, out_.features,
+    out_.quality = report::assess(mesh, facet_surface_, prepared_.bound, out_.features,
                                   {leaves.level, kWorstElements, options_.threads, &leaves});
     stages_.end(mesh.element_count());
+}
+
+void Finish::raise_order(Mesh& mesh) {
+    stages_.begin("second order", 0.995);
+    const second_order::Counts counts =
+        second_order::raise_order(mesh, facet_surface_, prepared_.bound, out_.features, options_.threads);
+    out_.middle_nodes = counts.nodes;
+    out_.curved_edges = counts.curved;
+    out_.relaxed_edges = counts.relaxed;
+    stages_.end(counts.nodes);
 }
 
 void Finish::measure(const Mesh& mesh, std::optional<jacobian::Method> method, std::vector<float> memory) {

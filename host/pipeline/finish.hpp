@@ -1,5 +1,5 @@
 // The stages of a mesh in memory after its assembly: better elements, tetrahedra, hanging nodes, checks,
-// names.
+// names, second order.
 #pragma once
 
 #include <optional>
@@ -47,11 +47,14 @@ class Finish {
     /// report if it is wanted.
     void describe(Mesh& mesh);
 
+    /// Nodes in the middles of edges; after describe().
+    void raise_order(Mesh& mesh);
+
     /// Scaled Jacobians. `memory`: of a vector that is not needed any more.
     void measure(const Mesh& mesh, std::optional<jacobian::Method> method, std::vector<float> memory);
 
   private:
-    void assess(const Mesh& mesh, const std::vector<std::uint32_t>& facet_surface);
+    void assess(const Mesh& mesh);
 
     device::Device& device_;
     const Model& model_;
@@ -65,6 +68,7 @@ class Finish {
     IndexRuns moved_cubes_;        ///< hexahedra of kind kIn, but for these, are boxes along the axes
     IndexRuns sixths_;             ///< tetrahedra that are sixths of such boxes
     std::vector<NodeId> copy_of_;  ///< of periodic planes
+    std::vector<std::uint32_t> facet_surface_;  ///< by facet, the bound model's: known from describe() on
 };
 
 }  // namespace mortise::pipeline

@@ -160,6 +160,7 @@ Mesh Mesher::generate(const Model& model, const MeshOptions& asked, MeshReport* 
     finish.verify(mesh);
     finish.describe(mesh);
     if (report != nullptr) finish.measure(mesh, jacobian_method, std::move(jacobians));
+    if (options.second_order) finish.raise_order(mesh);
     pipeline::report_cells(prepared, extracted, model, options, out);
     implementation_->arena = std::move(local_arena);
     return mesh;

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 
+#include "host/quality/curved.hpp"
 #include "host/quality/passes.hpp"
 #include "host/quality/vector.hpp"
 
@@ -23,8 +24,7 @@ EdgeFigures count_edges(std::size_t facets, const Facet& facet) {
         const BoundaryFacet f = facet(i);
         const int count = f.count();
         for (int k = 0; k < count; ++k) {
-            const std::uint64_t a = f.nodes[k], b = f.nodes[(k + 1) % count];
-            edges.push_back(std::min(a, b) << 32 | std::max(a, b));
+            edges.push_back(edge_ends(f.nodes[k], f.nodes[(k + 1) % count]));
         }
     }
     std::sort(edges.begin(), edges.end());
@@ -50,6 +50,19 @@ void report_open_edges(const Mesh& mesh, const EdgeFigures& figures, DefectKind 
                    point_text(mesh, edge[0]) + " to " + point_text(mesh, edge[1]);
         });
     }
+}
+
+/// Of a facet of second order, whose edges may be curved.
+double area_between(const Mesh& mesh, const BoundaryFacet& facet, const std::vector<EdgeMiddle>& middles) {
+    const int count = facet.count();
+    Vector corner[4], middle[4];
+    for (int k = 0; k < count; ++k) {
+        const std::uint64_t ends = edge_ends(facet.nodes[k], facet.nodes[(k + 1) % count]);
+        const auto found = std::lower_bound(middles.begin(), middles.end(), EdgeMiddle{ends, 0});
+        corner[k] = point_of(mesh, facet.nodes[k]);
+        if (found != middles.end() && found->ends == ends) middle[k] = point_of(mesh, found->node);
+    }
+    return curved_area(corner, middle, count);
 }
 
 /// Area of a triangle, or of the bilinear patch over a quadrilateral by 3×3 Gauss points (exact if plane).
@@ -101,8 +114,8 @@ void check_quadrilaterals(const Mesh& mesh, const std::vector<BoundaryFacet>& bo
 
 }  // namespace
 
-void check_boundary(const Mesh& mesh, const std::vector<BoundaryFacet>& boundary, DefectLog& log,
-                    CheckReport& report) {
+void check_boundary(const Mesh& mesh, const std::vector<BoundaryFacet>& boundary,
+                    const std::vector<EdgeMiddle>& middles, DefectLog& log, CheckReport& report) {
     const EdgeFigures edges = count_edges(boundary.size(), [&](std::size_t i) { return boundary[i]; });
     report_open_edges(mesh, edges, DefectKind::kBoundaryOpen, log);
     report.nonmanifold_edges = edges.not_two;
@@ -111,7 +124,7 @@ void check_boundary(const Mesh& mesh, const std::vector<BoundaryFacet>& boundary
     double total_area = 0;
     for (const BoundaryFacet& facet : boundary) {
         nodes.insert(nodes.end(), facet.nodes, facet.nodes + facet.count());
-        total_area += area(mesh, facet);
+        total_area += middles.empty() ? area(mesh, facet) : area_between(mesh, facet, middles);
     }
     std::sort(nodes.begin(), nodes.end());
     const auto end = std::unique(nodes.begin(), nodes.end());

@@ -21,10 +21,12 @@ CheckReport check_mesh(const Mesh& mesh) {
     if (quality::check_structure(mesh, log)) {
         quality::check_nodes(mesh, log);
         quality::check_elements(mesh, log, report);
+        const std::vector<quality::EdgeMiddle> middles = quality::check_middles(mesh, log);
+        report.middle_nodes = middles.size();
         const std::vector<HangingFace> hanging = quality::check_hanging(mesh, log);
         const std::vector<quality::BoundaryFacet> boundary =
             quality::check_facets(mesh, hanging, log, report);
-        quality::check_boundary(mesh, boundary, log, report);
+        quality::check_boundary(mesh, boundary, middles, log, report);
         quality::check_hinges(mesh, boundary, report);
     }
     report.defects = log.defects();

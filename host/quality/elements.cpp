@@ -4,7 +4,7 @@
 
 #include "host/common/constants.hpp"
 #include "host/common/parallel.hpp"
-#include "host/quality/jacobian.hpp"
+#include "host/quality/curved.hpp"
 #include "host/quality/passes.hpp"
 #include "host/quality/shape.hpp"
 
@@ -42,6 +42,14 @@ bool has_repeated_node(const NodeId* nodes, std::size_t count) {
     return false;
 }
 
+Middles middles_of(const Mesh& mesh, ElementType type, std::size_t element) {
+    const auto count = static_cast<std::size_t>(kElementEdges[static_cast<std::size_t>(type)]);
+    Middles middles;
+    for (std::size_t e = 0; e < count; ++e)
+        middles.p[e] = point_of(mesh, mesh.block(type).middles[count * element + e]);
+    return middles;
+}
+
 DefectKind jacobian_defect(ElementType type) {
     return static_cast<DefectKind>(static_cast<int>(DefectKind::kHexahedronJacobian) +
                                    static_cast<int>(type));
@@ -58,7 +66,11 @@ void check_chunk(const Mesh& mesh, ElementType type, std::size_t begin, std::siz
             figures.log.add(DefectKind::kElementRepeatedNode, [&] { return element_text(mesh, type, i); });
         }
         const Corners corners = corners_of(mesh, type, i);
-        const JacobianFigures jacobian = jacobian_figures(type, corners);
+        JacobianFigures jacobian = jacobian_figures(type, corners);
+        if (!block.middles.empty()) {
+            const Middles middles = middles_of(mesh, type, i);
+            if (is_curved(type, corners, middles)) jacobian = curved_figures(type, corners, middles);
+        }
         if (!jacobian.positive) {
             figures.log.add(jacobian_defect(type), [&] {
                 return element_text(mesh, type, i) + ": minimum Jacobian " + number_text(jacobian.minimum);

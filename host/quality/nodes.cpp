@@ -167,11 +167,12 @@ void check_coincident(const Mesh& mesh, DefectLog& log) {
 void check_nodes(const Mesh& mesh, DefectLog& log) {
     std::unique_ptr<std::atomic<bool>[]> used(new std::atomic<bool>[mesh.node_count()]());
     for (const ElementBlock& block : mesh.elements) {
-        parallel_chunks(block.nodes.size(), kPlaceChunk,
-                        [&](std::size_t, std::size_t begin, std::size_t end) {
-                            for (std::size_t i = begin; i < end; ++i)
-                                used[block.nodes[i]].store(true, std::memory_order_relaxed);
-                        });
+        for (const std::vector<NodeId>* nodes : {&block.nodes, &block.middles}) {
+            parallel_chunks(nodes->size(), kPlaceChunk, [&](std::size_t, std::size_t begin, std::size_t end) {
+                for (std::size_t i = begin; i < end; ++i)
+                    used[(*nodes)[i]].store(true, std::memory_order_relaxed);
+            });
+        }
     }
     for (std::size_t i = 0; i < mesh.node_count(); ++i) {
         const NodeId node = static_cast<NodeId>(i);

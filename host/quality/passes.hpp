@@ -1,6 +1,7 @@
 // The passes of check_mesh, in the order in which it runs them.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -16,12 +17,31 @@ bool check_structure(const Mesh& mesh, DefectLog& log);
 /// Coordinates finite, every node used, no two nodes within 1e-12 of the bounding box's diagonal.
 void check_nodes(const Mesh& mesh, DefectLog& log);
 
-/// Repeated nodes and Jacobians; fills volumes, scaled Jacobians and dihedral angles of the report.
+/// Repeated nodes and Jacobians, of curved elements at samples; fills volumes, and scaled Jacobians and
+/// dihedral angles between corners, of the report.
 void check_elements(const Mesh& mesh, DefectLog& log, CheckReport& report);
 
 /// Hanging nodes: each once, its masters different nodes that do not hang, itself in their middle. Returns
 /// the faces that have one; none if there are defects.
 std::vector<HangingFace> check_hanging(const Mesh& mesh, DefectLog& log);
+
+/// The ends of an edge as one number, whatever their order.
+inline std::uint64_t edge_ends(NodeId a, NodeId b) {
+    return std::uint64_t{std::min(a, b)} << 32 | std::max(a, b);
+}
+
+/// The node in the middle of an edge.
+struct EdgeMiddle {
+    std::uint64_t ends;  ///< edge_ends
+    NodeId node;
+    bool operator<(const EdgeMiddle& other) const {
+        return ends != other.ends ? ends < other.ends : node < other.node;
+    }
+};
+
+/// Of second order: each edge has one node in its middle, the same for all elements and listed facets; it is
+/// of no other edge, and no corner. Returns all edges, sorted; none of first order.
+std::vector<EdgeMiddle> check_middles(const Mesh& mesh, DefectLog& log);
 
 /// A facet that belongs to one element only, in that element's outward order.
 struct BoundaryFacet {
@@ -36,8 +56,9 @@ std::vector<BoundaryFacet> check_facets(const Mesh& mesh, const std::vector<Hang
                                         DefectLog& log, CheckReport& report);
 
 /// Closedness, quadrilaterals against triangles; fills area, Euler characteristic and non-manifold edges.
-void check_boundary(const Mesh& mesh, const std::vector<BoundaryFacet>& boundary, DefectLog& log,
-                    CheckReport& report);
+/// `middles`: what check_middles returned.
+void check_boundary(const Mesh& mesh, const std::vector<BoundaryFacet>& boundary,
+                    const std::vector<EdgeMiddle>& middles, DefectLog& log, CheckReport& report);
 
 /// Fills parts and non-manifold nodes of the report.
 void check_hinges(const Mesh& mesh, const std::vector<BoundaryFacet>& boundary, CheckReport& report);

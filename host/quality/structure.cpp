@@ -33,7 +33,12 @@ void check_lengths(const Mesh& mesh, DefectLog& log) {
         const std::string name = element_name(static_cast<ElementType>(t));
         expect_length((name + " nodes").c_str(), block.nodes.size(), nodes * block.size(), log);
         expect_length((name + " kind").c_str(), block.kind.size(), block.size(), log);
+        const auto edges = static_cast<std::size_t>(kElementEdges[static_cast<std::size_t>(t)]);
+        const std::size_t middles = mesh.is_second_order() ? edges * block.size() : 0;
+        expect_length((name + " middles").c_str(), block.middles.size(), middles, log);
     }
+    expect_length("facet middles", mesh.facets.middles.size(),
+                  mesh.is_second_order() ? 4 * mesh.facets.size() : 0, log);
     expect_length("facet nodes", mesh.facets.nodes.size(), 4 * mesh.facets.size(), log);
     expect_length("facet inside", mesh.facets.inside.size(), mesh.facets.size(), log);
     expect_length("facet outside", mesh.facets.outside.size(), mesh.facets.size(), log);
@@ -89,12 +94,16 @@ bool check_structure(const Mesh& mesh, DefectLog& log) {
         const char* name = element_name(static_cast<ElementType>(t));
         const std::size_t nodes = static_cast<std::size_t>(kElementNodes[static_cast<std::size_t>(t)]);
         check_index(block.nodes, mesh.node_count(), DefectKind::kElementNodeRange, name, "node", nodes, log);
+        const auto edges = static_cast<std::size_t>(kElementEdges[static_cast<std::size_t>(t)]);
+        check_index(block.middles, mesh.node_count(), DefectKind::kElementNodeRange, name, "middle", edges,
+                    log);
         check_range(block.region, regions, true, DefectKind::kElementRegion, name, "region", 1, log);
         constexpr std::uint64_t last_kind = static_cast<std::uint64_t>(ElementKind::kTransition);
         check_range(block.kind, last_kind, false, DefectKind::kElementKind, name, "kind", 1, log);
     }
     const FacetBlock& facets = mesh.facets;
     check_index(facets.nodes, mesh.node_count(), DefectKind::kFacetNodeRange, "facet", "node", 4, log);
+    check_index(facets.middles, mesh.node_count(), DefectKind::kFacetNodeRange, "facet", "middle", 4, log);
     check_index(facets.surface, mesh.surface_names.size(), DefectKind::kFacetSurface, "facet", "surface", 1,
                 log);
     check_range(facets.inside, regions, true, DefectKind::kFacetRegion, "facet", "inside region", 1, log);

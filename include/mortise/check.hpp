@@ -22,6 +22,7 @@ struct CheckReport {
     std::vector<Defect> defects;  ///< empty: the mesh is valid
     std::array<std::uint64_t, kElementTypes> elements{};
     std::uint64_t nodes = 0;
+    std::uint64_t middle_nodes = 0;      ///< of these, of second order: in the middles of edges
     std::uint64_t boundary_facets = 0;   ///< facets that belong to one element only
     std::uint64_t interface_facets = 0;  ///< facets between two regions
     std::uint64_t nonmanifold_edges =
@@ -45,11 +46,13 @@ struct CheckReport {
 ///
 /// Checked: indices in range; no repeated node in an element; unused nodes; coincident nodes; duplicate
 /// elements; Jacobian positive everywhere (a lower bound by Bézier coefficients with subdivision, not
-/// corners only); every facet shared by at most two elements, oppositely oriented, a quadrilateral never
-/// against triangles; hanging nodes in the middle of their masters, and the faces that they tell of those of
-/// one element on one side and of four on the other, in one region; the boundary closed; facet list equal to
-/// the boundary and the region interfaces, with the right orientation and regions. Where indices or lengths
-/// of arrays are wrong, that alone is told.
+/// corners only; of curved elements of second order at 189 points); every facet shared by at most two
+/// elements, oppositely oriented, a quadrilateral never against triangles; hanging nodes in the middle of
+/// their masters, and the faces that they tell of those of one element on one side and of four on the other,
+/// in one region; the boundary closed; facet list equal to the boundary and the region interfaces, with the
+/// right orientation and regions. Where indices or lengths of arrays are wrong, that alone is told. Of second
+/// order also: one node in the middle of each edge, the same for all elements and facets; volumes and areas
+/// are those of curved elements.
 CheckReport check_mesh(const Mesh& mesh);
 
 /// Scaled Jacobian per element, in the order of mesh.elements: the smallest corner triple product of unit

@@ -18,9 +18,9 @@ struct MeshFileOptions {
 /// Writes a mesh; the format follows from the extension, in any case of letters: .vtu (VTK XML, appended),
 /// .msh (Gmsh 4.1, binary), or from the name polyMesh: OpenFOAM's folder, a patch for each surface of the
 /// outer boundary and a cell zone for each region. Written to a temporary name beside `path` and renamed at
-/// the end, so a file of that name is always whole. Hanging nodes: not in .msh. Throws Error(kUsage) for an
-/// unknown extension, Error(kMeshing) for arrays whose lengths or indices do not fit, Error(kFiles) with the
-/// cause.
+/// the end, so a file of that name is always whole. Hanging nodes: not in .msh; second order: not in
+/// polyMesh. Throws Error(kUsage) for an unknown extension and for these, Error(kMeshing) for arrays whose
+/// lengths or indices do not fit, Error(kFiles) with the cause.
 ///
 /// `jacobians`: what scaled_jacobians(mesh) gives (mortise/check.hpp), if it is known already.
 void write_mesh(const Mesh& mesh, const std::string& path, const std::vector<float>& jacobians = {},
@@ -47,18 +47,17 @@ class MeshFileStream : public MeshSink {
 /// Whether write_mesh makes a folder of that name: its last part is polyMesh.
 bool is_mesh_folder(const std::string& path);
 
-/// Throws Error(kUsage) if the format that the name tells is unknown, or cannot hold hanging nodes and
-/// `hanging` is set.
-void check_mesh_format(const std::string& path, bool hanging);
+/// Throws Error(kUsage) if the format that the name tells is unknown, or cannot hold what the mesh has.
+void check_mesh_format(const std::string& path, bool hanging, bool second_order = false);
 
 /// Throws what write_mesh(mesh, path) would throw for the name alone: unknown extension, missing or
 /// unwritable folder. Called before the work starts.
 void check_writable(const std::string& path);
 
-/// Reads a file that write_mesh made, or first-order elements in Gmsh's text formats 4.1 and 2.2: regions are
-/// then the file's volume entities, and facets carry no surfaces of a model. Throws Error(kUsage)
-/// for an unknown extension, Error(kFiles) or Error(kInput) with the cause; never crashes on damaged bytes. A
-/// .vtu carries facets and names too, so that a round trip is exact.
+/// Reads a file that write_mesh made, or elements of first or second order (serendipity) in Gmsh's text
+/// formats 4.1 and 2.2: regions are then the file's volume entities, and facets carry no surfaces of a model.
+/// Throws Error(kUsage) for an unknown extension, Error(kFiles) or Error(kInput) with the cause; never
+/// crashes on damaged bytes. A .vtu carries facets and names too, so that a round trip is exact.
 Mesh read_mesh(const std::string& path);
 
 /// Writes crease curves and corners as VTK XML PolyData (.vtp). Throws Error(kMeshing) for nodes or surfaces

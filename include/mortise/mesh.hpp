@@ -15,6 +15,7 @@ enum class ElementType : std::uint8_t { kHexahedron = 0, kWedge = 1, kPyramid = 
 
 inline constexpr int kElementTypes = 4;
 inline constexpr std::array<int, kElementTypes> kElementNodes = {8, 6, 5, 4};
+inline constexpr std::array<int, kElementTypes> kElementEdges = {12, 9, 8, 6};
 
 /// How an element was made: the cell array `kind` of output files. Append-only.
 enum class ElementKind : std::uint8_t {
@@ -29,6 +30,9 @@ struct ElementBlock {
     std::vector<NodeId> nodes;          ///< length: count × kElementNodes[type]; node order below
     std::vector<std::uint16_t> region;  ///< length: count; 1-based index: region_names[region - 1]
     std::vector<std::uint8_t> kind;     ///< length: count; ElementKind
+    /// Second order: nodes in the middles of edges, by local_edges(); length: count × kElementEdges[type].
+    /// First order: empty.
+    std::vector<NodeId> middles;
     std::size_t size() const { return region.size(); }
 };
 
@@ -41,6 +45,9 @@ struct FacetBlock {
     std::vector<std::uint32_t> surface;  ///< length: count; 0-based index into surface_names
     std::vector<std::uint16_t> inside;   ///< length: count; region on the back of the facet, >= 1
     std::vector<std::uint16_t> outside;  ///< length: count; region in front, 0: none (outer boundary)
+    /// Second order: the node in the middle of the edge from node k to the next; length: 4 × count, a
+    /// triangle repeats its last one. First order: empty.
+    std::vector<NodeId> middles;
     std::size_t size() const { return surface.size(); }
 };
 
@@ -66,6 +73,10 @@ struct HangingNodes {
 /// - pyramid: base 0 (0,0,0), 1 (1,0,0), 2 (1,1,0), 3 (0,1,0), apex 4 with z > 0.
 /// - tetrahedron: 0 (0,0,0), 1 (1,0,0), 2 (0,1,0), 3 (0,0,1).
 ///
+/// Of second order (MeshOptions::second_order), each edge has one node more, in its middle, where the edges
+/// of all elements and facets share it; these nodes come after all others. Elements are the serendipity
+/// elements of 20, 15, 13 and 10 nodes; the pyramid's functions are Bedrosian's (1992), as in VTK and Gmsh.
+///
 /// Guarantees of a mesh that the mesher returns: every element's Jacobian is positive everywhere; every
 /// facet of an element is shared by exactly one other element with the same nodes or lies on the boundary
 /// (with hanging nodes also: or is four facets of others, hanging.hpp); no two nodes, and no two elements,
@@ -85,6 +96,12 @@ struct Mesh {
         for (const ElementBlock& block : elements) count += block.size();
         return count;
     }
+    bool is_second_order() const {
+        for (const ElementBlock& block : elements) {
+            if (!block.middles.empty()) return true;
+        }
+        return false;
+    }
     ElementBlock& block(ElementType type) { return elements[static_cast<std::size_t>(type)]; }
     const ElementBlock& block(ElementType type) const { return elements[static_cast<std::size_t>(type)]; }
 };
@@ -99,6 +116,41 @@ inline constexpr std::array<LocalFace, 5> kPyramidFaces = {
     {{0, 3, 2, 1}, {0, 1, 4, -1}, {1, 2, 4, -1}, {2, 3, 4, -1}, {3, 0, 4, -1}}};
 inline constexpr std::array<LocalFace, 4> kTetrahedronFaces = {
     {{0, 2, 1, -1}, {0, 1, 3, -1}, {1, 2, 3, -1}, {2, 0, 3, -1}}};
+
+/// Local edges of each element type, in VTK's order of the nodes in their middles (but for its wedge).
+using LocalEdge = std::array<int, 2>;
+inline constexpr std::array<LocalEdge, 12> kHexahedronEdges = {
+    {{0, 1}, {1, 2}, {2, 3}, {3, 0}, {4, 5}, {5, 6}, {6, 7}, {7, 4}, {0, 4}, {1, 5}, {2, 6}, {3, 7}}};
+inline constexpr std::array<LocalEdge, 9> kWedgeEdges = {
+    {{0, 1}, {1, 2}, {2, 0}, {3, 4}, {4, 5}, {5, 3}, {0, 3}, {1, 4}, {2, 5}}};
+inline constexpr std::array<LocalEdge, 8> kPyramidEdges = {
+    {{0, 1}, {1, 2}, {2, 3}, {3, 0}, {0, 4}, {1, 4}, {2, 4}, {3, 4}}};
+inline constexpr std::array<LocalEdge, 6> kTetrahedronEdges = {
+    {{0, 1}, {1, 2}, {2, 0}, {0, 3}, {1, 3}, {2, 3}}};
+
+/// Edges of a type as pointer and count, kElementEdges[type].
+struct LocalEdges {
+    const LocalEdge* edges;
+    int count;
+};
+inline LocalEdges local_edges(ElementType type) {
+    switch (type) {
+        case ElementType::kHexahedron: return {kHexahedronEdges.data(), 12};
+        case ElementType::kWedge: return {kWedgeEdges.data(), 9};
+        case ElementType::kPyramid: return {kPyramidEdges.data(), 8};
+        default: return {kTetrahedronEdges.data(), 6};
+    }
+}
+
+/// The local edge between two local nodes of a type; -1: there is none.
+inline int local_edge(ElementType type, int a, int b) {
+    const LocalEdges local = local_edges(type);
+    for (int e = 0; e < local.count; ++e) {
+        const LocalEdge& edge = local.edges[e];
+        if ((edge[0] == a && edge[1] == b) || (edge[0] == b && edge[1] == a)) return e;
+    }
+    return -1;
+}
 
 /// Faces of a type as pointer and count.
 struct LocalFaces {

@@ -67,6 +67,9 @@ struct MeshOptions {
     /// Cells beside smaller ones stay hexahedra, with nodes in the middles of their edges and faces
     /// (Mesh::hanging), where only cells inside the solid are concerned; else the mesh conforms everywhere.
     bool hanging = false;
+    /// Elements of second order: a node in the middle of each edge, on the model where the edge lies on it;
+    /// not with `hanging`.
+    bool second_order = false;
     int pieces = 1;        ///< parts of the Morton range that are meshed apart and merged: the same mesh
     bool quality = false;  ///< also make MeshReport::quality
     bool strict = false;   ///< Error(kMeshing) if a feature of the model may be missing, or regions overlap
@@ -107,6 +110,9 @@ struct MeshReport {
     std::vector<std::uint64_t> leaves;   ///< cells that are not OUT, by level; empty: all have `level`
     std::uint64_t transition_cells = 0;  ///< inside a region, beside smaller ones: elements of kTransition
     std::uint64_t hanging_cells = 0;     ///< of these, hexahedra with hanging nodes
+    std::uint64_t middle_nodes = 0;      ///< of second order, in the middles of edges
+    std::uint64_t curved_edges = 0;      ///< of second order, edges that are not straight
+    std::uint64_t relaxed_edges = 0;     ///< that would be curved more, but for the shape of elements there
     Box3 root{};                         ///< the root box, a cube
     std::uint64_t cells_evaluated = 0;
     std::uint64_t in_cells = 0;
@@ -177,8 +183,8 @@ class Mesher {
     /// same order and with the same numbers. What is kept takes memory with the model's boundary, not with
     /// its volume. Each part is made two or three times. In the report, scaled_jacobians and
     /// Features::model_dimension stay empty. Throws also Error(kUsage) for options that need the whole mesh
-    /// (cells of several sizes, tetrahedra, quality), Error(kDevice) if the boundary alone does not fit into
-    /// MeshOptions::memory.
+    /// (cells of several sizes, tetrahedra, second order, quality), Error(kDevice) if the boundary alone does
+    /// not fit into MeshOptions::memory.
     void stream(const Model& model, const MeshOptions& options, MeshSink& sink, MeshReport* report = nullptr);
 
   private:

@@ -168,6 +168,13 @@ TEST_CASE("a command line that is not understood") {
                    {model, "-o", out, "--min-angle", "25", "--no-improve"});
     expect_failure(scratch, kUsage, "--hanging and --elements tet",
                    {model, "-o", out, "--hanging", "--elements", "tet"});
+    expect_failure(scratch, kUsage, "--order '3': expected 1 or 2", {model, "-o", out, "--order", "3"});
+    expect_failure(scratch, kUsage, "--hanging and --order 2",
+                   {model, "-o", out, "--hanging", "--order", "2"});
+    expect_failure(scratch, kUsage, "--order 2 needs the whole mesh",
+                   {model, "-o", out, "--memory", "1G", "--order", "2"});
+    expect_failure(scratch, kUsage, "OpenFOAM's meshes have no elements of second order",
+                   {model, "-o", scratch.file("out/polyMesh"), "--order", "2"});
     expect_failure(scratch, kUsage, ".msh files have no place for hanging nodes",
                    {model, "-o", scratch.file("out/a.MSH"), "--hanging"});
     expect_failure(scratch, kUsage, "a folder polyMesh (OpenFOAM)", {model, "-o", scratch.file("out/mesh")});

@@ -320,6 +320,25 @@ TEST_CASE("a mesh with hanging nodes as .vtu, which check reads, and for OpenFOA
     CHECK(scratch.names("out") == Names{"a.vtu", "polyMesh"});
 }
 
+TEST_CASE("a mesh of second order as .vtu and .msh, which check reads") {
+    const ScratchFolder scratch;
+    const std::string vtu = scratch.file("a.vtu"), msh = scratch.file("a.msh"), json = scratch.file("a.json");
+    const Outcome outcome =
+        run({asset("bracket.csg"), "--order", "2", "-o", vtu, "-o", msh, "--report", json, "--check"});
+    CHECK(outcome.code == 0);
+    CHECK(outcome.err.empty());
+    CHECK(contains(outcome.out, "nodes in the middles of edges"));
+    for (const std::string& file : {vtu, msh}) {
+        const Outcome check = run({"check", file});
+        CHECK(check.code == 0);
+        CHECK(contains(check.out, " of them in the middles of edges"));
+    }
+    std::ifstream text(json);
+    const nlohmann::json report = nlohmann::json::parse(text);
+    CHECK(report["second_order"]["curved_edges"] > 1000);
+    CHECK(report["second_order"]["relaxed_edges"] == 0);
+}
+
 TEST_CASE("a signal in the middle of writing for OpenFOAM leaves no folder") {
     const ScratchFolder scratch;
     scratch.names("out");

@@ -71,6 +71,21 @@ TEST_CASE("Gmsh text 2.2, with line ends of Windows") {
     check_cube_and_pyramid(read_mesh(TextFile(text).path()));
 }
 
+TEST_CASE("a tetrahedron of second order in Gmsh's text") {
+    // Gmsh's last two nodes are those of the edges (3, 2) and (3, 1); the edge from 0 to 1 is curved.
+    const std::string head = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n10\n";
+    const std::string nodes =
+        "1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n5 .5 0 -.1\n6 .5 .5 0\n7 0 .5 0\n8 0 0 .5\n9 0 .5 .5\n"
+        "10 .5 0 .5\n$EndNodes\n";
+    const std::string element = "$Elements\n1\n1 11 2 1 1 1 2 3 4 5 6 7 8 9 10\n$EndElements\n";
+    const Mesh mesh = read_mesh(TextFile(head + nodes + element).path());
+    REQUIRE(mesh.is_second_order());
+    const CheckReport report = check_mesh(mesh);
+    CHECK(report.valid());
+    CHECK(report.volume == doctest::Approx(1.0 / 6 + 0.1 / 6));
+    CHECK(mesh.facets.middles.size() == 16);
+}
+
 TEST_CASE("Gmsh text that is damaged or not supported is refused") {
     const auto refused = [](const std::string& text) {
         const TextFile file(text);
@@ -88,6 +103,13 @@ TEST_CASE("Gmsh text that is damaged or not supported is refused") {
     std::string second_order = whole;
     second_order.replace(second_order.find("3 7 5 1"), 7, "3 7 12 1");
     CHECK(refused(second_order).find("element type 12") != std::string::npos);
+    std::string mixed_orders = whole;
+    mixed_orders.replace(mixed_orders.find("3 4 7 1\n7 15 16 17 18 90"), 24,
+                         "3 4 19 1\n7 15 16 17 18 90 1 2 3 4 1 2 3 4");
+    CHECK(refused(mixed_orders).find("of first and of second order in one mesh") != std::string::npos);
+    std::string fraction = whole;
+    fraction.replace(fraction.find("7 15 16"), 7, "7 15.5 16");
+    CHECK(refused(fraction).find("expected whole numbers") != std::string::npos);
     std::string no_node = whole;
     no_node.replace(no_node.find("18 90\n$EndE"), 5, "18 91");
     CHECK(refused(no_node).find("node 91") != std::string::npos);

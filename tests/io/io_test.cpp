@@ -33,11 +33,13 @@ void check_equal(const Mesh& a, const Mesh& b, bool with_kind) {
     CHECK((a.points.empty() || std::memcmp(a.points.data(), b.points.data(), 8 * a.points.size()) == 0));
     for (std::size_t t = 0; t < kElementTypes; ++t) {
         CHECK(a.elements[t].nodes == b.elements[t].nodes);
+        CHECK(a.elements[t].middles == b.elements[t].middles);
         CHECK(a.elements[t].region == b.elements[t].region);
         if (with_kind) CHECK(a.elements[t].kind == b.elements[t].kind);
         CHECK(a.elements[t].kind.size() == b.elements[t].kind.size());
     }
     CHECK(a.facets.nodes == b.facets.nodes);
+    CHECK(a.facets.middles == b.facets.middles);
     CHECK(a.facets.surface == b.facets.surface);
     CHECK(a.facets.inside == b.facets.inside);
     CHECK(a.facets.outside == b.facets.outside);
@@ -88,6 +90,7 @@ TEST_CASE("round trips are exact: all types, several regions, nothing at all") {
     no_facets.facets = {};
     no_facets.points[0] = -0.0;
     meshes.push_back(no_facets);
+    for (std::size_t i = 0, count = meshes.size(); i < count; ++i) meshes.push_back(with_middles(meshes[i]));
     for (const Mesh& mesh : meshes) {
         for (const auto& [format, options] : kKinds) {
             CAPTURE(format);
@@ -181,6 +184,40 @@ TEST_CASE(
     CHECK(orientation(ElementType::kWedge, io::kElementTable[1].gmsh, 1, 2, 3) == 1);
     CHECK(orientation(ElementType::kPyramid, io::kElementTable[2].gmsh, 1, 3, 4) == 1);
     CHECK(orientation(ElementType::kTetrahedron, io::kElementTable[3].gmsh, 1, 2, 3) == 1);
+}
+
+TEST_CASE("second order has no place in OpenFOAM's meshes") {
+    const Folder folder;
+    const Error error = error_of([&] { write_mesh(with_middles(mixed()), folder.file("polyMesh")); });
+    CHECK(error.code() == ExitCode::kUsage);
+    CHECK(std::string(error.what()).find("no elements of second order") != std::string::npos);
+    CHECK(folder.entries() == 0);
+}
+
+TEST_CASE("the table's middles of second order lie between its corners as the formats say") {
+    // Ends of the edges in whose middles the formats' further nodes lie, in the formats' own numbers: VTK's
+    // and Gmsh's documentation.
+    const std::vector<std::vector<LocalEdge>> gmsh = {
+        {{0, 1}, {0, 3}, {0, 4}, {1, 2}, {1, 5}, {2, 3}, {2, 6}, {3, 7}, {4, 5}, {4, 7}, {5, 6}, {6, 7}},
+        {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 4}, {2, 5}, {3, 4}, {3, 5}, {4, 5}},
+        {{0, 1}, {0, 3}, {0, 4}, {1, 2}, {1, 4}, {2, 3}, {2, 4}, {3, 4}},
+        {{0, 1}, {1, 2}, {2, 0}, {3, 0}, {3, 2}, {3, 1}}};
+    const std::vector<std::vector<LocalEdge>> vtk = {
+        {{0, 1}, {1, 2}, {2, 3}, {3, 0}, {4, 5}, {5, 6}, {6, 7}, {7, 4}, {0, 4}, {1, 5}, {2, 6}, {3, 7}},
+        {{0, 1}, {1, 2}, {2, 0}, {3, 4}, {4, 5}, {5, 3}, {0, 3}, {1, 4}, {2, 5}},
+        {{0, 1}, {1, 2}, {2, 3}, {3, 0}, {0, 4}, {1, 4}, {2, 4}, {3, 4}},
+        {{0, 1}, {1, 2}, {2, 0}, {0, 3}, {1, 3}, {2, 3}}};
+    for (std::size_t t = 0; t < kElementTypes; ++t) {
+        for (const auto& [format, edges] :
+             {std::pair(io::kElementTable[t].gmsh, gmsh[t]), std::pair(io::kElementTable[t].vtk, vtk[t])}) {
+            CHECK(edges.size() == io::middles_per_element(t));
+            for (std::size_t k = 0; k < edges.size(); ++k) {
+                const int a = format.nodes[static_cast<std::size_t>(edges[k][0])];
+                const int b = format.nodes[static_cast<std::size_t>(edges[k][1])];
+                CHECK(local_edge(static_cast<ElementType>(t), a, b) == format.middles[k]);
+            }
+        }
+    }
 }
 
 TEST_CASE("unknown extensions are usage errors") {
@@ -312,11 +349,17 @@ TEST_CASE("links stay, and what they lead to is replaced; devices and pipes are 
 TEST_CASE("meshes with indices out of range are refused before anything is written") {
     const Folder folder;
     std::vector<Mesh> meshes(5, mixed());
+    const Mesh second_order = with_middles(mixed());
     meshes[0].elements[0].nodes[3] = 1000;
     meshes[1].facets.nodes[3] = 1000;
     meshes[2].facets.surface[0] = 9;
     meshes[3].elements[3].region[0] = 3;
     meshes[4].facets.inside.pop_back();
+    for (int i = 0; i < 4; ++i) meshes.push_back(second_order);
+    meshes[5].elements[1].middles[2] = 1000;
+    meshes[6].facets.middles[0] = 1000;
+    meshes[7].elements[2].middles.clear();
+    meshes[8].facets.middles.clear();
     for (const Mesh& mesh : meshes) {
         for (const char* name : {"mesh.vtu", "mesh.msh"})
             CHECK(error_of([&] { write_mesh(mesh, folder.file(name)); }).code() == ExitCode::kMeshing);
@@ -331,7 +374,7 @@ TEST_CASE("truncated files are refused at every length") {
         CAPTURE(format);
         CAPTURE(options.compress);
         const std::string path = folder.file("whole" + format), cut = folder.file("cut" + format);
-        write_mesh(mixed(), path, {}, options);
+        write_mesh(with_middles(mixed()), path, {}, options);
         const std::string bytes = read_bytes(path);
         for (std::size_t size = 0; size < bytes.size(); size += size < 200 ? 1 : 7) {
             CAPTURE(size);
@@ -349,10 +392,12 @@ TEST_CASE("damaged bytes give an error or a mesh in range, never a crash") {
     for (const auto& [format, options] : kKinds) {
         const std::string path = folder.file("whole" + format), bad = folder.file("bad" + format);
         write_mesh(mixed(), path, {}, options);
-        const std::string bytes = read_bytes(path);
+        const std::string first_order = read_bytes(path);
+        write_mesh(with_middles(mixed()), path, {}, options);
+        const std::string second_order = read_bytes(path);
         int refused = 0;
-        for (int trial = 0; trial < 3000; ++trial) {
-            std::string damaged = bytes;
+        for (int trial = 0; trial < 4000; ++trial) {
+            std::string damaged = trial % 2 == 0 ? first_order : second_order;
             const int changes = 1 + trial % 3;
             for (int i = 0; i < changes; ++i) {
                 const char values[] = {'\0', '\xff', '9', '"', static_cast<char>(random()), '\x7f'};

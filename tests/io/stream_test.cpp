@@ -93,7 +93,9 @@ void write_in_parts(const Mesh& mesh, const std::vector<float>& jacobians, const
             const std::size_t begin = cuts[t][p], end = cuts[t][p + 1];
             const ElementBlock& block = mesh.elements[t];
             part.elements[t] = {slice(block.nodes, begin, end, static_cast<std::size_t>(kElementNodes[t])),
-                                slice(block.region, begin, end, 1), slice(block.kind, begin, end, 1)};
+                                slice(block.region, begin, end, 1),
+                                slice(block.kind, begin, end, 1),
+                                {}};
             const auto values = slice(jacobians, first + begin, first + end, 1);
             quality.insert(quality.end(), values.begin(), values.end());
             first += block.size();

@@ -113,15 +113,15 @@ bool is_same_mesh(const Mesh& a, const Mesh& b) {
     for (std::size_t t = 0; t < kElementTypes; ++t) {
         const ElementBlock &first = a.elements[t], &second = b.elements[t];
         if (!is_same(first.nodes, second.nodes) || !is_same(first.region, second.region) ||
-            !is_same(first.kind, second.kind)) {
+            !is_same(first.kind, second.kind) || !is_same(first.middles, second.middles)) {
             return false;
         }
     }
     return is_same(a.points, b.points) && is_same(a.facets.nodes, b.facets.nodes) &&
-           is_same(a.facets.surface, b.facets.surface) && is_same(a.facets.inside, b.facets.inside) &&
-           is_same(a.facets.outside, b.facets.outside) && a.region_names == b.region_names &&
-           a.surface_names == b.surface_names && a.hanging.node == b.hanging.node &&
-           a.hanging.masters == b.hanging.masters;
+           is_same(a.facets.middles, b.facets.middles) && is_same(a.facets.surface, b.facets.surface) &&
+           is_same(a.facets.inside, b.facets.inside) && is_same(a.facets.outside, b.facets.outside) &&
+           a.region_names == b.region_names && a.surface_names == b.surface_names &&
+           a.hanging.node == b.hanging.node && a.hanging.masters == b.hanging.masters;
 }
 
 std::uint64_t environment_number(const char* name, std::uint64_t fallback) {

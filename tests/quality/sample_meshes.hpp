@@ -5,6 +5,7 @@
 #include <functional>
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "mortise/mesh.hpp"
@@ -130,6 +131,37 @@ inline Mesh mixed() {
     add_element(mesh, ElementType::kTetrahedron, {5, 6, apex, tip}, 2, ElementKind::kSnio);
     name_regions(mesh, 2);
     list_facets(mesh);
+    return mesh;
+}
+
+/// Makes a mesh of first order one of second order with straight edges.
+inline Mesh with_middles(Mesh mesh) {
+    std::map<std::pair<NodeId, NodeId>, NodeId> middles;
+    const auto middle = [&](NodeId a, NodeId b) {
+        const auto [at, is_new] = middles.insert({std::minmax(a, b), static_cast<NodeId>(mesh.node_count())});
+        if (is_new) {
+            for (std::size_t j = 0; j < 3; ++j)
+                mesh.points.push_back(0.5 * (mesh.points[3 * a + j] + mesh.points[3 * b + j]));
+        }
+        return at->second;
+    };
+    for (std::size_t t = 0; t < kElementTypes; ++t) {
+        ElementBlock& block = mesh.elements[t];
+        const LocalEdges edges = local_edges(static_cast<ElementType>(t));
+        for (std::size_t i = 0; i < block.size(); ++i) {
+            const NodeId* const node = block.nodes.data() + static_cast<std::size_t>(kElementNodes[t]) * i;
+            for (int e = 0; e < edges.count; ++e)
+                block.middles.push_back(middle(node[edges.edges[e][0]], node[edges.edges[e][1]]));
+        }
+    }
+    for (std::size_t f = 0; f < mesh.facets.size(); ++f) {
+        const NodeId* const node = mesh.facets.nodes.data() + 4 * f;
+        const std::size_t count = node[2] == node[3] ? 3 : 4;
+        for (std::size_t k = 0; k < count; ++k)
+            mesh.facets.middles.push_back(middle(node[k], node[(k + 1) % count]));
+        if (count == 3) mesh.facets.middles.push_back(mesh.facets.middles.back());
+    }
+    mesh.model_dimension.clear();
     return mesh;
 }
 

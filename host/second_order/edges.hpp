@@ -1,0 +1,34 @@
+// Edges of a mesh, numbered: the nodes in their middles come after all others, in this order.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "mortise/mesh.hpp"
+
+namespace mortise::second_order {
+
+/// All edges of the elements, each once, in order of their lower node, then of the other.
+class Edges {
+  public:
+    /// Throws Error(kMeshing) if nodes and edges together are more than a NodeId counts.
+    Edges(const Mesh& mesh, int threads);
+
+    std::size_t size() const { return upper_.size(); }
+    /// The number of the edge between two nodes, which must be one.
+    std::size_t number(NodeId a, NodeId b) const;
+    /// Calls visit(edge, lower node, upper node) for the edges of lower nodes [begin, end).
+    template <class Visit>
+    void visit(std::size_t begin, std::size_t end, const Visit& visit) const {
+        for (std::size_t node = begin; node < end; ++node) {
+            for (std::size_t e = first_[node]; e < first_[node + 1]; ++e)
+                visit(e, static_cast<NodeId>(node), upper_[e]);
+        }
+    }
+
+  private:
+    std::vector<std::size_t> first_;  ///< by lower node: its first edge; and the end
+    std::vector<NodeId> upper_;       ///< by edge: the other node
+};
+
+}  // namespace mortise::second_order

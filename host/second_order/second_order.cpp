@@ -1,0 +1,232 @@
+#include "host/second_order/second_order.hpp"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cmath>
+#include <memory>
+
+#include "host/common/index_set.hpp"
+#include "host/common/large_array.hpp"
+#include "host/common/parallel.hpp"
+#include "host/common/vec3.hpp"
+#include "host/second_order/curves.hpp"
+#include "host/second_order/edges.hpp"
+#include "host/second_order/jacobian_bound.hpp"
+
+namespace mortise::second_order {
+namespace {
+
+constexpr std::size_t kChunk = 4096;
+constexpr std::uint8_t kMostHalvings = 4;  ///< then an edge is straight
+
+/// The Jacobian of a curved element is at least this much of the least one of the element with straight
+/// edges.
+constexpr double kLeastShare = 0.2;
+
+constexpr std::uint8_t kCrease = 1, kFace = 2, kRegion = 3;  ///< see Features::model_dimension
+
+/// Numbers the nodes in the middles of all edges, of elements and facets.
+void set_middles(Mesh& mesh, const Edges& edges, std::size_t corners, int threads) {
+    const auto middle = [&](NodeId a, NodeId b) { return static_cast<NodeId>(corners + edges.number(a, b)); };
+    for (int t = 0; t < kElementTypes; ++t) {
+        ElementBlock& block = mesh.elements[static_cast<std::size_t>(t)];
+        const LocalEdges local = local_edges(static_cast<ElementType>(t));
+        const auto nodes = static_cast<std::size_t>(kElementNodes[static_cast<std::size_t>(t)]);
+        const auto count = static_cast<std::size_t>(local.count);
+        resize_large(block.middles, count * block.size(), threads);
+        parallel_chunks(block.size(), kChunk, threads, [&](std::size_t begin, std::size_t end, int) {
+            for (std::size_t i = begin; i < end; ++i) {
+                const NodeId* const node = block.nodes.data() + nodes * i;
+                for (std::size_t e = 0; e < count; ++e)
+                    block.middles[count * i + e] = middle(node[local.edges[e][0]], node[local.edges[e][1]]);
+            }
+        });
+    }
+    FacetBlock& facets = mesh.facets;
+    facets.middles.resize(4 * facets.size());
+    parallel_chunks(facets.size(), kChunk, threads, [&](std::size_t begin, std::size_t end, int) {
+        for (std::size_t f = begin; f < end; ++f) {
+            const NodeId* const node = facets.nodes.data() + 4 * f;
+            const std::size_t count = node[2] == node[3] ? 3 : 4;
+            for (std::size_t k = 0; k < 4; ++k) {
+                const std::size_t side = std::min(k, count - 1);
+                facets.middles[4 * f + k] = middle(node[side], node[(side + 1) % count]);
+            }
+        }
+    });
+}
+
+/// Puts the middle of every edge half-way between its ends.
+void place_middles(Mesh& mesh, const Edges& edges, std::size_t corners, int threads) {
+    resize_large(mesh.points, 3 * (corners + edges.size()), threads);
+    double* const points = mesh.points.data();
+    parallel_chunks(corners, kChunk, threads, [&](std::size_t begin, std::size_t end, int) {
+        edges.visit(begin, end, [&](std::size_t edge, NodeId a, NodeId b) {
+            for (std::size_t j = 0; j < 3; ++j)
+                points[3 * (corners + edge) + j] =
+                    0.5 * points[3 * std::size_t{a} + j] + 0.5 * points[3 * std::size_t{b} + j];
+        });
+    });
+}
+
+/// Straightens edges until every element is valid.
+class Relaxation {
+  public:
+    Relaxation(const Mesh& mesh, const std::vector<CurvedEdge>& curved, std::size_t corners,
+               std::size_t edges, int threads)
+        : mesh_(mesh), curved_(curved), corners_(corners), is_curved_(edges), threads_(threads) {
+        for (const CurvedEdge& c : curved) is_curved_.insert(c.edge);
+        is_curved_.number();
+        halvings_.assign(curved.size(), 0);
+        find_elements();
+    }
+
+    void run() {
+        const std::unique_ptr<std::atomic<bool>[]> blamed(new std::atomic<bool>[curved_.size()]);
+        while (!elements_.empty()) {
+            for (std::size_t i = 0; i < curved_.size(); ++i) blamed[i] = false;
+            std::atomic<bool> any{false};
+            for_elements([&](const ElementNumber& element, std::size_t) {
+                if (is_valid(element)) return;
+                any = true;
+                for_curved(element, [&](std::size_t, std::size_t place) { blamed[place] = true; });
+            });
+            if (!any) return;
+            for (std::size_t i = 0; i < curved_.size(); ++i) {
+                if (blamed[i] && halvings_[i] < kMostHalvings) ++halvings_[i];
+            }
+            keep_changed(blamed.get());
+        }
+    }
+
+    /// Of the i-th curved edge.
+    Vec3 displacement(std::size_t i) const {
+        if (halvings_[i] == kMostHalvings) return {};
+        return scaled(curved_[i].displacement, std::ldexp(1.0, -int{halvings_[i]}));
+    }
+    bool is_relaxed(std::size_t i) const { return halvings_[i] > 0; }
+
+  private:
+    struct ElementNumber {
+        ElementType type;
+        std::uint32_t index;
+    };
+
+    /// Calls visit(local edge, place among the curved ones).
+    template <class Visit>
+    void for_curved(const ElementNumber& element, const Visit& visit) const {
+        const auto count = static_cast<std::size_t>(kElementEdges[static_cast<std::size_t>(element.type)]);
+        const NodeId* const middle = mesh_.block(element.type).middles.data() + count * element.index;
+        for (std::size_t e = 0; e < count; ++e) {
+            const std::size_t edge = middle[e] - corners_;
+            if (is_curved_.holds(edge)) visit(e, is_curved_.place(edge));
+        }
+    }
+
+    template <class Work>
+    void for_elements(const Work& work) const {
+        parallel_chunks(elements_.size(), kChunk, threads_, [&](std::size_t begin, std::size_t end, int) {
+            for (std::size_t i = begin; i < end; ++i) work(elements_[i], i);
+        });
+    }
+
+    /// Those with a curved edge.
+    void find_elements() {
+        for (int t = 0; t < kElementTypes; ++t) {
+            const auto type = static_cast<ElementType>(t);
+            const std::size_t count = mesh_.block(type).size();
+            std::vector<std::vector<ElementNumber>> parts(chunk_count(count, kChunk));
+            parallel_chunks(count, kChunk, threads_, [&](std::size_t begin, std::size_t end, int) {
+                for (std::size_t i = begin; i < end; ++i) {
+                    const ElementNumber element = {type, static_cast<std::uint32_t>(i)};
+                    bool any = false;
+                    for_curved(element, [&](std::size_t, std::size_t) { any = true; });
+                    if (any) parts[begin / kChunk].push_back(element);
+                }
+            });
+            for (const auto& part : parts) elements_.insert(elements_.end(), part.begin(), part.end());
+        }
+    }
+
+    bool is_valid(const ElementNumber& element) const {
+        std::array<Vec3, 12> displacements{};
+        bool any = false;
+        for_curved(element, [&](std::size_t e, std::size_t place) {
+            displacements[e] = displacement(place);
+            any = any || halvings_[place] < kMostHalvings;
+        });
+        if (!any) return true;
+        const auto count = static_cast<std::size_t>(kElementNodes[static_cast<std::size_t>(element.type)]);
+        const NodeId* const node = mesh_.block(element.type).nodes.data() + count * element.index;
+        std::array<Vec3, 8> corners{};
+        for (std::size_t n = 0; n < count; ++n) {
+            const double* const p = mesh_.points.data() + 3 * std::size_t{node[n]};
+            corners[n] = {p[0], p[1], p[2]};
+        }
+        if (element.type == ElementType::kTetrahedron &&
+            is_surely_valid(corners.data(), displacements.data(), kLeastShare))
+            return true;
+        const double straight = least_straight_jacobian(element.type, corners.data());
+        return straight > 0 &&
+               least_jacobian(element.type, corners.data(), displacements.data()) >= kLeastShare * straight;
+    }
+
+    /// Only elements at edges that have changed are asked again.
+    void keep_changed(const std::atomic<bool>* changed) {
+        std::vector<ElementNumber> kept;
+        for (const ElementNumber& element : elements_) {
+            bool any = false;
+            for_curved(element, [&](std::size_t, std::size_t place) { any = any || changed[place]; });
+            if (any) kept.push_back(element);
+        }
+        elements_ = std::move(kept);
+    }
+
+    const Mesh& mesh_;
+    const std::vector<CurvedEdge>& curved_;
+    const std::size_t corners_;
+    IndexSet is_curved_;  ///< by edge
+    const int threads_;
+    std::vector<std::uint8_t> halvings_;  ///< by curved edge
+    std::vector<ElementNumber> elements_;
+};
+
+/// Gives the new nodes their dimensions.
+void set_dimensions(const Mesh& mesh, const Edges& edges, std::size_t corners, Features& features) {
+    std::vector<std::uint8_t>& dimension = features.model_dimension;
+    dimension.resize(corners + edges.size(), kRegion);
+    for (const NodeId node : mesh.facets.middles) dimension[node] = kFace;
+    for (const FeatureCurve& curve : features.curves) {
+        const std::size_t count = curve.nodes.size();
+        for (std::size_t i = 0; i + (curve.closed ? 0 : 1) < count; ++i)
+            dimension[corners + edges.number(curve.nodes[i], curve.nodes[(i + 1) % count])] = kCrease;
+    }
+}
+
+}  // namespace
+
+Counts raise_order(Mesh& mesh, const std::vector<std::uint32_t>& facet_surface, const tape::BoundModel& model,
+                   Features& features, int threads) {
+    const std::size_t corners = mesh.node_count();
+    const Edges edges(mesh, threads);
+    const std::vector<CurvedEdge> curved = find_curved_edges(mesh, facet_surface, model, edges, threads);
+    set_middles(mesh, edges, corners, threads);
+    Relaxation relaxation(mesh, curved, corners, edges.size(), threads);
+    relaxation.run();
+    place_middles(mesh, edges, corners, threads);
+    Counts counts;
+    counts.nodes = edges.size();
+    for (std::size_t i = 0; i < curved.size(); ++i) {
+        const Vec3 moved = relaxation.displacement(i);
+        double* const point = mesh.points.data() + 3 * (corners + curved[i].edge);
+        for (std::size_t j = 0; j < 3; ++j) point[j] += moved[j];
+        counts.curved += squared_length(moved) > 0;
+        counts.relaxed += relaxation.is_relaxed(i);
+    }
+    set_dimensions(mesh, edges, corners, features);
+    mesh.model_dimension = features.model_dimension;
+    return counts;
+}
+
+}  // namespace mortise::second_order
