@@ -490,6 +490,7 @@ class Assembler {
         facet_buffer_;
     std::array<Buffer, kElementTypes> connectivity_;
     Mesh mesh_;
+    const device::KernelsEnd kernels_end_{device_};  ///< goes first: kernels write into the arrays above
 };
 
 }  // namespace

@@ -178,6 +178,7 @@ void read_mesh_words(const Words& words, Arguments& arguments) {
         }
     }
     read_device_words(words, arguments);
+    arguments.file_options.threads = options.threads;
 }
 
 /// A whole number of bytes with a unit: 4G, 800M.

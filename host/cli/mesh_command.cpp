@@ -145,7 +145,7 @@ Outcome mesh_whole(const Arguments& arguments, const Model& model, const MeshOpt
     if (warn_of_slivers(out.figures, options, report)) progress.warn(report.warnings.back());
     if (arguments.check) {
         progress.show("check", kChecking);
-        timed("check", stages, mesh.element_count(), [&] { out.check = check_mesh(mesh); });
+        timed("check", stages, mesh.element_count(), [&] { out.check = check_mesh(mesh, options.threads); });
         refuse_defects(out.check);
     }
     progress.show("write", kWriting);

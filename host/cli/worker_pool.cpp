@@ -75,9 +75,10 @@ class Pool {
     void run() {
         for (std::size_t w = 0; w < workers_.size(); ++w) start(w);
         std::vector<pollfd> files(workers_.size());
-        while (std::any_of(workers_.begin(), workers_.end(), [](const Worker& w) { return w.pipe >= 0; })) {
+        while (is_anyone_at_work()) {
             for (std::size_t w = 0; w < workers_.size(); ++w) files[w] = {workers_[w].pipe, POLLIN, 0};
-            if (poll(files.data(), files.size(), -1) < 0 && errno != EINTR) break;
+            if (poll(files.data(), files.size(), -1) < 0 && errno != EINTR)
+                throw Error(ExitCode::kFiles, std::string("no results: ") + std::strerror(errno));
             for (std::size_t w = 0; w < workers_.size(); ++w) {
                 if ((files[w].revents & (POLLIN | POLLHUP)) != 0) receive(w);
             }
@@ -85,6 +86,10 @@ class Pool {
     }
 
   private:
+    bool is_anyone_at_work() const {
+        return std::any_of(workers_.begin(), workers_.end(), [](const Worker& w) { return w.pipe >= 0; });
+    }
+
     void start(std::size_t w) {
         int ends[2];
         if (pipe(ends) != 0) throw Error(ExitCode::kFiles, std::string("no pipe: ") + std::strerror(errno));
@@ -106,16 +111,22 @@ class Pool {
         workers_[w] = {process, ends[0], {}};
     }
 
-    [[noreturn]] void serve(std::size_t w, int file) {
-        for (std::uint64_t item = shared_->next++; item < count_; item = shared_->next++) {
-            shared_->current[w] = item;
-            const std::string result = work_(static_cast<std::size_t>(item));
-            const Header header{item, result.size()};
-            write_all(file, &header, sizeof header);
-            write_all(file, result.data(), result.size());
-            shared_->current[w] = kIdle;
+    /// Never returns or throws: what is on the stack below belongs to the parent, and undoing it would end
+    /// the other workers.
+    [[noreturn]] void serve(std::size_t w, int file) noexcept {
+        try {
+            for (std::uint64_t item = shared_->next++; item < count_; item = shared_->next++) {
+                shared_->current[w] = item;
+                const std::string result = work_(static_cast<std::size_t>(item));
+                const Header header{item, result.size()};
+                write_all(file, &header, sizeof header);
+                write_all(file, result.data(), result.size());
+                shared_->current[w] = kIdle;
+            }
+        } catch (...) {
+            _exit(static_cast<int>(ExitCode::kDevice));  // out of memory, where not even that can be told
         }
-        _exit(0);  // nothing of the parent's is to be undone here
+        _exit(0);
     }
 
     void receive(std::size_t w) {
@@ -139,7 +150,12 @@ class Pool {
             done_(static_cast<std::size_t>(item), {},
                   WIFSIGNALED(status) ? WTERMSIG(status) : -WEXITSTATUS(status));
         }
-        if (shared_->next < count_) start(w);
+        if (shared_->next >= count_) return;
+        try {
+            start(w);
+        } catch (const Error&) {
+            if (!is_anyone_at_work()) throw;  // else the others do what is left
+        }
     }
 
     void take_results(Worker& worker) {

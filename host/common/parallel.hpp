@@ -109,11 +109,11 @@ void parallel_chunks(std::size_t count, std::size_t chunk_size, int threads, con
     if (failure) std::rethrow_exception(failure);
 }
 
-/// The same on all cores, for work that needs the chunk's number: body(chunk, begin, end).
-template <class Body>
-void parallel_chunks(std::size_t count, std::size_t chunk_size, const Body& body) {
-    parallel_chunks(count, chunk_size, 0,
-                    [&](std::size_t begin, std::size_t end, int) { body(begin / chunk_size, begin, end); });
+/// The same for work that needs the chunk's number instead of the thread's: work(chunk, begin, end).
+template <class Work>
+void parallel_numbered(std::size_t count, std::size_t chunk_size, int threads, const Work& work) {
+    parallel_chunks(count, chunk_size, threads,
+                    [&](std::size_t begin, std::size_t end, int) { work(begin / chunk_size, begin, end); });
 }
 
 }  // namespace mortise

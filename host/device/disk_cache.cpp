@@ -50,9 +50,10 @@ std::optional<std::string> load_file(const std::string& path, const std::string&
 void trim(const std::string& folder) {
     std::error_code error;
     std::vector<std::pair<fs::file_time_type, fs::path>> files;
-    for (const auto& entry : fs::directory_iterator(folder, error)) {
-        if (entry.path().extension() == ".bin")
-            files.emplace_back(entry.last_write_time(error), entry.path());
+    for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
+        std::error_code gone;
+        if (entry->path().extension() == ".bin")
+            files.emplace_back(entry->last_write_time(gone), entry->path());
     }
     if (files.size() <= DiskCache::kMaxFiles) return;
     std::sort(files.begin(), files.end());

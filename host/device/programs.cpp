@@ -85,7 +85,10 @@ void Device::build(const ProgramName& program) { implementation_->program(progra
 
 void Device::load_ahead(const std::vector<ProgramName>& programs) {
     Implementation& self = *implementation_;
-    if (self.loader.joinable()) return;
+    if (self.loader.joinable()) {
+        if (!self.ahead.empty()) return;  // at work still
+        self.loader.join();
+    }
     std::vector<std::packaged_task<std::optional<compute::program>()>> tasks;
     for (const ProgramName& name : programs) {
         const std::string key = key_of(name.file, name.defines);

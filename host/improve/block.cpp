@@ -66,6 +66,7 @@ void Block::load(const Zone& zone, const std::vector<std::uint32_t>& tetrahedra,
     joined_.clear();
     strata_.clear();
     renewed_.clear();
+    used_.clear();
     tetrahedra_.clear();
     pyramids_.clear();
     for (auto& list : star_) list.clear();
@@ -128,6 +129,9 @@ Block::Result Block::result() const {
     result.counters = counters;
     for (const Local n : renewed_) {
         if (n < loaded_) result.strata.push_back({zone_node_[n], strata_[n]});
+    }
+    for (std::size_t i = 0; i < used_.size(); ++i) {
+        if (used_[i] != loose_start_->used[zone_node_[i]]) result.ways.push_back({zone_node_[i], used_[i]});
     }
     for (std::size_t i = loaded_; i < points_.size(); ++i)
         result.added.push_back({points_[i], size_[i], strata_[i]});

@@ -104,7 +104,7 @@ class Block : private BlockMesh {
     bool refine();
 
     /// Instead of run(): lets nodes of slivers leave their surfaces. False if nothing was done.
-    bool loosen(const BlockOptions& options, LooseStart& start);
+    bool loosen(const BlockOptions& options, const LooseStart& start);
 
     /// Whether the block still is a mesh with the same outside: every face has its partner, or is a facet, or
     /// lies on the block's border as before; nodes do not coincide.
@@ -132,6 +132,7 @@ class Block : private BlockMesh {
         std::vector<NewNode> added;                      ///< node kNewNode + i is the i-th
         std::vector<std::pair<ZoneNode, Point>> points;  ///< where free nodes are now
         Strata strata;                                   ///< those that merging has changed
+        std::vector<LooseStart::Way> ways;               ///< of nodes merged while loose
         std::size_t slivers = 0;                         ///< elements that merging is for
         std::size_t poor = 0;                            ///< elements below kRelieved
         BlockCounters counters;
@@ -372,7 +373,8 @@ class Block : private BlockMesh {
     std::vector<Local> renewed_;  ///< nodes whose strata have changed
     bool may_merge_ = false;
     bool is_loose_ = false;  ///< nodes may leave their surfaces
-    LooseStart* loose_start_ = nullptr;
+    const LooseStart* loose_start_ = nullptr;
+    std::vector<double> used_;           ///< per node, while they are loose: as LooseStart::used
     std::vector<Tetrahedron> original_;  ///< as they were loaded
     std::vector<Point> original_points_;
     std::uint32_t clock_ = 0;             ///< counts changes

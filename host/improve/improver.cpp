@@ -162,7 +162,10 @@ void Improver::pass(int number, Effort effort, Counters& counters) {
     while (revert_clashes(before, all, counted)) {
     }
     for (std::size_t g = 0; g < groups_.size(); ++g) {
-        if (counted[g].given_up == 0) zone_.set_strata(results[g].strata);
+        if (counted[g].given_up == 0) {
+            zone_.set_strata(results[g].strata);
+            loose_start_.add(results[g].ways);
+        }
         counters.block.add(counted[g]);
     }
     zone_.tetrahedra = std::move(all);

@@ -15,13 +15,21 @@ inline constexpr double kFacingAway = 0.72;
 
 /// What loosening in blocks must know of the whole zone, by node.
 struct LooseStart {
+    struct Way {
+        std::uint32_t node;
+        double used;
+    };
+    /// What a block has used.
+    void add(const std::vector<Way>& ways) {
+        for (const Way& way : ways) used[way.node] = way.used;
+    }
+
     double reach = 0;         ///< how far nodes may go, in edges of the smallest leaf
     std::vector<Point> home;  ///< where the nodes are before any is loose
     /// How thick the wall is in which a node lies, in finest cells; negative: none.
     std::vector<double> wall;
     std::vector<double> most;  ///< how far it may go whatever the reach, in finest cells
-    /// How far what it has been merged with has come already; written by the block whose free node it is.
-    std::vector<double> used;
+    std::vector<double> used;  ///< how far what it has been merged with has come already
 };
 
 /// `merge_distance` in cells: strips of walls that are thinner count as none.

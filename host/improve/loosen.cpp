@@ -25,8 +25,7 @@ constexpr double kFlatPart = 0.25;
 
 /// How far a node, or anything that has been merged with it, would come from where it was.
 double Block::way_to(Local node, const Point& at) const {
-    const ZoneNode n = zone_node_[node];
-    return length(at - loose_start_->home[n]) + loose_start_->used[n];
+    return length(at - loose_start_->home[zone_node_[node]]) + used_[node];
 }
 
 /// Whether a node may lie at a point: within reach of where it was, and of each of its surfaces.
@@ -47,8 +46,7 @@ bool Block::is_within_reach(Local node, const Point& at) const {
 
 /// A node is about to be merged with another.
 void Block::note_way(Local gone, Local kept) {
-    double& used = loose_start_->used[zone_node_[kept]];
-    used = std::max(used, way_to(gone, points_[kept]));
+    used_[kept] = std::max(used_[kept], way_to(gone, points_[kept]));
 }
 
 /// Whether an element touches a sharp edge of the model: then no other shape of it is much better.
@@ -88,9 +86,11 @@ std::vector<std::uint32_t> Block::list_loosable() const {
     return result;
 }
 
-bool Block::loosen(const BlockOptions& options, LooseStart& start) {
+bool Block::loosen(const BlockOptions& options, const LooseStart& start) {
     options_ = options;
     loose_start_ = &start;
+    used_.clear();
+    for (const ZoneNode n : zone_node_) used_.push_back(start.used[n]);
     options_.watch_facets = true;
     options_.target = kGoodQuality;
     running_.on = false;

@@ -128,8 +128,8 @@ void write_zones(const Mesh& mesh, FoamFolder& folder) {
 
 }  // namespace
 
-void write_foam(const Mesh& mesh, const std::string& path) {
-    const PolyhedralFaces faces(mesh);
+void write_foam(const Mesh& mesh, const std::string& path, int threads) {
+    const PolyhedralFaces faces(mesh, threads);
     FoamFolder folder(path);
     write_points(mesh, folder);
     write_faces(faces, folder);

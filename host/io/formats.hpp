@@ -12,7 +12,7 @@
 namespace mortise::io {
 
 inline Packing packing_of(const MeshFileOptions& options) {
-    return options.compress ? Packing::kZlib : Packing::kPlain;
+    return {options.compress ? Coding::kZlib : Coding::kPlain, options.threads};
 }
 
 /// `jacobians`: scaled_jacobians(mesh), or empty: they are computed.
@@ -23,7 +23,7 @@ void write_msh(const Mesh& mesh, TemporaryFile& file);
 Mesh read_msh(const FileReader& file);
 
 /// Writes a folder.
-void write_foam(const Mesh& mesh, const std::string& path);
+void write_foam(const Mesh& mesh, const std::string& path, int threads);
 
 /// Reads Gmsh's text formats 4.1 and 2.2, as other programs write them.
 Mesh read_gmsh_text(const FileReader& file);

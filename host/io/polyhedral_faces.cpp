@@ -44,14 +44,14 @@ struct PolyhedralFaces::Entry {
     }
 };
 
-PolyhedralFaces::PolyhedralFaces(const Mesh& mesh) : mesh_(mesh) {
+PolyhedralFaces::PolyhedralFaces(const Mesh& mesh, int threads) : mesh_(mesh) {
     for (std::size_t t = 0; t < kElementTypes; ++t) first_[t + 1] = first_[t] + mesh.elements[t].size();
     std::vector<Entry> entries;
     for (std::size_t t = 0; t < kElementTypes; ++t) {
         const int count = local_faces(static_cast<ElementType>(t)).count;
         const std::size_t size = mesh.elements[t].size();
         std::vector<std::vector<Entry>> parts(chunk_count(size, kChunk));
-        parallel_chunks(size, kChunk, 0, [&](std::size_t begin, std::size_t end, int) {
+        parallel_chunks(size, kChunk, threads, [&](std::size_t begin, std::size_t end, int) {
             for (std::size_t i = begin; i < end; ++i) {
                 for (int f = 0; f < count; ++f) {
                     Entry entry;
@@ -63,9 +63,9 @@ PolyhedralFaces::PolyhedralFaces(const Mesh& mesh) : mesh_(mesh) {
                 }
             }
         });
-        append_lists(parts, 0, entries);
+        append_lists(parts, threads, entries);
     }
-    parallel_sort(entries, 0);
+    parallel_sort(entries, threads);
     match(entries);
 }
 

@@ -28,7 +28,7 @@ class PolyhedralFaces {
 
     /// Throws Error(kMeshing) if an outer face is missing from the mesh's facets, or what hanging_faces
     /// throws.
-    explicit PolyhedralFaces(const Mesh& mesh);
+    PolyhedralFaces(const Mesh& mesh, int threads);
 
     /// Inner faces by owner and neighbour, ascending and owner < neighbour; then the outer ones, surface by
     /// surface, by owner.

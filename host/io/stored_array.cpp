@@ -46,14 +46,14 @@ Compressor make_compressor(int level) {
 
 /// What one thread packs with.
 struct Packer {
-    explicit Packer(Packing wanted) : packing(wanted), space(kBlockSize / sizeof(std::uint64_t)) {
-        if (wanted == Packing::kPlain) return;
+    explicit Packer(Coding wanted) : coding(wanted), space(kBlockSize / sizeof(std::uint64_t)) {
+        if (wanted == Coding::kPlain) return;
         packed.resize(libdeflate_zlib_compress_bound(nullptr, kBlockSize));
         fastest = make_compressor(kFastest);
         stored = make_compressor(kStored);
     }
     char* bytes() { return reinterpret_cast<char*>(space.data()); }
-    Packing packing;
+    Coding coding;
     std::vector<std::uint64_t> space;  ///< 64-bit for alignment
     std::vector<unsigned char> packed;
     Compressor fastest;
@@ -70,15 +70,15 @@ struct Packed {
 class Packers {
   public:
     explicit Packers(Packing packing)
-        : packing_(packing), packers_(static_cast<std::size_t>(thread_count(0))) {}
+        : coding_(packing.coding), packers_(static_cast<std::size_t>(thread_count(packing.threads))) {}
     Packer& of(int thread) {
         std::unique_ptr<Packer>& packer = packers_[static_cast<std::size_t>(thread)];
-        if (!packer) packer = std::make_unique<Packer>(packing_);
+        if (!packer) packer = std::make_unique<Packer>(coding_);
         return *packer;
     }
 
   private:
-    Packing packing_;
+    Coding coding_;
     std::vector<std::unique_ptr<Packer>> packers_;
 };
 
@@ -122,7 +122,7 @@ std::size_t compress(libdeflate_compressor* compressor, const char* data, std::s
 
 /// Stored as it is where a sample from the middle hardly shrinks: coordinates off a grid.
 Packed pack_block(const char* data, std::size_t size, Packer& packer) {
-    if (packer.packing == Packing::kPlain) return {data, size};
+    if (packer.coding == Coding::kPlain) return {data, size};
     libdeflate_compressor* compressor = packer.fastest.get();
     if (size > 2 * kSampleSize) {
         const std::size_t sample = compress(compressor, data + size / 2, kSampleSize, packer);
@@ -138,7 +138,7 @@ std::vector<char> read_plain(const FileReader& file, std::uint64_t offset) {
     if (size > file.size() - offset - sizeof size) file.damaged("an array ends too late");
     std::vector<char> bytes(static_cast<std::size_t>(size));
     const std::size_t blocks = block_count(size);
-    parallel_chunks(blocks, 1, [&](std::size_t i, std::size_t, std::size_t) {
+    parallel_chunks(blocks, 1, 0, [&](std::size_t i, std::size_t, int) {
         const std::size_t begin = i * kBlockSize;
         file.read_at(offset + sizeof size + begin, bytes.data() + begin,
                      std::min(kBlockSize, bytes.size() - begin));
@@ -162,7 +162,7 @@ void pack_blocks(std::size_t first, std::size_t count, std::size_t size, const B
     for (; first < last; first += kWave) {
         InOrder in_order(first, take);
         const std::size_t together = std::min(kWave, last - first);
-        parallel_chunks(together, 1, 0, [&](std::size_t i, std::size_t, int thread) {
+        parallel_chunks(together, 1, packing.threads, [&](std::size_t i, std::size_t, int thread) {
             Packer& packer = packers.of(thread);
             const std::size_t begin = (first + i) * kBlockSize, end = std::min(size, begin + kBlockSize);
             in_order.add(first + i, pack_block(source(begin, end, packer.bytes()), end - begin, packer));
@@ -172,7 +172,7 @@ void pack_blocks(std::size_t first, std::size_t count, std::size_t size, const B
 
 std::vector<std::uint64_t> array_header(std::uint64_t size, Packing packing,
                                         const std::vector<std::uint64_t>& packed_sizes) {
-    if (packing == Packing::kPlain) return {size};
+    if (packing.coding == Coding::kPlain) return {size};
     std::vector<std::uint64_t> header = {block_count(size), kBlockSize, size % kBlockSize};
     header.insert(header.end(), packed_sizes.begin(), packed_sizes.end());
     return header;
@@ -180,13 +180,13 @@ std::vector<std::uint64_t> array_header(std::uint64_t size, Packing packing,
 
 /// Where a block lies is known: each thread writes what it has made. Parts begin at multiples of their size
 /// in the file, where they fill whole pages: a quarter faster than from where the array happens to begin.
-static void write_plain(TemporaryFile& file, std::size_t size, const ByteSource& source) {
+static void write_plain(TemporaryFile& file, std::size_t size, const ByteSource& source, Packing packing) {
     constexpr std::size_t value = sizeof(std::uint64_t);  // the largest of an array
     file.put(std::uint64_t{size});
     const std::uint64_t at = file.reserve(size);
     const auto lead = static_cast<std::size_t>(at % kPlainPart);
-    Packers packers(Packing::kPlain);
-    parallel_chunks(lead + size, kPlainPart, 0,
+    Packers packers(packing);
+    parallel_chunks(lead + size, kPlainPart, packing.threads,
                     [&](std::size_t part_begin, std::size_t part_end, int thread) {
                         if (part_end <= lead) return;
                         const std::size_t begin = std::max(part_begin, lead) - lead, end = part_end - lead;
@@ -198,7 +198,7 @@ static void write_plain(TemporaryFile& file, std::size_t size, const ByteSource&
 }
 
 void write_array(TemporaryFile& file, std::size_t size, const ByteSource& source, Packing packing) {
-    if (packing == Packing::kPlain) return write_plain(file, size, source);
+    if (packing.coding == Coding::kPlain) return write_plain(file, size, source, packing);
     std::vector<std::uint64_t> sizes(block_count(size), 0);
     const std::uint64_t header_at = file.size();
     const auto header = [&] { return array_header(size, packing, sizes); };
@@ -213,8 +213,8 @@ void write_array(TemporaryFile& file, std::size_t size, const ByteSource& source
     if (full != empty) file.write_at(header_at, full.data(), full.size() * sizeof full[0]);
 }
 
-std::vector<char> read_array(const FileReader& file, std::uint64_t offset, Packing packing) {
-    if (packing == Packing::kPlain) return read_plain(file, offset);
+std::vector<char> read_array(const FileReader& file, std::uint64_t offset, Coding coding) {
+    if (coding == Coding::kPlain) return read_plain(file, offset);
     std::uint64_t head[3];
     file.read_at(offset, head, sizeof head);
     const std::uint64_t blocks = head[0], block_size = head[1], last_size = head[2];
@@ -236,7 +236,7 @@ std::vector<char> read_array(const FileReader& file, std::uint64_t offset, Packi
     if (total > kMaxExpansion * packed_total)
         file.damaged("a compressed array is larger than its bytes can hold");
     std::vector<char> bytes(static_cast<std::size_t>(total));
-    parallel_chunks(static_cast<std::size_t>(blocks), 1, [&](std::size_t i, std::size_t, std::size_t) {
+    parallel_chunks(static_cast<std::size_t>(blocks), 1, 0, [&](std::size_t i, std::size_t, int) {
         std::vector<unsigned char> packed(static_cast<std::size_t>(starts[i + 1] - starts[i]));
         file.read_at(starts[i], packed.data(), packed.size());
         const std::size_t begin = i * static_cast<std::size_t>(block_size);

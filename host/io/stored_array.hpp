@@ -2,8 +2,8 @@
 //
 // Compressed: a header of UInt64, then zlib streams of equal uncompressed size. Header: number of blocks,
 // uncompressed block size, uncompressed size of the last block if it is shorter (else 0), compressed size of
-// each block. Plain: the number of bytes as UInt64, then the bytes. Blocks are made and compressed by all
-// cores and written in order, plain parts where they belong: the bytes do not depend on the number of
+// each block. Plain: the number of bytes as UInt64, then the bytes. Blocks are made and compressed by several
+// threads and written in order, plain parts where they belong: the bytes do not depend on the number of
 // threads. Source: VTK file formats, "appended data".
 #pragma once
 
@@ -17,7 +17,13 @@
 
 namespace mortise::io {
 
-enum class Packing { kZlib, kPlain };
+enum class Coding { kZlib, kPlain };
+
+/// How arrays are stored, and by how many host threads, 0: all cores.
+struct Packing {
+    Coding coding = Coding::kZlib;
+    int threads = 0;
+};
 
 inline constexpr std::size_t kBlockSize = std::size_t{1} << 20;
 
@@ -27,8 +33,8 @@ inline constexpr std::size_t kBlockSize = std::size_t{1} << 20;
 using ByteSource = std::function<const char*(std::size_t begin, std::size_t end, char* space)>;
 
 /// Packs the blocks first … first + count - 1 of what `source` gives (block i is its bytes from
-/// i * kBlockSize on, up to `size`) on all cores, and hands them to `take` in order, from any of the threads
-/// but one at a time.
+/// i * kBlockSize on, up to `size`) and hands them to `take` in order, from any of the threads but one at a
+/// time.
 void pack_blocks(std::size_t first, std::size_t count, std::size_t size, const ByteSource& source,
                  Packing packing,
                  const std::function<void(const void* packed, std::size_t packed_size)>& take);
@@ -49,6 +55,6 @@ ByteSource memory_source(const void* data);
 
 /// Reads an array that starts at `offset`. Throws Error(kInput) for anything that does not fit together;
 /// never allocates more than about a thousand times what the file holds (the most that zlib can expand).
-std::vector<char> read_array(const FileReader& file, std::uint64_t offset, Packing packing);
+std::vector<char> read_array(const FileReader& file, std::uint64_t offset, Coding coding);
 
 }  // namespace mortise::io

@@ -22,7 +22,7 @@ VtkXmlWriter::VtkXmlWriter(TemporaryFile& file, const std::string& type, Packing
     text("<?xml version=\"1.0\"?>");
     text("<VTKFile type=\"" + type + "\" version=\"1.0\" byte_order=\"" +
          std::string(is_little_endian() ? "LittleEndian" : "BigEndian") + "\" header_type=\"UInt64\"" +
-         (packing == Packing::kZlib ? " compressor=\"vtkZLibDataCompressor\"" : "") + ">");
+         (packing.coding == Coding::kZlib ? " compressor=\"vtkZLibDataCompressor\"" : "") + ">");
 }
 
 void VtkXmlWriter::array(const std::string& type, const std::string& name, const std::string& attributes,

@@ -122,7 +122,7 @@ void write_features(const Mesh& mesh, const Features& features, const std::strin
         throw Error(ExitCode::kMeshing, "cannot write '" + path + "': features of another mesh: " + error);
     const FeatureArrays arrays = arrays_of(mesh, features);
     io::TemporaryFile file(path);
-    io::VtkXmlWriter writer(file, "PolyData", io::Packing::kZlib);
+    io::VtkXmlWriter writer(file, "PolyData", io::Packing{});
     writer.text("<PolyData>");
     writer.text("<FieldData>");
     writer.names("surface_names", mesh.surface_names);

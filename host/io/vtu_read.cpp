@@ -33,7 +33,7 @@ class VtuReader {
         if (root.attribute("compressor")) {
             expect_attribute(root, "compressor", "vtkZLibDataCompressor");
         } else {
-            packing_ = Packing::kPlain;
+            coding_ = Coding::kPlain;
         }
         grid_ = root.child("UnstructuredGrid");
         piece_ = grid_.child("Piece");
@@ -56,7 +56,7 @@ class VtuReader {
         const std::uint64_t at = offset.as_ullong(std::numeric_limits<std::uint64_t>::max());
         if (!offset || at > file_.size() - data_start_)
             file_.damaged(std::string("array '") + name + "': bad offset");
-        const std::vector<char> bytes = read_array(file_, data_start_ + at, packing_);
+        const std::vector<char> bytes = read_array(file_, data_start_ + at, coding_);
         if (bytes.size() % sizeof(Value) != 0)
             file_.damaged(std::string("array '") + name + "' ends inside a value");
         std::vector<Value> values(bytes.size() / sizeof(Value));
@@ -137,7 +137,7 @@ class VtuReader {
     pugi::xml_document document_;
     pugi::xml_node grid_, piece_;
     std::uint64_t data_start_ = 0;
-    Packing packing_ = Packing::kZlib;
+    Coding coding_ = Coding::kZlib;
 };
 
 /// Sizes the blocks by the cell types, which must come in the order of ElementType, all of one order.

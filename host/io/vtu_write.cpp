@@ -156,7 +156,8 @@ void write_vtu(const Mesh& mesh, const std::vector<float>& jacobians, Packing pa
     const TypeRuns runs(totals, mesh.is_second_order());
     const std::uint64_t elements = runs.elements.back();
     const std::size_t index = index_bytes(totals, mesh.is_second_order());
-    const std::vector<float> computed = jacobians.empty() ? scaled_jacobians(mesh) : std::vector<float>{};
+    const std::vector<float> computed =
+        jacobians.empty() ? scaled_jacobians(mesh, packing.threads) : std::vector<float>{};
     const std::vector<float>& quality = jacobians.empty() ? computed : jacobians;
     const auto store = [packing](std::size_t size, const ByteSource& source) {
         return stored(size, source, packing);

@@ -87,16 +87,17 @@ void check_chunk(const Mesh& mesh, ElementType type, std::size_t begin, std::siz
 
 }  // namespace
 
-void check_elements(const Mesh& mesh, DefectLog& log, CheckReport& report) {
+void check_elements(const Mesh& mesh, int threads, DefectLog& log, CheckReport& report) {
     std::vector<Sum> volumes(mesh.region_names.size() + 1);
     ShapeFigures all;
     for (int t = 0; t < kElementTypes; ++t) {
         const ElementType type = static_cast<ElementType>(t);
         const std::size_t count = mesh.block(type).size();
         std::vector<ChunkFigures> chunks(chunk_count(count, kMeasureChunk));
-        parallel_chunks(count, kMeasureChunk, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
-            check_chunk(mesh, type, begin, end, chunks[chunk]);
-        });
+        parallel_numbered(count, kMeasureChunk, threads,
+                          [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+                              check_chunk(mesh, type, begin, end, chunks[chunk]);
+                          });
         double& smallest = report.min_scaled_jacobian[static_cast<std::size_t>(t)];
         smallest = 1;
         for (const ChunkFigures& chunk : chunks) {

@@ -77,9 +77,9 @@ struct Place {
 
 class FacetMatcher {
   public:
-    FacetMatcher(const Mesh& mesh, const std::vector<HangingFace>& hanging, DefectLog& log,
+    FacetMatcher(const Mesh& mesh, const std::vector<HangingFace>& hanging, int threads, DefectLog& log,
                  CheckReport& report)
-        : mesh_(mesh), hanging_(hanging), log_(log), report_(report) {
+        : mesh_(mesh), hanging_(hanging), threads_(threads), log_(log), report_(report) {
         for (std::size_t t = 0; t < kElementTypes; ++t) first_[t + 1] = first_[t] + mesh.elements[t].size();
     }
 
@@ -91,9 +91,11 @@ class FacetMatcher {
         hanging_region_.reset(new std::atomic<std::uint16_t>[hanging_.size()]());
         const std::size_t nodes = mesh_.node_count();
         std::vector<ChunkResult> results(chunk_count(nodes, kNodeChunk));
-        parallel_chunks(nodes, kNodeChunk, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
-            for (std::size_t node = begin; node < end; ++node) check_node(node, results[chunk]);
-        });
+        parallel_numbered(nodes, kNodeChunk, threads_,
+                          [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+                              for (std::size_t node = begin; node < end; ++node)
+                                  check_node(node, results[chunk]);
+                          });
         std::vector<BoundaryFacet> boundary;
         for (ChunkResult& result : results) {
             log_.merge(result.log);
@@ -139,8 +141,8 @@ class FacetMatcher {
         for (std::size_t t = 0; t < kElementTypes; ++t) {
             const ElementType type = static_cast<ElementType>(t);
             const LocalFaces faces = local_faces(type);
-            parallel_chunks(mesh_.block(type).size(), kElementChunk,
-                            [&](std::size_t, std::size_t i, std::size_t end) {
+            parallel_chunks(mesh_.block(type).size(), kElementChunk, threads_,
+                            [&](std::size_t i, std::size_t end, int) {
                                 for (; i < end; ++i) {
                                     const NodeId* nodes = element_nodes({type, i});
                                     for (int f = 0; f < faces.count; ++f) {
@@ -352,6 +354,7 @@ class FacetMatcher {
 
     const Mesh& mesh_;
     const std::vector<HangingFace>& hanging_;
+    const int threads_;
     DefectLog& log_;
     CheckReport& report_;
     std::array<std::size_t, kElementTypes + 1> first_{};  ///< number of the first element of each type
@@ -364,8 +367,8 @@ class FacetMatcher {
 }  // namespace
 
 std::vector<BoundaryFacet> check_facets(const Mesh& mesh, const std::vector<HangingFace>& hanging,
-                                        DefectLog& log, CheckReport& report) {
-    return FacetMatcher(mesh, hanging, log, report).run();
+                                        int threads, DefectLog& log, CheckReport& report) {
+    return FacetMatcher(mesh, hanging, threads, log, report).run();
 }
 
 }  // namespace mortise::quality

@@ -19,18 +19,18 @@ std::string edge_text(std::uint64_t ends, const Mesh& mesh) {
 /// The edges that nodes are in the middle of, as elements tell.
 class Ends {
   public:
-    explicit Ends(const Mesh& mesh)
-        : mesh_(mesh), of_node_(new std::atomic<std::uint64_t>[mesh.node_count()]()) {}
+    Ends(const Mesh& mesh, int threads)
+        : mesh_(mesh), threads_(threads), of_node_(new std::atomic<std::uint64_t>[mesh.node_count()]()) {}
 
     void add_elements(DefectLog& log) {
         for (int t = 0; t < kElementTypes; ++t) {
             const auto type = static_cast<ElementType>(t);
             const ElementBlock& block = mesh_.block(type);
             std::vector<DefectLog> logs(chunk_count(block.size(), kMiddleChunk));
-            parallel_chunks(block.size(), kMiddleChunk,
-                            [&](std::size_t chunk, std::size_t begin, std::size_t end) {
-                                for (std::size_t i = begin; i < end; ++i) add_element(type, i, logs[chunk]);
-                            });
+            parallel_numbered(block.size(), kMiddleChunk, threads_,
+                              [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+                                  for (std::size_t i = begin; i < end; ++i) add_element(type, i, logs[chunk]);
+                              });
             for (const DefectLog& part : logs) log.merge(part);
         }
     }
@@ -97,14 +97,15 @@ class Ends {
     }
 
     const Mesh& mesh_;
+    const int threads_;
     std::unique_ptr<std::atomic<std::uint64_t>[]> of_node_;
 };
 
 }  // namespace
 
-std::vector<EdgeMiddle> check_middles(const Mesh& mesh, DefectLog& log) {
+std::vector<EdgeMiddle> check_middles(const Mesh& mesh, int threads, DefectLog& log) {
     if (!mesh.is_second_order()) return {};
-    Ends ends(mesh);
+    Ends ends(mesh, threads);
     ends.add_elements(log);
     ends.check_facets(log);
     return ends.list(log);

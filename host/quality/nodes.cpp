@@ -89,16 +89,18 @@ void visit_cells(const Grid& grid, const Vector& p, const Visit& visit) {
 std::size_t bucket_of(std::uint64_t hash) { return hash % kBuckets; }
 
 /// Entries of all finite nodes, grouped by bucket; `starts` gets kBuckets + 1 offsets.
-std::vector<NodePlace> make_entries(const Mesh& mesh, const Grid& grid, std::vector<std::size_t>& starts) {
+std::vector<NodePlace> make_entries(const Mesh& mesh, const Grid& grid, int threads,
+                                    std::vector<std::size_t>& starts) {
     std::vector<std::atomic<std::size_t>> cursors(kBuckets);
     const auto visit_all = [&](const auto& visit) {
-        parallel_chunks(mesh.node_count(), kPlaceChunk, [&](std::size_t, std::size_t begin, std::size_t end) {
-            for (std::size_t i = begin; i < end; ++i) {
-                const Vector p = point_of(mesh, static_cast<NodeId>(i));
-                if (!is_finite(p)) continue;
-                visit_cells(grid, p, [&](std::uint64_t hash) { visit(hash, static_cast<NodeId>(i)); });
-            }
-        });
+        parallel_chunks(
+            mesh.node_count(), kPlaceChunk, threads, [&](std::size_t begin, std::size_t end, int) {
+                for (std::size_t i = begin; i < end; ++i) {
+                    const Vector p = point_of(mesh, static_cast<NodeId>(i));
+                    if (!is_finite(p)) continue;
+                    visit_cells(grid, p, [&](std::uint64_t hash) { visit(hash, static_cast<NodeId>(i)); });
+                }
+            });
     };
     visit_all([&](std::uint64_t hash, NodeId) {
         cursors[bucket_of(hash)].fetch_add(1, std::memory_order_relaxed);
@@ -139,12 +141,12 @@ void find_in_bucket(const Mesh& mesh, double tolerance, NodePlace* begin, NodePl
     }
 }
 
-void check_coincident(const Mesh& mesh, DefectLog& log) {
+void check_coincident(const Mesh& mesh, int threads, DefectLog& log) {
     const Grid grid = make_grid(mesh);
     std::vector<std::size_t> starts;
-    std::vector<NodePlace> entries = make_entries(mesh, grid, starts);
+    std::vector<NodePlace> entries = make_entries(mesh, grid, threads, starts);
     std::vector<std::vector<Coincidence>> found(kBuckets);
-    parallel_chunks(kBuckets, 1, [&](std::size_t bucket, std::size_t, std::size_t) {
+    parallel_chunks(kBuckets, 1, threads, [&](std::size_t bucket, std::size_t, int) {
         find_in_bucket(mesh, grid.tolerance, entries.data() + starts[bucket],
                        entries.data() + starts[bucket + 1], found[bucket]);
     });
@@ -164,14 +166,15 @@ void check_coincident(const Mesh& mesh, DefectLog& log) {
 
 }  // namespace
 
-void check_nodes(const Mesh& mesh, DefectLog& log) {
+void check_nodes(const Mesh& mesh, int threads, DefectLog& log) {
     std::unique_ptr<std::atomic<bool>[]> used(new std::atomic<bool>[mesh.node_count()]());
     for (const ElementBlock& block : mesh.elements) {
         for (const std::vector<NodeId>* nodes : {&block.nodes, &block.middles}) {
-            parallel_chunks(nodes->size(), kPlaceChunk, [&](std::size_t, std::size_t begin, std::size_t end) {
-                for (std::size_t i = begin; i < end; ++i)
-                    used[(*nodes)[i]].store(true, std::memory_order_relaxed);
-            });
+            parallel_chunks(nodes->size(), kPlaceChunk, threads,
+                            [&](std::size_t begin, std::size_t end, int) {
+                                for (std::size_t i = begin; i < end; ++i)
+                                    used[(*nodes)[i]].store(true, std::memory_order_relaxed);
+                            });
         }
     }
     for (std::size_t i = 0; i < mesh.node_count(); ++i) {
@@ -180,7 +183,7 @@ void check_nodes(const Mesh& mesh, DefectLog& log) {
         if (!used[i]) log.add(DefectKind::kNodeUnused, describe);
         if (!is_finite(point_of(mesh, node))) log.add(DefectKind::kNodeNotFinite, describe);
     }
-    check_coincident(mesh, log);
+    check_coincident(mesh, threads, log);
 }
 
 }  // namespace mortise::quality

@@ -1,4 +1,4 @@
-// The passes of check_mesh, in the order in which it runs them.
+// The passes of check_mesh, in the order in which it runs them. `threads`: of the host, 0: all cores.
 #pragma once
 
 #include <algorithm>
@@ -12,14 +12,14 @@
 namespace mortise::quality {
 
 /// Array lengths, index ranges, names. False: indices cannot be trusted, so no other pass may run.
-bool check_structure(const Mesh& mesh, DefectLog& log);
+bool check_structure(const Mesh& mesh, int threads, DefectLog& log);
 
 /// Coordinates finite, every node used, no two nodes within 1e-12 of the bounding box's diagonal.
-void check_nodes(const Mesh& mesh, DefectLog& log);
+void check_nodes(const Mesh& mesh, int threads, DefectLog& log);
 
 /// Repeated nodes and Jacobians, of curved elements at samples; fills volumes, and scaled Jacobians and
 /// dihedral angles between corners, of the report.
-void check_elements(const Mesh& mesh, DefectLog& log, CheckReport& report);
+void check_elements(const Mesh& mesh, int threads, DefectLog& log, CheckReport& report);
 
 /// Hanging nodes: each once, its masters different nodes that do not hang, itself in their middle. Returns
 /// the faces that have one; none if there are defects.
@@ -41,7 +41,7 @@ struct EdgeMiddle {
 
 /// Of second order: each edge has one node in its middle, the same for all elements and listed facets; it is
 /// of no other edge, and no corner. Returns all edges, sorted; none of first order.
-std::vector<EdgeMiddle> check_middles(const Mesh& mesh, DefectLog& log);
+std::vector<EdgeMiddle> check_middles(const Mesh& mesh, int threads, DefectLog& log);
 
 /// A facet that belongs to one element only, in that element's outward order.
 struct BoundaryFacet {
@@ -53,7 +53,7 @@ struct BoundaryFacet {
 /// also finds duplicate elements. Fills facet counts and components of the report. Returns the boundary, in
 /// order of smallest node.
 std::vector<BoundaryFacet> check_facets(const Mesh& mesh, const std::vector<HangingFace>& hanging,
-                                        DefectLog& log, CheckReport& report);
+                                        int threads, DefectLog& log, CheckReport& report);
 
 /// Closedness, quadrilaterals against triangles; fills area, Euler characteristic and non-manifold edges.
 /// `middles`: what check_middles returned.

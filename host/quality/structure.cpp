@@ -55,63 +55,80 @@ void check_lengths(const Mesh& mesh, DefectLog& log) {
     }
 }
 
-/// Adds a defect for every value above `limit` or, with `from_one`, for zero.
-template <class Value>
-void check_range(const std::vector<Value>& values, std::uint64_t limit, bool from_one, DefectKind kind,
-                 const char* what, const char* holds, std::size_t per_item, DefectLog& log) {
-    std::vector<DefectLog> logs(chunk_count(values.size(), kStructureChunk));
-    parallel_chunks(
-        values.size(), kStructureChunk, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
-            for (std::size_t i = begin; i < end; ++i) {
-                if (values[i] <= limit && !(from_one && values[i] == 0)) continue;
-                logs[chunk].add(kind, [&] { return indexed(what, i / per_item, holds, values[i], limit); });
-            }
-        });
-    for (const DefectLog& part : logs) log.merge(part);
-}
+/// What the values of an array are, for messages.
+struct Meaning {
+    DefectKind kind;
+    const char* what;          ///< whose they are
+    const char* holds;         ///< what each is
+    std::size_t per_item = 1;  ///< values
+};
 
-/// A limit that no index meets stands for "none allowed": an empty range has no largest index.
-template <class Value>
-void check_index(const std::vector<Value>& values, std::size_t count, DefectKind kind, const char* what,
-                 const char* holds, std::size_t per_item, DefectLog& log) {
-    if (count > 0) {
-        check_range(values, count - 1, false, kind, what, holds, per_item, log);
-        return;
+/// Adds a defect for each value that is out of range.
+class Ranges {
+  public:
+    Ranges(int threads, DefectLog& log) : threads_(threads), log_(log) {}
+
+    /// Values from `least`, 0 or 1, to `most`.
+    template <class Value>
+    void check(const std::vector<Value>& values, std::uint64_t least, std::uint64_t most,
+               const Meaning& meaning) {
+        std::vector<DefectLog> logs(chunk_count(values.size(), kStructureChunk));
+        parallel_numbered(values.size(), kStructureChunk, threads_,
+                          [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+                              for (std::size_t i = begin; i < end; ++i) {
+                                  if (values[i] >= least && values[i] <= most) continue;
+                                  logs[chunk].add(meaning.kind, [&] {
+                                      return indexed(meaning.what, i / meaning.per_item, meaning.holds,
+                                                     values[i], most);
+                                  });
+                              }
+                          });
+        for (const DefectLog& part : logs) log_.merge(part);
     }
-    for (std::size_t i = 0; i < values.size(); ++i) {
-        log.add(kind, [&] { return std::string(what) + " 0: there is nothing that it could refer to"; });
+
+    /// Indices of an array of `count` values, which may be none.
+    template <class Value>
+    void check_index(const std::vector<Value>& values, std::size_t count, const Meaning& meaning) {
+        if (count > 0) return check(values, 0, count - 1, meaning);
+        for (std::size_t i = 0; i < values.size(); ++i) {
+            log_.add(meaning.kind, [&] {
+                return std::string(meaning.what) + " 0: there is nothing that it could refer to";
+            });
+        }
     }
-}
+
+  private:
+    const int threads_;
+    DefectLog& log_;
+};
 
 }  // namespace
 
-bool check_structure(const Mesh& mesh, DefectLog& log) {
+bool check_structure(const Mesh& mesh, int threads, DefectLog& log) {
     check_lengths(mesh, log);
     if (!log.empty()) return false;
-    const std::size_t regions = mesh.region_names.size();
-    for (int t = 0; t < kElementTypes; ++t) {
-        const ElementBlock& block = mesh.elements[static_cast<std::size_t>(t)];
+    Ranges ranges(threads, log);
+    const std::size_t nodes = mesh.node_count(), regions = mesh.region_names.size();
+    for (std::size_t t = 0; t < kElementTypes; ++t) {
+        const ElementBlock& block = mesh.elements[t];
         const char* name = element_name(static_cast<ElementType>(t));
-        const std::size_t nodes = static_cast<std::size_t>(kElementNodes[static_cast<std::size_t>(t)]);
-        check_index(block.nodes, mesh.node_count(), DefectKind::kElementNodeRange, name, "node", nodes, log);
-        const auto edges = static_cast<std::size_t>(kElementEdges[static_cast<std::size_t>(t)]);
-        check_index(block.middles, mesh.node_count(), DefectKind::kElementNodeRange, name, "middle", edges,
-                    log);
-        check_range(block.region, regions, true, DefectKind::kElementRegion, name, "region", 1, log);
-        constexpr std::uint64_t last_kind = static_cast<std::uint64_t>(ElementKind::kTransition);
-        check_range(block.kind, last_kind, false, DefectKind::kElementKind, name, "kind", 1, log);
+        const auto corners = static_cast<std::size_t>(kElementNodes[t]);
+        const auto edges = static_cast<std::size_t>(kElementEdges[t]);
+        ranges.check_index(block.nodes, nodes, {DefectKind::kElementNodeRange, name, "node", corners});
+        ranges.check_index(block.middles, nodes, {DefectKind::kElementNodeRange, name, "middle", edges});
+        ranges.check(block.region, 1, regions, {DefectKind::kElementRegion, name, "region"});
+        constexpr auto last_kind = static_cast<std::uint64_t>(ElementKind::kTransition);
+        ranges.check(block.kind, 0, last_kind, {DefectKind::kElementKind, name, "kind"});
     }
     const FacetBlock& facets = mesh.facets;
-    check_index(facets.nodes, mesh.node_count(), DefectKind::kFacetNodeRange, "facet", "node", 4, log);
-    check_index(facets.middles, mesh.node_count(), DefectKind::kFacetNodeRange, "facet", "middle", 4, log);
-    check_index(facets.surface, mesh.surface_names.size(), DefectKind::kFacetSurface, "facet", "surface", 1,
-                log);
-    check_range(facets.inside, regions, true, DefectKind::kFacetRegion, "facet", "inside region", 1, log);
-    check_range(facets.outside, regions, false, DefectKind::kFacetRegion, "facet", "outside region", 1, log);
-    check_index(mesh.hanging.node, mesh.node_count(), DefectKind::kHangingNode, "hanging node", "node", 1,
-                log);
-    check_index(mesh.hanging.masters, mesh.node_count(), DefectKind::kHangingNode, "hanging node", "master",
-                4, log);
+    ranges.check_index(facets.nodes, nodes, {DefectKind::kFacetNodeRange, "facet", "node", 4});
+    ranges.check_index(facets.middles, nodes, {DefectKind::kFacetNodeRange, "facet", "middle", 4});
+    ranges.check_index(facets.surface, mesh.surface_names.size(),
+                       {DefectKind::kFacetSurface, "facet", "surface"});
+    ranges.check(facets.inside, 1, regions, {DefectKind::kFacetRegion, "facet", "inside region"});
+    ranges.check(facets.outside, 0, regions, {DefectKind::kFacetRegion, "facet", "outside region"});
+    ranges.check_index(mesh.hanging.node, nodes, {DefectKind::kHangingNode, "hanging node", "node"});
+    ranges.check_index(mesh.hanging.masters, nodes, {DefectKind::kHangingNode, "hanging node", "master", 4});
     std::unordered_set<std::string> names;
     for (const std::string& name : mesh.surface_names) {
         if (!names.insert(name).second) log.add(DefectKind::kSurfaceName, [&] { return "'" + name + "'"; });

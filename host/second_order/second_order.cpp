@@ -83,20 +83,24 @@ class Relaxation {
     }
 
     void run() {
-        const std::unique_ptr<std::atomic<bool>[]> blamed(new std::atomic<bool>[curved_.size()]);
-        while (!elements_.empty()) {
+        using Marks = std::unique_ptr<std::atomic<bool>[]>;
+        Marks blamed(new std::atomic<bool>[curved_.size()]), changed(new std::atomic<bool>[curved_.size()]);
+        for (std::size_t i = 0; i < curved_.size(); ++i) changed[i] = true;
+        for (std::atomic<bool> any{true}; any; std::swap(blamed, changed)) {
+            any = false;
             for (std::size_t i = 0; i < curved_.size(); ++i) blamed[i] = false;
-            std::atomic<bool> any{false};
-            for_elements([&](const ElementNumber& element, std::size_t) {
-                if (is_valid(element)) return;
+            for_elements([&](const ElementNumber& element) {
+                // What was valid may not be so any more, even if its edges are straighter.
+                bool is_new = false;
+                for_curved(element,
+                           [&](std::size_t, std::size_t place) { is_new = is_new || changed[place]; });
+                if (!is_new || is_valid(element)) return;
                 any = true;
                 for_curved(element, [&](std::size_t, std::size_t place) { blamed[place] = true; });
             });
-            if (!any) return;
             for (std::size_t i = 0; i < curved_.size(); ++i) {
                 if (blamed[i] && halvings_[i] < kMostHalvings) ++halvings_[i];
             }
-            keep_changed(blamed.get());
         }
     }
 
@@ -127,7 +131,7 @@ class Relaxation {
     template <class Work>
     void for_elements(const Work& work) const {
         parallel_chunks(elements_.size(), kChunk, threads_, [&](std::size_t begin, std::size_t end, int) {
-            for (std::size_t i = begin; i < end; ++i) work(elements_[i], i);
+            for (std::size_t i = begin; i < end; ++i) work(elements_[i]);
         });
     }
 
@@ -170,17 +174,6 @@ class Relaxation {
         const double straight = least_straight_jacobian(element.type, corners.data());
         return straight > 0 &&
                least_jacobian(element.type, corners.data(), displacements.data()) >= kLeastShare * straight;
-    }
-
-    /// Only elements at edges that have changed are asked again.
-    void keep_changed(const std::atomic<bool>* changed) {
-        std::vector<ElementNumber> kept;
-        for (const ElementNumber& element : elements_) {
-            bool any = false;
-            for_curved(element, [&](std::size_t, std::size_t place) { any = any || changed[place]; });
-            if (any) kept.push_back(element);
-        }
-        elements_ = std::move(kept);
     }
 
     const Mesh& mesh_;

@@ -42,7 +42,8 @@ struct CheckReport {
     bool valid() const { return defects.empty(); }
 };
 
-/// Validates a mesh: O(elements log elements) time, about 60 bytes per facet.
+/// Validates a mesh: O(elements log elements) time, about 60 bytes per facet. `threads` of the host, here and
+/// below; 0: all cores.
 ///
 /// Checked: indices in range; no repeated node in an element; unused nodes; coincident nodes; duplicate
 /// elements; Jacobian positive everywhere (a lower bound by Bézier coefficients with subdivision, not
@@ -53,11 +54,11 @@ struct CheckReport {
 /// right orientation and regions. Where indices or lengths of arrays are wrong, that alone is told. Of second
 /// order also: one node in the middle of each edge, the same for all elements and facets; volumes and areas
 /// are those of curved elements.
-CheckReport check_mesh(const Mesh& mesh);
+CheckReport check_mesh(const Mesh& mesh, int threads = 0);
 
 /// Scaled Jacobian per element, in the order of mesh.elements: the smallest corner triple product of unit
 /// edges; a regular tetrahedron gives 0.707; a pyramid's apex is left out. Length: element_count(). Throws
 /// Error(kMeshing) if element arrays have wrong lengths or name nodes that are not there.
-std::vector<float> scaled_jacobians(const Mesh& mesh);
+std::vector<float> scaled_jacobians(const Mesh& mesh, int threads = 0);
 
 }  // namespace mortise

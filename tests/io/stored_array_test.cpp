@@ -34,7 +34,7 @@ TEST_CASE("a plain array is what its source gives, wherever it begins in the fil
             const std::string path = folder.path / "array";
             TemporaryFile file(path);
             file.write(std::string(before, 'x'));
-            write_array(file, size, source, Packing::kPlain);
+            write_array(file, size, source, {Coding::kPlain});
             file.write("end");
             file.commit();
             std::string expected(before, 'x');
