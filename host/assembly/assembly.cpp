@@ -231,10 +231,10 @@ class Assembler {
     NodeLookup lookup() const { return {input_.tree, cells_, extras_, numbering_}; }
 
     void store_point(NodeId id, double x, double y, double z) {
-        const auto& origin = input_.model.origin;
-        mesh_.points[3 * std::size_t{id}] = origin[0] + input_.model.side * x;
-        mesh_.points[3 * std::size_t{id} + 1] = origin[1] + input_.model.side * y;
-        mesh_.points[3 * std::size_t{id} + 2] = origin[2] + input_.model.side * z;
+        const Vec3 local = {x, y, z};
+        for (std::size_t j = 0; j < 3; ++j)
+            mesh_.points[3 * std::size_t{id} + j] =
+                model_coordinate(input_.model.origin[j], input_.model.side, local[j]);
     }
 
     /// Owned roots and extra nodes of CNIO leaves; their owned grid vertices come from the device.

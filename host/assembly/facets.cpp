@@ -2,11 +2,10 @@
 
 #include <algorithm>
 
+#include "kernels/shared/lattice.h"
+
 namespace mortise::assembly {
 namespace {
-
-/// Whether the frame of face f (kernels/shared/lattice.h) is counter-clockwise seen from outside its cell.
-bool frame_points_outward(int f) { return (f / 2 != 1) == ((f & 1) != 0); }
 
 /// First surface of a leaf: the name of last resort for a facet that lies on none.
 std::uint32_t any_surface(const octree::Octree& tree, std::uint32_t nio) {
@@ -42,8 +41,8 @@ Neighbour across(const Here& here, int p, bool quarter) {
     const Tree tree = here.input.tree.view();
     const int f = p / 4;
     const int axis = f / 2;
-    const int u = axis == 0 ? 1 : 0;
-    const int v = axis == 2 ? 1 : 2;
+    const int u = first_other(axis);
+    const int v = second_other(axis);
     Leaf leaf;
     if (quarter) {
         int half[3];

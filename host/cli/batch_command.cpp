@@ -18,6 +18,7 @@
 #include "host/cli/quality_text.hpp"
 #include "host/cli/refusals.hpp"
 #include "host/cli/signals.hpp"
+#include "host/cli/text.hpp"
 #include "host/cli/worker_pool.hpp"
 #include "host/device/environment.hpp"
 #include "mortise/check.hpp"

@@ -3,6 +3,7 @@
 #include "host/cli/documents.hpp"
 #include "host/cli/files.hpp"
 #include "host/cli/quality_text.hpp"
+#include "host/cli/text.hpp"
 #include "mortise/io.hpp"
 
 namespace mortise::cli {

@@ -4,6 +4,7 @@
 #include "host/cli/commands.hpp"
 #include "host/cli/documents.hpp"
 #include "host/cli/files.hpp"
+#include "host/cli/text.hpp"
 #include "host/device/device.hpp"
 #include "host/device/doctor.hpp"
 

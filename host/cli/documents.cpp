@@ -1,11 +1,8 @@
-// See documents.hpp.
 #include "host/cli/documents.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <cstdio>
 
-#include "host/common/parallel.hpp"
+#include "host/cli/text.hpp"
 
 namespace mortise::cli {
 namespace {
@@ -52,91 +49,6 @@ Json missed_document(const std::vector<MissedFeature>& missed) {
 }
 
 }  // namespace
-
-void MeshFigures::add_outline(const Mesh& mesh) {
-    regions = mesh.region_names;
-    in_region.resize(regions.size());
-    surfaces = mesh.surface_names;
-    on_surface.resize(surfaces.size());
-    for (const std::uint32_t surface : mesh.facets.surface) ++on_surface[surface];
-}
-
-void MeshFigures::add_elements(const Mesh& mesh, const std::vector<float>& jacobians, int threads) {
-    struct Part {
-        float worst = 1;
-        std::array<std::uint64_t, 4> kinds{};
-        std::vector<std::uint64_t> in_region;
-    };
-    constexpr std::size_t kChunk = std::size_t{1} << 17;
-    nodes += mesh.node_count();
-    std::size_t first = 0;
-    for (std::size_t t = 0; t < kElementTypes; ++t) {
-        const ElementBlock& block = mesh.elements[t];
-        std::vector<Part> parts(chunk_count(block.size(), kChunk));
-        parallel_chunks(block.size(), kChunk, threads, [&](std::size_t begin, std::size_t end, int) {
-            Part part;
-            part.in_region.resize(in_region.size());
-            for (std::size_t i = begin; i < end; ++i) {
-                part.worst = std::min(part.worst, jacobians[first + i]);
-                if (block.kind[i] < part.kinds.size()) ++part.kinds[block.kind[i]];
-                ++part.in_region[block.region[i] - 1u];
-            }
-            parts[begin / kChunk] = std::move(part);
-        });
-        for (const Part& part : parts) {
-            min_scaled_jacobian[t] = std::min(min_scaled_jacobian[t], static_cast<double>(part.worst));
-            for (std::size_t k = 0; k < kinds.size(); ++k) kinds[k] += part.kinds[k];
-            for (std::size_t r = 0; r < in_region.size(); ++r) in_region[r] += part.in_region[r];
-        }
-        elements[t] += block.size();
-        first += block.size();
-    }
-}
-
-namespace {
-
-/// The first of the worst; `worst`: its scaled Jacobian.
-Vec3 worst_place(const Mesh& mesh, const std::vector<float>& jacobians, double worst) {
-    const auto found = std::find_if(jacobians.begin(), jacobians.end(),
-                                    [worst](float value) { return !(static_cast<double>(value) > worst); });
-    if (found == jacobians.end()) return worst_place(mesh, jacobians, HUGE_VAL);  // rounded up from 1
-    auto index = static_cast<std::size_t>(found - jacobians.begin());
-    std::size_t type = 0;
-    while (index >= mesh.elements[type].size()) index -= mesh.elements[type++].size();
-    const auto count = static_cast<std::size_t>(kElementNodes[type]);
-    Vec3 place{};
-    for (std::size_t k = 0; k < count; ++k) {
-        const NodeId node = mesh.elements[type].nodes[count * index + k];
-        for (std::size_t j = 0; j < 3; ++j)
-            place[j] += mesh.points[3 * node + j] / static_cast<double>(count);
-    }
-    return place;
-}
-
-}  // namespace
-
-MeshFigures figures_of(const Mesh& mesh, const std::vector<float>& jacobians, int threads) {
-    MeshFigures figures;
-    figures.add_outline(mesh);
-    figures.add_elements(mesh, jacobians, threads);
-    if (!jacobians.empty()) {
-        const auto& least = figures.min_scaled_jacobian;
-        figures.worst_place = worst_place(mesh, jacobians, *std::min_element(least.begin(), least.end()));
-    }
-    return figures;
-}
-
-bool warn_of_slivers(const MeshFigures& figures, const MeshOptions& options, MeshReport& report) {
-    constexpr double kVeryLow = 0.05;
-    const auto& lowest = figures.min_scaled_jacobian;
-    const double worst = *std::min_element(lowest.begin(), lowest.end());
-    if (!options.improve || !(worst < kVeryLow)) return false;
-    const std::string place = figures.worst_place ? ", at " + place_text(*figures.worst_place) : "";
-    report.warnings.push_back("the lowest scaled Jacobian is " + short_number(worst, 2) + place +
-                              ": the model has a wall, gap or angle there that is too thin for these cells; "
-                              "--refine 2 makes them smaller where that helps");
-    return true;
-}
 
 Json mesh_document(const MeshReport& report, const MeshFigures& figures) {
     Json json;
@@ -229,40 +141,6 @@ std::string to_line(const Json& document) {
 
 std::string to_text(const Json& document) {
     return document.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
-}
-
-std::string list_elements(const std::array<std::uint64_t, kElementTypes>& elements) {
-    std::string list;
-    for (std::size_t t = 0; t < kElementTypes; ++t) {
-        if (elements[t] == 0) continue;
-        list += (list.empty() ? "" : ", ") + std::to_string(elements[t]) + " " + kElementNames[t];
-    }
-    return list.empty() ? "no elements" : list;
-}
-
-std::string list_jacobians(const std::array<std::uint64_t, kElementTypes>& elements,
-                           const std::array<double, kElementTypes>& jacobians) {
-    std::string list;
-    for (std::size_t t = 0; t < kElementTypes; ++t) {
-        if (elements[t] == 0) continue;
-        list += (list.empty() ? "" : ", ") + short_number(jacobians[t], 3) + " " + kElementNames[t];
-    }
-    return list.empty() ? "none" : list;
-}
-
-std::string place_text(const Vec3& place) {
-    return "(" + short_number(place[0], 6) + ", " + short_number(place[1], 6) + ", " +
-           short_number(place[2], 6) + ")";
-}
-
-std::string short_number(double value, int digits) {
-    char text[40];
-    std::snprintf(text, sizeof text, "%.*g", digits, value);
-    return text;
-}
-
-std::string describe(const Defect& defect) {
-    return std::to_string(defect.count) + " × " + defect.what + ", first: " + defect.first;
 }
 
 }  // namespace mortise::cli

@@ -5,6 +5,7 @@
 #include "host/cli/documents.hpp"
 #include "host/cli/files.hpp"
 #include "host/cli/progress.hpp"
+#include "host/cli/text.hpp"
 
 namespace mortise::cli {
 namespace {
@@ -14,19 +15,14 @@ constexpr std::array<const char*, 9> kPrimitiveNames = {
     "convex", "sphere", "cylinder", "cone", "double_cone", "torus", "expression", "polyhedron", "rounded"};
 static_assert(kPrimitiveNames.size() == static_cast<std::size_t>(Primitive::Kind::kRounded) + 1);
 
-std::string corner_text(const Vec3& corner) {
-    return "(" + short_number(corner[0]) + ", " + short_number(corner[1]) + ", " + short_number(corner[2]) +
-           ")";
-}
-
 /// Bounds and surfaces; the text names the first of many.
 void add_summary(const ModelSummary& summary, Json& document, std::string& text) {
     constexpr std::size_t kMostNames = 12;
     document["bounds"] = nullptr;
     if (summary.bounds) {
         document["bounds"] = {{"min", summary.bounds->min}, {"max", summary.bounds->max}};
-        text += "  bounds     " + corner_text(summary.bounds->min) + " to " +
-                corner_text(summary.bounds->max) + ", roughly\n";
+        text += "  bounds     " + place_text(summary.bounds->min) + " to " + place_text(summary.bounds->max) +
+                ", roughly\n";
     } else {
         document["unbounded"] = summary.unbounded;
         text += "  bounds     none: " + one_line(summary.unbounded) + "\n";
@@ -77,7 +73,7 @@ ExitCode info_command(const Arguments& arguments) {
     document["box"] = nullptr;
     if (model.clip) {
         document["box"] = {{"min", model.clip->min}, {"max", model.clip->max}};
-        text += "  box        " + corner_text(model.clip->min) + " to " + corner_text(model.clip->max) + "\n";
+        text += "  box        " + place_text(model.clip->min) + " to " + place_text(model.clip->max) + "\n";
     }
     document["size_hints"] = model.hints.size();
     if (!model.hints.empty())

@@ -5,6 +5,7 @@
 #include "host/cli/documents.hpp"
 #include "host/cli/files.hpp"
 #include "host/cli/kernels_ahead.hpp"
+#include "host/cli/text.hpp"
 #include "host/device/environment.hpp"
 
 namespace mortise::cli {

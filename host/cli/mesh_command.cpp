@@ -15,6 +15,7 @@
 #include "host/cli/quality_text.hpp"
 #include "host/cli/refusals.hpp"
 #include "host/cli/signals.hpp"
+#include "host/cli/text.hpp"
 #include "mortise/io.hpp"
 
 namespace mortise::cli {

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "host/cli/text.hpp"
+
 namespace mortise::cli {
 namespace {
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "host/cli/quality_text.hpp"
+#include "host/cli/text.hpp"
 #include "mortise/quality.hpp"
 
 namespace mortise::cli {
@@ -20,6 +21,18 @@ void refuse_inverted(const MeshFigures& figures) {
                                             kElementNames[t] + " is " +
                                             short_number(figures.min_scaled_jacobian[t]) + kNothingWritten);
     }
+}
+
+bool warn_of_slivers(const MeshFigures& figures, const MeshOptions& options, MeshReport& report) {
+    constexpr double kVeryLow = 0.05;
+    const auto& lowest = figures.min_scaled_jacobian;
+    const double worst = *std::min_element(lowest.begin(), lowest.end());
+    if (!options.improve || !(worst < kVeryLow)) return false;
+    const std::string place = figures.worst_place ? ", at " + place_text(*figures.worst_place) : "";
+    report.warnings.push_back("the lowest scaled Jacobian is " + short_number(worst, 2) + place +
+                              ": the model has a wall, gap or angle there that is too thin for these cells; "
+                              "--refine 2 makes them smaller where that helps");
+    return true;
 }
 
 void refuse_defects(const CheckReport& check) {

@@ -1,8 +1,9 @@
 // Meshes that are not handed out, or only with a complaint.
 #pragma once
 
-#include "host/cli/documents.hpp"
+#include "host/cli/figures.hpp"
 #include "mortise/check.hpp"
+#include "mortise/mesher.hpp"
 
 namespace mortise::cli {
 
@@ -12,6 +13,10 @@ void refuse_inverted(const MeshFigures& figures);
 
 /// Throws Error(kMeshing) for the first defect.
 void refuse_defects(const CheckReport& check);
+
+/// Adds a warning of the worst element, and what to do about it, if it is far below what improvement leaves
+/// elsewhere; whether it did. Meshes that were not improved have none.
+bool warn_of_slivers(const MeshFigures& figures, const MeshOptions& options, MeshReport& report);
 
 /// How many scaled Jacobians are below the floor; a negative floor asks for nothing.
 std::uint64_t count_below(const std::vector<float>& jacobians, double floor);

@@ -186,8 +186,8 @@ void Cell::settle_pole(LocalNode node, int face) {
     LatticePoint pole;
     if (!pole_at(face, pole) || nodes_[node].point != pole) return;
     for (const std::uint32_t surface : pole_->through) {
-        const auto at = std::lower_bound(surfaces_.begin(), surfaces_.end(), surface);
-        set_sign(node, static_cast<std::size_t>(at - surfaces_.begin()), 0);
+        const std::size_t place = surface_place(surface);
+        if (place < surfaces_.size()) set_sign(node, place, 0);
     }
 }
 

@@ -26,10 +26,6 @@ std::uint8_t middles_of(const int* at) {
 /// The place (-1 … 1) that a half-cell (-1 … 2) lies in.
 int place_of(int half) { return half < 0 ? -1 : half > 1 ? 1 : 0; }
 
-/// The two axes other than this one.
-int first_other(int axis) { return axis == 0 ? 1 : 0; }
-int second_other(int axis) { return axis == 2 ? 1 : 2; }
-
 }  // namespace
 
 void Cell::position(const LatticePoint& p, double* x) const {
@@ -193,6 +189,37 @@ void Cell::load_tape() {
 }
 
 /// Which leaves touch the cell, and the active sets of those that share more than a vertex with it.
+/// Enters the half-cells of the place in direction d that touch the cell: those of leaf `nio`, or, if that is
+/// kNoNio, the smaller leaves there, each with a row of its own.
+void Cell::mark_half_cells(const Tree& tree, const i32* d, std::uint32_t nio) {
+    int low[3];
+    int high[3];
+    for (int j = 0; j < 3; ++j) {
+        low[j] = d[j] < 0 ? -1 : d[j] > 0 ? 2 : 0;
+        high[j] = d[j] < 0 ? -1 : d[j] > 0 ? 2 : 1;
+    }
+    const u32 half = leaf_edge(&tree, level_) / 2;
+    for (int z = low[2]; z <= high[2]; ++z) {
+        for (int y = low[1]; y <= high[1]; ++y) {
+            for (int x = low[0]; x <= high[0]; ++x) {
+                const auto h = static_cast<std::size_t>(half_index(x, y, z));
+                if (nio != kNoNio) {
+                    half_.nio[h] = nio;
+                    half_.row[h] = static_cast<std::uint8_t>(rows_);
+                    continue;
+                }
+                const Leaf fine = leaf_at(&tree, morton_encode(xyz_[0] + half * static_cast<u32>(x),
+                                                               xyz_[1] + half * static_cast<u32>(y),
+                                                               xyz_[2] + half * static_cast<u32>(z)));
+                if (fine.kind != kLeafNio || fine.level != level_ + 1) continue;
+                half_.nio[h] = fine.index;
+                half_.row[h] = static_cast<std::uint8_t>(rows_);
+                load_row(rows_++, fine.index);
+            }
+        }
+    }
+}
+
 void Cell::load_surroundings() {
     const std::size_t n = surfaces_.size();
     const Tree tree = tree_.view();
@@ -222,33 +249,7 @@ void Cell::load_surroundings() {
         } else {
             continue;
         }
-        // The place's half-cells that touch the cell.
-        int low[3];
-        int high[3];
-        for (int j = 0; j < 3; ++j) {
-            low[j] = d[j] < 0 ? -1 : d[j] > 0 ? 2 : 0;
-            high[j] = d[j] < 0 ? -1 : d[j] > 0 ? 2 : 1;
-        }
-        const u32 half = edge / 2;
-        for (int z = low[2]; z <= high[2]; ++z) {
-            for (int y = low[1]; y <= high[1]; ++y) {
-                for (int x = low[0]; x <= high[0]; ++x) {
-                    const auto h = static_cast<std::size_t>(half_index(x, y, z));
-                    if (nio != kNoNio) {
-                        half_.nio[h] = nio;
-                        half_.row[h] = static_cast<std::uint8_t>(rows_);
-                        continue;
-                    }
-                    const Leaf fine = leaf_at(&tree, morton_encode(xyz_[0] + half * static_cast<u32>(x),
-                                                                   xyz_[1] + half * static_cast<u32>(y),
-                                                                   xyz_[2] + half * static_cast<u32>(z)));
-                    if (fine.kind != kLeafNio || fine.level != level_ + 1) continue;
-                    half_.nio[h] = fine.index;
-                    half_.row[h] = static_cast<std::uint8_t>(rows_);
-                    load_row(rows_++, fine.index);
-                }
-            }
-        }
+        mark_half_cells(tree, d, nio);
         if (nio != kNoNio) ++rows_;
     }
     units_ = half_.subdivided != 0 ? 2 * kCellUnits : kCellUnits;
@@ -263,9 +264,8 @@ void Cell::load_row(std::size_t row, std::uint32_t nio) {
     for (std::uint32_t i = 0; i < node.tape_length; ++i) {
         const std::uint32_t word = tree_.tapes[node.tape_offset + i];
         if (tape_operation(word) != kTapeLiteral) continue;
-        const auto found = std::lower_bound(surfaces_.begin(), surfaces_.end(), tape_surface(word));
-        if (found != surfaces_.end() && *found == tape_surface(word))
-            active_[row * n + static_cast<std::size_t>(found - surfaces_.begin())] = 1;
+        const std::size_t place = surface_place(tape_surface(word));
+        if (place < n) active_[row * n + place] = 1;
     }
     if (crowded_) active_[row * n + n - 1] = tree_.is_crowded(node.morton) ? 1 : 0;
     if (joint_ == nullptr) return;

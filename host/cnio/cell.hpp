@@ -61,8 +61,8 @@ enum class FaceMode : std::uint8_t { kWhole, kCut, kFan, kHanging, kSplit };
 
 /// What did not go as planned, for the report.
 struct CellCounters {
-    std::uint64_t snapped =
-        0;  ///< nodes that count as on a surface because a split so close to them was refused
+    /// Nodes that count as on a surface because a split so close to them was refused.
+    std::uint64_t snapped = 0;
     std::uint64_t refused = 0;      ///< splits that would have made a flat simplex
     std::uint64_t limited = 0;      ///< times that work was cut short: too many surfaces
     std::uint64_t unresolved = 0;   ///< simplices labelled by their centroid, part of which lies elsewhere
@@ -216,8 +216,7 @@ class Cell {
     LocalNode add_node(const LatticePoint& p, std::uint8_t faces, std::uint16_t code = kExtraCode,
                        std::uint8_t middles = 0);
     void remove_last_node() { keep_nodes(nodes_.size() - 1); }
-    /// Removes all nodes inside the cell.
-    void empty() {
+    void drop_inner_nodes() {
         keep_nodes(border_nodes_);
         misplaced_ = border_misplaced_;
     }
@@ -259,6 +258,13 @@ class Cell {
     CellCounters counters;
 
   private:
+    /// Place of a surface of the model among the cell's, those that stand for others left aside; their
+    /// number: it is none of them.
+    std::size_t surface_place(std::uint32_t surface) const {
+        const auto found = std::lower_bound(surfaces_.begin(), surfaces_.end(), surface);
+        const bool is_own = found != surfaces_.end() && *found == surface;
+        return is_own ? static_cast<std::size_t>(found - surfaces_.begin()) : surfaces_.size();
+    }
     void keep_nodes(std::size_t count) {
         nodes_.resize(count);
         signs_.resize(count * surfaces_.size());
@@ -279,8 +285,6 @@ class Cell {
                                                  const NearSurfaces& near) const;
     std::vector<std::uint32_t> model_surfaces(const std::vector<std::size_t>& surfaces,
                                               const double* x) const;
-    bool only_touches(std::size_t surface, const LocalNode* nodes, std::size_t count) const;
-    bool is_crowding(const ApexSearch& search, const LatticePoint& apex) const;
     bool apex_on(const ApexSearch& search, const std::vector<std::size_t>& surfaces,
                  LatticePoint& apex) const;
     bool is_joint(std::size_t surface) const { return joint_ != nullptr && surface + 1 == surfaces_.size(); }
@@ -290,17 +294,22 @@ class Cell {
     LocalNode append_node(const LatticePoint& p, std::uint8_t faces, std::uint16_t code, std::uint8_t middles,
                           double size);
     void load_surroundings();
+    void mark_half_cells(const Tree& tree, const i32* d, std::uint32_t nio);
     void load_tape();
     void load_row(std::size_t row, std::uint32_t nio);
     void load_corners();
-    void snap_corner(LocalNode corner);
-    std::size_t odd_corner(const Patch& patch) const;
     void load_edges();
     void load_edge(int e);
     void load_cross(int f);
     LocalNode grid_vertex(int x, int y, int z);
     void load_segment(LocalNode low, LocalNode high, int axis, const std::uint8_t* active, const Scale& scale,
                       std::uint16_t code, std::vector<LocalNode>& out);
+    // snapped.cpp
+    void snap_corner(LocalNode corner);
+    std::size_t odd_corner(const Patch& patch) const;
+    int middle_sign(std::size_t surface, const Patch& patch) const;
+    bool is_crowding(const ApexSearch& search, const LatticePoint& apex) const;
+    bool only_touches(std::size_t surface, const LocalNode* nodes, std::size_t count) const;
     // joint.cpp
     void load_joint();
     std::uint32_t surface_at(std::size_t surface, const double* x, bool* negated) const;
@@ -334,13 +343,25 @@ class Cell {
     void partition_face(int f);
     void partition_quarter(int f, int u, int v);
     void partition_patch(const Patch& patch, const std::vector<LocalNode>& loop, int p);
-    int middle_sign(std::size_t surface, const Patch& patch) const;
     FaceMode patch_mode(const std::vector<LocalNode>& loop, const Patch& patch);
     void divide_hanging(const std::vector<LocalNode>& loop, const Patch& patch, std::vector<Facet>& facets);
     void cut_patch(const std::vector<LocalNode>& loop, const Patch& patch, std::vector<Facet>& facets);
     void fan_patch(const std::vector<LocalNode>& loop, const Patch& patch, std::vector<Facet>& facets);
     void order_patch(const std::uint8_t* active);
     bool split_patch(const Patch& patch, std::size_t k, int round);
+    void list_mixed_edges(const Patch& patch, std::size_t p);
+    bool splits_flat(std::uint16_t a, std::uint16_t b, LocalNode middle) const;
+    void split_fan(std::uint16_t a, std::uint16_t b);
+    /// Which side of a triangle of the fan an edge is, whichever way round; 3: none.
+    static std::size_t side_of(const std::array<std::uint16_t, 3>& triangle, std::uint16_t a,
+                               std::uint16_t b) {
+        std::size_t i = 0;
+        for (; i < 3; ++i) {
+            const std::uint16_t u = triangle[i], v = triangle[(i + 1) % 3];
+            if ((u == a && v == b) || (u == b && v == a)) break;
+        }
+        return i;
+    }
     void load_certain_signs(const std::uint16_t* corners, std::size_t count, const std::uint8_t* active);
     /// The signs at hand of the face's active surfaces, in the order of both cells' tapes.
     template <class SignOf>
@@ -358,7 +379,7 @@ class Cell {
     bool matters(std::size_t surface) const;
     bool is_resolved() const;
     void add_polygon(const std::vector<LocalNode>& polygon, const Patch& patch, std::vector<Facet>& facets);
-    bool flat(LocalNode a, LocalNode b, LocalNode c) const;
+    bool is_flat(LocalNode a, LocalNode b, LocalNode c) const;
     /// Whether an edge of a face mesh lies within the face, not on its border.
     bool is_inner(const Patch& patch, LocalNode a, LocalNode b) const {
         return (nodes_[a].faces & nodes_[b].faces) == 1u << patch.face &&

@@ -17,15 +17,8 @@ constexpr std::int64_t kSampleWeight = 8;
 constexpr double kShortestBulge = 0.1;  ///< edge that is looked at, in cells
 constexpr double kLeastBulge = 0.02;    ///< cells
 
-constexpr int kCapHalvings =
-    16;  ///< the last cap is 5e-6 of a cell high: below it no sign changes (kSignTolerance)
-
-/// Nodes of a face facet seen from outside the cell: the face's frame is left-handed for three of the six
-/// faces.
-bool frame_points_outward(int f) {
-    const bool right_handed = f / 2 != 1;  // (y, z), (x, z), (x, y)
-    return right_handed == ((f & 1) != 0);
-}
+/// The last cap is 5e-6 of a cell high: below it no sign changes (kSignTolerance).
+constexpr int kCapHalvings = 16;
 
 }  // namespace
 
@@ -62,7 +55,7 @@ void Certificate::find_cone() {
     LatticePoint tried[kMostApexSurfaces];
     std::size_t count = 0;
     const auto fill = [&](const LatticePoint& at) {
-        cell_.empty();
+        cell_.drop_inner_nodes();
         cell_.counters = before;
         clear();
         fill_cone(at);

@@ -4,8 +4,7 @@
 //    pyramid; where a surface passes between, that has an apex of its own, the cap, and four tetrahedra join
 //    the cap to the cell's apex.
 // 2. Bisection: for each active surface in turn, every edge inside the cell whose ends lie on different sides
-// is
-//    split at the root; new nodes inherit their signs for the surfaces already done.
+//    is split at the root; new nodes inherit their signs for the surfaces already done.
 // 3. Labels: each simplex has one sign per surface, and the pruned tape turns these into its region.
 // A cell without surfaces, beside finer leaves, is filled from a table instead (transition.hpp).
 // All positions are on the lattice and every simplex is exactly positive. A split that would make one too
@@ -147,6 +146,10 @@ class Certificate {
     std::uint8_t unfit_corners() const;
     void collect(CellRecord& record, CellArena& arena);
     void collect_face_facets(CellRecord& record, CellArena& arena);
+    bool has_one_region() const;
+    template <class Visit>
+    void for_sides_of(std::size_t owner, const Visit& visit) const;
+    void list_sides();
     void collect_inner_facets(CellRecord& record, CellArena& arena);
     std::uint32_t facet_surface(const LocalNode* node, std::size_t count, const std::int8_t* a,
                                 const std::int8_t* b) const;

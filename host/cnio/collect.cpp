@@ -187,36 +187,35 @@ void Certificate::collect_face_facets(CellRecord& record, CellArena& arena) {
     record.first_face_facet[kPatches] = static_cast<std::uint32_t>(arena.face_facets.size());
 }
 
-void Certificate::collect_inner_facets(CellRecord& record, CellArena& arena) {
-    record.first_facet = static_cast<std::uint32_t>(arena.facets.size());
+bool Certificate::has_one_region() const {
     std::int32_t low = 0x7fffffff;
     std::int32_t high = -1;
-    for (const std::int32_t region : simplex_region_) {
-        low = std::min(low, region);
-        high = std::max(high, region);
+    for (const auto* regions : {&simplex_region_, &pyramid_region_}) {
+        for (const std::int32_t region : *regions) {
+            low = std::min(low, region);
+            high = std::max(high, region);
+        }
     }
-    for (const std::int32_t region : pyramid_region_) {
-        low = std::min(low, region);
-        high = std::max(high, region);
+    return low >= high;
+}
+
+/// Calls visit(a, b, c) for the triangles of an owner: a simplex, or behind these a pyramid.
+template <class Visit>
+void Certificate::for_sides_of(std::size_t owner, const Visit& visit) const {
+    const bool is_simplex = owner < simplices_.size();
+    const LocalNode* const v =
+        is_simplex ? simplices_[owner].node.data() : pyramids_[owner - simplices_.size()].node.data();
+    const LocalFaces faces = is_simplex ? local_faces(ElementType::kTetrahedron)
+                                        : LocalFaces{kPyramidFaces.data() + 1, 4};  // the base lies in a face
+    for (int f = 0; f < faces.count; ++f) {
+        const LocalFace& face = faces.faces[f];
+        visit(v[face[0]], v[face[1]], v[face[2]]);
     }
-    if (low >= high) return;  // one region, or nothing
+}
+
+/// Fills sides_ with the triangles inside the cell, equal ones side by side.
+void Certificate::list_sides() {
     const auto& nodes = cell_.nodes();
-    // Owners are simplices, and pyramids behind them.
-    const auto for_sides_of = [&](std::size_t owner, const auto& visit) {
-        if (owner < simplices_.size()) {
-            const auto& v = simplices_[owner].node;
-            for (const LocalFace& face : kTetrahedronFaces)
-                visit(v[static_cast<std::size_t>(face[0])], v[static_cast<std::size_t>(face[1])],
-                      v[static_cast<std::size_t>(face[2])]);
-            return;
-        }
-        const auto& v = pyramids_[owner - simplices_.size()].node;
-        for (std::size_t f = 1; f < kPyramidFaces.size(); ++f) {
-            const LocalFace& face = kPyramidFaces[f];
-            visit(v[static_cast<std::size_t>(face[0])], v[static_cast<std::size_t>(face[1])],
-                  v[static_cast<std::size_t>(face[2])]);
-        }
-    };
     sides_.clear();
     for (std::size_t owner = 0; owner < simplices_.size() + pyramids_.size(); ++owner) {
         for_sides_of(owner, [&](LocalNode a, LocalNode b, LocalNode c) {
@@ -225,6 +224,12 @@ void Certificate::collect_inner_facets(CellRecord& record, CellArena& arena) {
         });
     }
     std::sort(sides_.begin(), sides_.end());
+}
+
+void Certificate::collect_inner_facets(CellRecord& record, CellArena& arena) {
+    record.first_facet = static_cast<std::uint32_t>(arena.facets.size());
+    if (has_one_region()) return;
+    list_sides();
     const std::size_t n = cell_.surface_count();
     const auto region_of = [&](std::size_t owner) {
         return owner < simplices_.size() ? simplex_region_[owner]

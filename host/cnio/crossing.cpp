@@ -39,14 +39,12 @@ LatticePoint Cell::on_shared_curve(const Patch& patch, std::size_t k,
     double whole = 0;
     double parts = 0;
     for (const auto& t : fan_) {
-        for (std::size_t i = 0; i < 3; ++i) {
-            const LocalNode u = fan_nodes_[t[i]];
-            const LocalNode v = fan_nodes_[t[(i + 1) % 3]];
-            if (!((u == a && v == b) || (u == b && v == a))) continue;
-            const LatticePoint& tip = nodes_[fan_nodes_[t[(i + 2) % 3]]].point;
-            whole += twice_area(nodes_[u].point, nodes_[v].point, tip);
-            parts += twice_area(nodes_[u].point, settled, tip) + twice_area(settled, nodes_[v].point, tip);
-        }
+        const std::size_t i = side_of(t, edge[0], edge[1]);
+        if (i == 3) continue;
+        const LatticePoint &u = nodes_[fan_nodes_[t[i]]].point, &v = nodes_[fan_nodes_[t[(i + 1) % 3]]].point;
+        const LatticePoint& tip = nodes_[fan_nodes_[t[(i + 2) % 3]]].point;
+        whole += twice_area(u, v, tip);
+        parts += twice_area(u, settled, tip) + twice_area(settled, v, tip);
     }
     return parts <= (1 + kInside) * whole ? settled : at;
 }
@@ -109,7 +107,7 @@ bool Cell::insert_crossing(const Patch& patch, std::size_t p, const std::array<s
                          twice_area(nodes_[w].point, nodes_[u].point, at);
     if (parts > (1 + kInside) * whole) return false;
     const LocalNode m = add_node(at, static_cast<std::uint8_t>(1u << patch.face));
-    if (flat(u, v, m) || flat(v, w, m) || flat(w, u, m)) {
+    if (is_flat(u, v, m) || is_flat(v, w, m) || is_flat(w, u, m)) {
         remove_last_node();
         return false;
     }

@@ -93,8 +93,8 @@ void Cell::partition_face(int f) {
 /// Quarter (u, v) of a split face.
 void Cell::partition_quarter(int f, int u, int v) {
     const auto axis = static_cast<std::size_t>(f / 2);
-    const std::size_t u_axis = axis == 0 ? 1 : 0;
-    const std::size_t v_axis = axis == 2 ? 1 : 2;
+    const auto u_axis = static_cast<std::size_t>(first_other(f / 2));
+    const auto v_axis = static_cast<std::size_t>(second_other(f / 2));
     Patch patch;
     patch.face = f;
     patch.quarter = true;
@@ -330,7 +330,7 @@ void Cell::fan_patch(const std::vector<LocalNode>& loop, const Patch& patch, std
     }
 }
 
-bool Cell::flat(LocalNode a, LocalNode b, LocalNode c) const {
+bool Cell::is_flat(LocalNode a, LocalNode b, LocalNode c) const {
     const LatticePoint& p = nodes_[a].point;
     const LatticePoint& q = nodes_[b].point;
     const LatticePoint& r = nodes_[c].point;
@@ -400,16 +400,11 @@ bool Cell::ends_crease(std::size_t p, const std::array<std::uint16_t, 2>& edge, 
     return matters(p);
 }
 
-/// Splits the face's mixed inner edges for surface p; tells whether there were any. Only what matters is
-/// split: it makes fewer triangles, and beside an edge of the cell where several surfaces are not active, the
-/// splits would not end.
-bool Cell::split_patch(const Patch& patch, std::size_t k, int round) {
-    keep_watch();
-    bool any = false;
-    const std::size_t p = patch_order_[k];
+/// Fills mixed_ with the face's mixed inner edges that surface p has to cut. Only what matters is split: it
+/// makes fewer triangles, and beside an edge of the cell where several surfaces are not active, the splits
+/// would not end.
+void Cell::list_mixed_edges(const Patch& patch, std::size_t p) {
     const std::uint8_t* active = patch_active_.data();
-    // Of the face, not of the cell: both sides must stop at the same triangle.
-    const std::size_t on_face = patch_order_.size();
     mixed_.clear();
     for (const auto& t : fan_) {
         const std::size_t before = mixed_.size();
@@ -432,6 +427,40 @@ bool Cell::split_patch(const Patch& patch, std::size_t k, int round) {
     }
     std::sort(mixed_.begin(), mixed_.end());
     mixed_.erase(std::unique(mixed_.begin(), mixed_.end()), mixed_.end());
+}
+
+/// Whether a node on an edge of the fan makes one of the triangles there flat.
+bool Cell::splits_flat(std::uint16_t a, std::uint16_t b, LocalNode middle) const {
+    for (const auto& t : fan_) {
+        const std::size_t i = side_of(t, a, b);
+        if (i == 3) continue;
+        const LocalNode u = fan_nodes_[t[i]], v = fan_nodes_[t[(i + 1) % 3]], w = fan_nodes_[t[(i + 2) % 3]];
+        if (is_flat(u, middle, w) || is_flat(middle, v, w)) return true;
+    }
+    return false;
+}
+
+/// Divides the triangles at an edge of the fan by the fan's last node.
+void Cell::split_fan(std::uint16_t a, std::uint16_t b) {
+    const auto middle = static_cast<std::uint16_t>(fan_nodes_.size() - 1);
+    const std::size_t count = fan_.size();
+    for (std::size_t t = 0; t < count; ++t) {
+        const std::size_t i = side_of(fan_[t], a, b);
+        if (i == 3) continue;
+        const std::uint16_t u = fan_[t][i], v = fan_[t][(i + 1) % 3], w = fan_[t][(i + 2) % 3];
+        fan_[t] = {u, middle, w};
+        fan_.push_back({middle, v, w});
+    }
+}
+
+/// Splits the face's mixed inner edges for surface p; tells whether there were any.
+bool Cell::split_patch(const Patch& patch, std::size_t k, int round) {
+    keep_watch();
+    bool any = false;
+    const std::size_t p = patch_order_[k];
+    // Of the face, not of the cell: both sides must stop at the same triangle.
+    const std::size_t on_face = patch_order_.size();
+    list_mixed_edges(patch, p);
     for (const auto& [a, b] : mixed_) {
         const LocalNode na = fan_nodes_[a];
         const LocalNode nb = fan_nodes_[b];
@@ -446,40 +475,15 @@ bool Cell::split_patch(const Patch& patch, std::size_t k, int round) {
             continue;
         }
         at = on_shared_curve(patch, k, {a, b}, at, round);
-        const LocalNode m = split_node(patch_order_, k, na, nb, at, round, active);
-        const auto local = static_cast<std::uint16_t>(fan_nodes_.size());
-        fan_nodes_.push_back(m);
-        bool refused = false;
-        const std::size_t count = fan_.size();
-        for (std::size_t i = 0; i < count && !refused; ++i) {
-            for (std::size_t j = 0; j < 3; ++j) {
-                const std::uint16_t u = fan_[i][j];
-                const std::uint16_t v = fan_[i][(j + 1) % 3];
-                const std::uint16_t w = fan_[i][(j + 2) % 3];
-                if ((u == a && v == b) || (u == b && v == a)) {
-                    refused = refused || flat(fan_nodes_[u], m, fan_nodes_[w]) ||
-                              flat(m, fan_nodes_[v], fan_nodes_[w]);
-                }
-            }
-        }
-        if (refused) {
-            fan_nodes_.pop_back();
+        const LocalNode m = split_node(patch_order_, k, na, nb, at, round, patch_active_.data());
+        if (splits_flat(a, b, m)) {
             remove_last_node();
             if (!snap_end(p, na, nb, at, kSnapDistance, true)) ++counters.refused;
             continue;
         }
+        fan_nodes_.push_back(m);
+        split_fan(a, b);
         any = true;
-        for (std::size_t i = 0; i < count; ++i) {
-            for (std::size_t j = 0; j < 3; ++j) {
-                const std::uint16_t u = fan_[i][j];
-                const std::uint16_t v = fan_[i][(j + 1) % 3];
-                const std::uint16_t w = fan_[i][(j + 2) % 3];
-                if (!((u == a && v == b) || (u == b && v == a))) continue;
-                fan_[i] = {u, local, w};
-                fan_.push_back({local, v, w});
-                break;
-            }
-        }
     }
     return any;
 }

@@ -12,11 +12,8 @@ namespace mortise::cnio {
 void Cell::load_joint() {
     joint_ = tree_.joint_in(leaf_.morton);
     if (joint_ == nullptr) return;
-    const auto place = [this](std::uint32_t surface) {
-        return static_cast<std::size_t>(std::lower_bound(surfaces_.begin(), surfaces_.end(), surface) -
-                                        surfaces_.begin());
-    };
-    joined_ = {place(joint_->joint.chooser), place(joint_->joint.inside), place(joint_->joint.outside)};
+    joined_ = {surface_place(joint_->joint.chooser), surface_place(joint_->joint.inside),
+               surface_place(joint_->joint.outside)};
     surfaces_.push_back(octree::kJointSurface);
 }
 
@@ -92,11 +89,7 @@ void Cell::load_patch_tapes(const Patch& patch) {
     tape::list_surfaces(words, length, other_surfaces_);
     other_tape_.load(words, length, other_surfaces_);
     other_to_own_.clear();
-    for (const std::uint32_t surface : other_surfaces_) {
-        const auto found = std::lower_bound(surfaces_.begin(), surfaces_.end(), surface);
-        const bool own = found != surfaces_.end() && *found == surface;
-        other_to_own_.push_back(own ? static_cast<std::size_t>(found - surfaces_.begin()) : surfaces_.size());
-    }
+    for (const std::uint32_t surface : other_surfaces_) other_to_own_.push_back(surface_place(surface));
 }
 
 }  // namespace mortise::cnio

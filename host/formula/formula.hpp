@@ -54,8 +54,8 @@ struct FormulaSet {
         std::uint32_t a = 0;   ///< kSurface: node of the formula; else index of a node here
         std::uint32_t b = 0;   ///< unions and intersections only
         bool negated = false;  ///< kSurface: the set is { -f <= 0 }
-        bool partial =
-            false;  ///< kSurface: f may not be a number, which is outside of { f <= 0 } and { -f <= 0 }
+        /// KSurface: f may not be a number, which is outside of { f <= 0 } and { -f <= 0 }.
+        bool partial = false;
     };
     std::vector<Node> nodes;  ///< children first, the last one is the whole set; shared ones occur once
 };

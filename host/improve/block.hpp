@@ -323,6 +323,13 @@ class Block : private BlockMesh {
     bool examine_edge_removal(Local a, Local b, double better_than, Change& change);
     bool examine_face_removal(std::uint32_t tetrahedron, std::size_t face, double better_than,
                               Change& change);
+    static constexpr std::size_t kLongestPolygon = 9;
+    using PolygonMiddles = std::array<std::array<std::size_t, kLongestPolygon>, kLongestPolygon>;
+    bool triangulate(const std::vector<Local>& polygon, Local a, Local b, double needed,
+                     PolygonMiddles& middle);
+    void add_over_triangles(const std::vector<Local>& polygon, const PolygonMiddles& middle, Local a, Local b,
+                            std::uint16_t region, Change& change);
+    bool diagonals_are_new(const std::vector<Local>& polygon, const Change& change, std::size_t first) const;
     bool fill_polygon(const std::vector<Local>& polygon, Local a, Local b, std::uint16_t region,
                       Change& change);
 

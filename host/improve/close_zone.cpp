@@ -56,6 +56,78 @@ std::vector<NodeId> remove_nodes(const std::vector<NodeId>& unused, int threads,
     return number;
 }
 
+/// The nodes of the zone that have moved, or are new.
+void place_nodes(const Zone& zone, const std::vector<NodeId>& node, const CellFrame& frame, Mesh& mesh) {
+    for (std::size_t i = 0; i < zone.points.size(); ++i) {
+        if (node[i] == kNone) continue;
+        if (zone.mesh_node[i] != kNone && zone.points[i] == zone.original[i]) continue;
+        if (node[i] >= mesh.node_count()) mesh.points.resize(3 * (std::size_t{node[i]} + 1));
+        for (std::size_t j = 0; j < 3; ++j)
+            mesh.points[3 * std::size_t{node[i]} + j] = frame.origin[j] + frame.cell * zone.points[i][j];
+    }
+}
+
+void append_pyramids(const Zone& zone, const std::vector<NodeId>& node, ElementBlock& block) {
+    for (const Pyramid& p : zone.pyramids) {
+        for (const ZoneNode n : p.node) block.nodes.push_back(node[n]);
+        block.region.push_back(p.region);
+        block.kind.push_back(p.kind);
+    }
+}
+
+using FacetNodes = std::array<ZoneNode, 3>;
+
+FacetNodes face_of(const Tetrahedron& t, std::size_t face) {
+    const auto& o = kOpposite[face];
+    return {t.node[o[0]], t.node[o[1]], t.node[o[2]]};
+}
+
+/// Regions in front of interfaces of the zone: facets made anew need the one on their other side.
+class Fronts {
+  public:
+    explicit Fronts(const Zone& zone) {
+        for (const Tetrahedron& t : zone.tetrahedra) {
+            for (std::size_t f = 0; f < 4; ++f) {
+                if (t.tag[f] == 0 || (t.tag[f] & (kTagInside | kTagBorder)) != 0) continue;
+                faces_.push_back({sorted(face_of(t, f)), t.region});
+            }
+        }
+        std::sort(faces_.begin(), faces_.end());
+    }
+
+    /// 0: there is none.
+    std::uint16_t region(const FacetNodes& face) const {
+        const Face wanted{sorted(face), 0};
+        const auto found = std::lower_bound(faces_.begin(), faces_.end(), wanted);
+        return found != faces_.end() && found->key == wanted.key ? found->region : std::uint16_t{0};
+    }
+
+  private:
+    struct Face {
+        FacetNodes key;
+        std::uint16_t region;
+        bool operator<(const Face& other) const { return key < other.key; }
+    };
+    static FacetNodes sorted(FacetNodes key) {
+        std::sort(key.begin(), key.end());
+        return key;
+    }
+    std::vector<Face> faces_;
+};
+
+void append_facets(const Tetrahedron& t, const std::vector<NodeId>& node, const Fronts& fronts,
+                   FacetBlock& facets) {
+    for (std::size_t f = 0; f < 4; ++f) {
+        if ((t.tag[f] & (kTagInside | kTagBorder)) != kTagInside) continue;
+        const FacetNodes face = face_of(t, f);
+        for (const ZoneNode n : face) facets.nodes.push_back(node[n]);
+        facets.nodes.push_back(node[face[2]]);
+        facets.surface.push_back(tag_surface(t.tag[f]));
+        facets.inside.push_back(t.region);
+        facets.outside.push_back((t.tag[f] & kTagInterface) != 0 ? fronts.region(face) : std::uint16_t{0});
+    }
+}
+
 }  // namespace
 
 Mesh close_zone(Mesh mesh, const CellFrame& frame, const Zone& zone, Trace* trace, Known& known) {
@@ -63,69 +135,23 @@ Mesh close_zone(Mesh mesh, const CellFrame& frame, const Zone& zone, Trace* trac
     std::vector<NodeId> unused;
     const std::vector<NodeId> node = number_nodes(zone, result.node_count(), &unused);
     known.gone.nodes.insert(known.gone.nodes.end(), unused.begin(), unused.end());
-    for (std::size_t i = 0; i < zone.points.size(); ++i) {
-        if (node[i] == kNone) continue;
-        if (zone.mesh_node[i] != kNone && zone.points[i] == zone.original[i]) continue;
-        if (node[i] >= result.node_count()) result.points.resize(3 * (std::size_t{node[i]} + 1));
-        for (std::size_t j = 0; j < 3; ++j) {
-            result.points[3 * std::size_t{node[i]} + j] = frame.origin[j] + frame.cell * zone.points[i][j];
-        }
-    }
+    place_nodes(zone, node, frame, result);
     for (std::size_t t = 0; t < kElementTypes; ++t) known.old[t] = result.elements[t].size();
     known.poor = zone.left_poor;
-    ElementBlock& pyramids = result.block(ElementType::kPyramid);
-    for (const Pyramid& p : zone.pyramids) {
-        for (const ZoneNode n : p.node) pyramids.nodes.push_back(node[n]);
-        pyramids.region.push_back(p.region);
-        pyramids.kind.push_back(p.kind);
-    }
-    FacetBlock& facets = result.facets;
-    // Facets made anew need the region on their other side.
-    struct Face {
-        std::array<ZoneNode, 3> key;
-        std::uint16_t region;
-        bool operator<(const Face& other) const { return key < other.key; }
-    };
-    std::vector<Face> fronts;
-    const auto sorted = [](std::array<ZoneNode, 3> key) {
-        std::sort(key.begin(), key.end());
-        return key;
-    };
-    for (const Tetrahedron& t : zone.tetrahedra) {
-        for (std::size_t f = 0; f < 4; ++f) {
-            if (t.tag[f] == 0 || (t.tag[f] & (kTagInside | kTagBorder)) != 0) continue;
-            const auto& o = kOpposite[f];
-            fronts.push_back({sorted({t.node[o[0]], t.node[o[1]], t.node[o[2]]}), t.region});
-        }
-    }
-    std::sort(fronts.begin(), fronts.end());
+    append_pyramids(zone, node, result.block(ElementType::kPyramid));
+    const Fronts fronts(zone);
     ElementBlock& tetrahedra = result.block(ElementType::kTetrahedron);
     for (const Tetrahedron& t : zone.tetrahedra) {
         for (const ZoneNode n : t.node) tetrahedra.nodes.push_back(node[n]);
         tetrahedra.region.push_back(t.region);
         tetrahedra.kind.push_back(t.kind);
-        for (std::size_t f = 0; f < 4; ++f) {
-            if ((t.tag[f] & (kTagInside | kTagBorder)) != kTagInside) continue;
-            const auto& o = kOpposite[f];
-            const std::array<ZoneNode, 3> face = {t.node[o[0]], t.node[o[1]], t.node[o[2]]};
-            for (const ZoneNode n : face) facets.nodes.push_back(node[n]);
-            facets.nodes.push_back(node[face[2]]);
-            facets.surface.push_back(tag_surface(t.tag[f]));
-            facets.inside.push_back(t.region);
-            std::uint16_t outside = 0;
-            if ((t.tag[f] & kTagInterface) != 0) {
-                const Face wanted{sorted(face), 0};
-                const auto found = std::lower_bound(fronts.begin(), fronts.end(), wanted);
-                if (found != fronts.end() && found->key == wanted.key) outside = found->region;
-            }
-            facets.outside.push_back(outside);
-        }
+        append_facets(t, node, fronts, result.facets);
     }
     if (trace != nullptr) {
         trace->node.resize(result.node_count(), kNone);
         for (std::size_t t = 0; t < kElementTypes; ++t)
             trace->element[t].resize(result.elements[t].size(), kNone);
-        trace->facet.resize(facets.size(), kNone);
+        trace->facet.resize(result.facets.size(), kNone);
     }
     return result;
 }

@@ -3,20 +3,14 @@
 #include "host/improve/block.hpp"
 
 namespace mortise::improve {
-namespace {
 
-constexpr std::size_t kLongestRing = 8;
-
-}  // namespace
-
-/// Triangulates the polygon, counter-clockwise seen from b, and joins it to a and b, so that the worst
-/// tetrahedron is as good as can be (Klincsek's dynamic programming).
-bool Block::fill_polygon(const std::vector<Local>& polygon, Local a, Local b, std::uint16_t region,
-                         Change& change) {
+/// Finds the triangulation of a polygon, counter-clockwise seen from b, whose worst tetrahedron with a or b
+/// is as good as can be (Klincsek's dynamic programming); middle[i][j] is the third node of the triangle over
+/// the diagonal from i to j. False if none is above `needed`.
+bool Block::triangulate(const std::vector<Local>& polygon, Local a, Local b, double needed,
+                        PolygonMiddles& middle) {
     const std::size_t n = polygon.size();
-    if (n < 3 || n > kLongestRing + 1) return n == 2;
-    double best[kLongestRing + 1][kLongestRing + 1];
-    std::size_t middle[kLongestRing + 1][kLongestRing + 1] = {};
+    double best[kLongestPolygon][kLongestPolygon];
     // Quality of the two tetrahedra over a triangle, or one not above `enough`.
     const auto quality_over = [&](std::size_t i, std::size_t k, std::size_t j, double enough) {
         const double value = quality({polygon[i], polygon[k], polygon[j], b});
@@ -24,18 +18,18 @@ bool Block::fill_polygon(const std::vector<Local>& polygon, Local a, Local b, st
         return std::min(value, quality({polygon[k], polygon[i], polygon[j], a}));
     };
     // One triangle has the edge from the last node to the first: mostly none is good enough, and that is all.
-    double closing[kLongestRing + 1];
+    double closing[kLongestPolygon];
     bool any_closes = false;
     for (std::size_t k = 1; k + 1 < n; ++k) {
-        closing[k] = quality_over(0, k, n - 1, change.needed);
-        any_closes = any_closes || closing[k] > change.needed;
+        closing[k] = quality_over(0, k, n - 1, needed);
+        any_closes = any_closes || closing[k] > needed;
     }
     if (!any_closes) return false;
     for (std::size_t i = 0; i + 1 < n; ++i) best[i][i + 1] = 2;
     for (std::size_t span = 2; span < n; ++span) {
         for (std::size_t i = 0; i + span < n; ++i) {
             const std::size_t j = i + span;
-            best[i][j] = change.needed;
+            best[i][j] = needed;
             for (std::size_t k = i + 1; k < j; ++k) {
                 const double bound = std::min(best[i][k], best[k][j]);
                 if (!(bound > best[i][j])) continue;
@@ -45,14 +39,19 @@ bool Block::fill_polygon(const std::vector<Local>& polygon, Local a, Local b, st
                 best[i][j] = value;
                 middle[i][j] = k;
             }
-            if (span + 1 == n && !(best[i][j] > change.needed)) return false;
+            if (span + 1 == n && !(best[i][j] > needed)) return false;
         }
     }
-    const std::size_t first_added = change.added.size();
-    std::size_t open[kLongestRing + 1][2];
+    return true;
+}
+
+/// Appends the two tetrahedra over each triangle of a polygon.
+void Block::add_over_triangles(const std::vector<Local>& polygon, const PolygonMiddles& middle, Local a,
+                               Local b, std::uint16_t region, Change& change) {
+    std::size_t open[kLongestPolygon][2];
     std::size_t count = 0;
     open[count][0] = 0;
-    open[count++][1] = n - 1;
+    open[count++][1] = polygon.size() - 1;
     while (count > 0) {
         --count;
         const std::size_t i = open[count][0];
@@ -74,8 +73,12 @@ bool Block::fill_polygon(const std::vector<Local>& polygon, Local a, Local b, st
         open[count][0] = k;
         open[count++][1] = j;
     }
-    // The edges across the polygon must be new.
-    for (std::size_t c = first_added; c < change.added.size(); ++c) {
+}
+
+/// Whether none of the polygon's diagonals that tetrahedra from `first` on have is an edge already.
+bool Block::diagonals_are_new(const std::vector<Local>& polygon, const Change& change,
+                              std::size_t first) const {
+    for (std::size_t c = first; c < change.added.size(); ++c) {
         const auto& node = change.added[c].node;
         for (std::size_t k = 0; k < 3; ++k) {
             const Local x = node[k];
@@ -88,11 +91,24 @@ bool Block::fill_polygon(const std::vector<Local>& polygon, Local a, Local b, st
                 const auto ix = std::find(polygon.begin(), polygon.end(), x) - polygon.begin();
                 const auto iy = std::find(polygon.begin(), polygon.end(), y) - polygon.begin();
                 const auto apart = static_cast<std::size_t>(ix > iy ? ix - iy : iy - ix);
-                if (!goes && apart != 1 && apart + 1 != n) return false;
+                if (!goes && apart != 1 && apart + 1 != polygon.size()) return false;
             }
         }
     }
     return true;
+}
+
+/// Triangulates the polygon, counter-clockwise seen from b, and joins it to a and b. False if that is not
+/// good enough, or would make an edge twice.
+bool Block::fill_polygon(const std::vector<Local>& polygon, Local a, Local b, std::uint16_t region,
+                         Change& change) {
+    const std::size_t n = polygon.size();
+    if (n < 3 || n > kLongestPolygon) return n == 2;
+    PolygonMiddles middle = {};
+    if (!triangulate(polygon, a, b, change.needed, middle)) return false;
+    const std::size_t first_added = change.added.size();
+    add_over_triangles(polygon, middle, a, b, region, change);
+    return diagonals_are_new(polygon, change, first_added);
 }
 
 /// Enters the ring's tetrahedra as removed, their outer facets as entries_, and where the tagged faces at the
@@ -180,7 +196,7 @@ bool Block::peel(std::uint32_t tetrahedron, Local a, Local b, Local p, Local q, 
 }
 
 bool Block::examine_edge_removal(Local a, Local b, double better_than, Change& change) {
-    if (!gather_ring(a, b, kLongestRing, ring_)) return false;
+    if (!gather_ring(a, b, kLongestPolygon - 1, ring_)) return false;
     const std::size_t count = ring_.tetrahedra.size();
     const std::size_t nodes = ring_.nodes.size();
     change.clear();

@@ -26,8 +26,8 @@ using ZoneNode = std::uint32_t;
 using FaceTag = std::uint32_t;
 inline constexpr FaceTag kTagInside = 1;     ///< the facet's region `inside` is that of this tetrahedron
 inline constexpr FaceTag kTagInterface = 2;  ///< there is a region on the other side too
-inline constexpr FaceTag kTagBorder =
-    4;  ///< held, or an interface to an element outside the zone: stays as it is
+/// Held, or an interface to an element outside the zone: stays as it is.
+inline constexpr FaceTag kTagBorder = 4;
 inline FaceTag make_tag(std::uint32_t surface) { return (surface + 1) << 3; }
 inline std::uint32_t tag_surface(FaceTag tag) { return (tag >> 3) - 1; }
 

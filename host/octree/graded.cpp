@@ -48,7 +48,7 @@ class Builder {
   public:
     Builder(Device& device, const tape::BoundModel& model, const Grading& grading, int threads,
             DeviceTree& view)
-        : device_(device), model_(model), grading_(grading), threads_(threads), view_(view) {}
+        : device_(device), model_(model), grading_(grading), threads_(threads), on_device_(view) {}
 
     Octree run() {
         find_split_nodes();
@@ -74,7 +74,7 @@ class Builder {
         split_[0] = {0};
         undecided_.assign(static_cast<std::size_t>(grading_.finest) + 1, {});
         for (int level = 1; level <= grading_.finest && descent.node_count() > 0; ++level) {
-            descent.step(level, view_.ops);
+            descent.step(level, on_device_.ops);
             std::vector<TreeNode> nodes = descent.nodes();
             if (level >= grading_.coarsest) {
                 std::vector<std::uint8_t> wanted(nodes.size(), 0);
@@ -134,7 +134,7 @@ class Builder {
         Descent descent(device_, model_);
         std::vector<TreeNode> found;
         for (int level = 1; level <= tree_.level && descent.node_count() > 0; ++level) {
-            descent.step(level, view_.ops);
+            descent.step(level, on_device_.ops);
             std::vector<TreeNode> nodes = descent.nodes();
             std::size_t kept = 0;
             for (const TreeNode& node : nodes) {
@@ -278,23 +278,23 @@ class Builder {
     }
 
     void upload() {
-        view_.nio = device_.upload(tree_.nio);
-        view_.tapes = device_.upload(tree_.tapes);
-        view_.in_bits = device_.upload(tree_.in_bits);
-        view_.nio_bits = device_.upload(tree_.nio_bits);
-        view_.in_rank = device_.upload(tree_.in_rank);
-        view_.nio_rank = device_.upload(tree_.nio_rank);
-        view_.page_codes = device_.upload(tree_.page_codes);
-        view_.directory = device_.upload(tree_.directory);
-        view_.leaf_marks = device_.upload(tree_.leaf_marks);
-        view_.shape = tree_.shape();
+        on_device_.nio = device_.upload(tree_.nio);
+        on_device_.tapes = device_.upload(tree_.tapes);
+        on_device_.in_bits = device_.upload(tree_.in_bits);
+        on_device_.nio_bits = device_.upload(tree_.nio_bits);
+        on_device_.in_rank = device_.upload(tree_.in_rank);
+        on_device_.nio_rank = device_.upload(tree_.nio_rank);
+        on_device_.page_codes = device_.upload(tree_.page_codes);
+        on_device_.directory = device_.upload(tree_.directory);
+        on_device_.leaf_marks = device_.upload(tree_.leaf_marks);
+        on_device_.shape = tree_.shape();
     }
 
     Device& device_;
     const tape::BoundModel& model_;
     const Grading& grading_;
     int threads_;
-    DeviceTree& view_;
+    DeviceTree& on_device_;
     Octree tree_;
     SplitNodes split_;
     SplitNodes undecided_;  ///< leaves of the first pass: what touches them is not larger, as far as possible

@@ -59,36 +59,36 @@ Finish::Finish(device::Device& device, const Model& model, const MeshOptions& op
 void Finish::improve(Mesh& mesh) {
     moved_cubes_ = reposition_nodes(device_, prepared_, options_, improve_options_.held, stages_, mesh);
     if (!prepared_.periodic.empty()) {
-        stages_.begin("planes", 0.925);
+        stages_.begin("planes");
         stages_.end(improve_planes(prepared_, improve_options_, mesh));
     }
-    stages_.begin("improve", 0.93);
+    stages_.begin("improve");
     mesh = improve::improve(std::move(mesh), prepared_.bound, improve_options_, &counters_);
     stages_.end(counters_.zone_elements);
 }
 
 void Finish::match_planes(Mesh& mesh) {
-    stages_.begin("periodic", 0.945);
+    stages_.begin("periodic");
     copy_of_ = pipeline::match_planes(prepared_.periodic, model_, prepared_.bound, prepared_.root.cell(),
                                       mesh, out_.warnings);
     stages_.end(prepared_.periodic.size());
 }
 
 void Finish::split(Mesh& mesh, Mesh* old) {
-    stages_.begin("tetrahedra", 0.95);
+    stages_.begin("tetrahedra");
     mesh = tetrahedra::split_around_cubes(std::move(mesh), options_.threads,
                                           copy_of_.empty() ? nullptr : &copy_of_, &moved_cubes_);
     // What good elements are split into may be worse.
-    if (options_.improve && !raises()) raise(mesh, 0.951);
-    stages_.begin("tetrahedra", 0.952);
+    if (options_.improve && !raises()) raise(mesh);
+    stages_.begin("tetrahedra");
     mesh = tetrahedra::split_cubes(std::move(mesh), options_.threads, moved_cubes_, &sixths_, old);
     if (raises() || !are_exact(prepared_.root, prepared_.tree.level)) sixths_ = {};
     moved_cubes_ = {};
     stages_.end(mesh.element_count());
 }
 
-void Finish::raise(Mesh& mesh, double progress) {
-    stages_.begin("raise", progress);
+void Finish::raise(Mesh& mesh) {
+    stages_.begin("raise");
     const std::uint64_t before = counters_.zone_elements;
     mesh = raises() ? improve::raise(std::move(mesh), prepared_.bound, improve_options_, counters_)
                     : improve::mend_parts(std::move(mesh), prepared_.bound, improve_options_, counters_);
@@ -96,7 +96,7 @@ void Finish::raise(Mesh& mesh, double progress) {
 }
 
 void Finish::restore_cells(Mesh& mesh) {
-    stages_.begin("hanging", 0.954);
+    stages_.begin("hanging");
     hanging::Restored restored = hanging::restore_cells(
         std::move(mesh), {prepared_.root.origin, prepared_.root.side, &prepared_.leaves}, options_.threads);
     mesh = std::move(restored.mesh);
@@ -105,14 +105,14 @@ void Finish::restore_cells(Mesh& mesh) {
 }
 
 void Finish::verify(const Mesh& mesh) {
-    stages_.begin("faces", 0.955);
+    stages_.begin("faces");
     if (!quality::faces_are_paired(mesh, options_.threads)) refuse_unpaired(model_.source);
     stages_.end(mesh.element_count());
 }
 
 void Finish::describe(Mesh& mesh) {
     if (options_.improve) report_improvement(counters_, options_, model_.source, out_);
-    stages_.begin("features", 0.96);
+    stages_.begin("features");
     facet_surface_ = mesh.facets.surface;
     name_surfaces(prepared_.compiled, prepared_.bound, mesh);
     features::Hinges hinges;
@@ -127,14 +127,14 @@ void Finish::describe(Mesh& mesh) {
     report_hinges(hinges, mesh.points, options_, model_.source, out_);
     stages_.end(mesh.facets.size());
     if (options_.quality) assess(mesh);
-    stages_.begin("films", 0.985);
+    stages_.begin("films");
     report_false_facets(prepared_, mesh.points, mesh.facets, options_, model_.source, out_);
     stages_.end(mesh.facets.size());
     warn_of_empty_regions(mesh.region_names, regions_present(mesh), model_.source, out_);
 }
 
 void Finish::assess(const Mesh& mesh) {
-    stages_.begin("quality", 0.97);
+    stages_.begin("quality");
     const LeafGrid& leaves = prepared_.leaves;
     out_.quality = report::assess(mesh, facet_surface_, prepared_.bound, out_.features,
                                   {leaves.level, kWorstElements, options_.threads, &leaves});
@@ -142,7 +142,7 @@ void Finish::assess(const Mesh& mesh) {
 }
 
 void Finish::raise_order(Mesh& mesh) {
-    stages_.begin("second order", 0.995);
+    stages_.begin("second order");
     const second_order::Counts counts =
         second_order::raise_order(mesh, facet_surface_, prepared_.bound, out_.features, options_.threads);
     out_.middle_nodes = counts.nodes;
@@ -152,7 +152,7 @@ void Finish::raise_order(Mesh& mesh) {
 }
 
 void Finish::measure(const Mesh& mesh, std::optional<jacobian::Method> method, std::vector<float> memory) {
-    stages_.begin("jacobians", 0.99);
+    stages_.begin("jacobians");
     const bool knows_shapes = prepared_.periodic.empty();
     out_.scaled_jacobians = jacobian::scaled_jacobians(
         device_, mesh, method.value_or(jacobian::usual_method(mesh.element_count())), options_.threads,

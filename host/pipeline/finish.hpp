@@ -35,7 +35,7 @@ class Finish {
     bool raises() const { return improve_options_.goal > improve::kGoodQuality; }
 
     /// Better elements than improve() makes if raises(), else those that split() has made poor once more.
-    void raise(Mesh& mesh, double progress);
+    void raise(Mesh& mesh);
 
     /// Hexahedra with hanging nodes.
     void restore_cells(Mesh& mesh);

@@ -41,7 +41,7 @@ Extracted mesh_pieces(device::Device& device, const MeshOptions& options, Prepar
         pieces.push_back(pipeline::make_piece(device, options, prepared, in_regions, range, stages, done,
                                               done + step, result, count == 1 ? arena : nullptr));
     }
-    stages.begin("merge", 0.92);
+    stages.begin("merge");
     *mesh = assembly::merge(std::move(pieces), options.threads);
     stages.end(mesh->element_count());
     return result;
@@ -155,7 +155,7 @@ Mesh Mesher::generate(const Model& model, const MeshOptions& asked, MeshReport* 
     mesh.region_names = prepared.compiled.region_names;
     if (!prepared.periodic.empty()) finish.match_planes(mesh);
     if (options.tetrahedra) finish.split(mesh, arena != nullptr ? &arena->mesh : nullptr);
-    if (finish.raises()) finish.raise(mesh, 0.953);
+    if (finish.raises()) finish.raise(mesh);
     if (options.hanging) finish.restore_cells(mesh);
     finish.verify(mesh);
     finish.describe(mesh);

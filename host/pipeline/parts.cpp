@@ -139,7 +139,7 @@ void Parts::add_foreign_points(const assembly::Piece& piece, Part& part) const {
                                                    extras_.begin())]);
 }
 
-/// The same arithmetic as in place_nodes (kernels/assembly/number.cl).
+/// As place_nodes puts it (kernels/assembly/number.cl).
 Parts::Point Parts::grid_point(std::uint64_t name) const {
     const std::uint64_t owner = name >> kNodeBits;
     const auto corner = static_cast<u32>(name & ((1u << kNodeBits) - 1));
@@ -147,7 +147,7 @@ Parts::Point Parts::grid_point(std::uint64_t name) const {
     Point point;
     for (u32 j = 0; j < 3; ++j) {
         const double local = (gather_bits(owner >> j) + (corner < 8 ? (corner >> j) & 1 : 0)) * cell;
-        point[j] = prepared_.bound.origin[j] + prepared_.bound.side * local;
+        point[j] = model_coordinate(prepared_.bound.origin[j], prepared_.bound.side, local);
     }
     return point;
 }

@@ -126,7 +126,7 @@ Sizes bind_model(const Model& model, const MeshOptions& options, Prepared& resul
 
 void divide_polyhedra(const Model& model, const MeshOptions& options, const Levels& levels, Stages& stages,
                       tape::BoundModel& bound, MeshReport& out) {
-    stages.begin("polyhedra", 0.01);
+    stages.begin("polyhedra");
     const triangles::Division division =
         triangles::divide(bound, levels.base, levels.finest(), options.threads);
     stages.end(division.nodes);
@@ -152,18 +152,18 @@ void classify(device::Device& device, const MeshOptions& options, std::vector<st
     if (snaps_all) {
         Snapping snapping(classifier, result, options.memory == 0 && options.pieces <= 1, options.threads);
         stages.end(0);
-        stages.begin("snap", 0.31);
+        stages.begin("snap");
         stages.end(snapping.find(std::move(complex)));
-        stages.begin("classify", 0.32);
+        stages.begin("classify");
         snapping.classify();
         stages.end(tree.nio.size());
-        stages.begin("extract", 0.33);
+        stages.begin("extract");
         snapping.extract();
         stages.end(0);
     } else {
         result.classification = classifier.finish({}, {}, {});
         stages.end(tree.nio.size());
-        stages.begin("extract", 0.33);
+        stages.begin("extract");
         tree.crowded = cnio::find_crowded(result.bound, tree, result.classification.cnio, options.threads);
         stages.end(0);
     }
@@ -175,25 +175,25 @@ Prepared prepare(const std::function<device::Device&()>& open_device, const Mode
                  const MeshOptions& options, Stages& stages, MeshReport& out) {
     Prepared result;
     tape::BoundModel& bound = result.bound;
-    stages.begin("compile", 0);
+    stages.begin("compile");
     const Sizes sizes = bind_model(model, options, result, out);
     stages.end(bound.surfaces.size());
     if (!bound.polyhedra.empty()) divide_polyhedra(model, options, sizes.levels, stages, bound, out);
 
-    stages.begin("device", 0.02);
+    stages.begin("device");
     device::Device& device = open_device();
     device.load_ahead(kLaterPrograms);
     out.device = device.info().name;
     stages.end(1);
 
-    stages.begin("octree", 0.05);
+    stages.begin("octree");
     octree::Octree& tree = result.tree;
     tree = build_tree(device, options, bound, sizes, result.periodic, &result.on_device);
     octree::drop_coincident(device, bound, tree, result.on_device, options.threads);
     octree::find_poles(bound, tree, options.threads);
     stages.end(tree.cells_evaluated);
 
-    stages.begin("probe", 0.28);
+    stages.begin("probe");
     probe::Probe probed = probe::find_features(bound, tree, options.threads);
     refuse_flat(probed.flat, result, model.source);
     out.missed = std::move(probed.features);
@@ -203,13 +203,13 @@ Prepared prepare(const std::function<device::Device&()>& open_device, const Mode
     stages.end(probed.probed);
 
     if (model.regions.size() > 1) {
-        stages.begin("overlaps", 0.29);
+        stages.begin("overlaps");
         const std::vector<probe::Overlap> overlaps = probe::find_overlaps(bound, tree, options.threads);
         report_overlaps(overlaps, model, options, out);
         stages.end(overlaps.size());
     }
 
-    stages.begin("classify", 0.3);
+    stages.begin("classify");
     out.in_cells = tree.in_count;
     out.nio_cells = tree.nio.size();
     result.transition_cells = static_cast<std::uint64_t>(
@@ -238,7 +238,7 @@ improve::Options improvement_options(const Prepared& prepared, const MeshOptions
 IndexRuns reposition_nodes(device::Device& device, const Prepared& prepared, const MeshOptions& options,
                            const std::vector<std::uint8_t>* held, Stages& stages, Mesh& mesh) {
     if (options.smooth == 0) return {};
-    stages.begin("reposition", 0.92);
+    stages.begin("reposition");
     reposition::Options reposition_options;
     reposition_options.level = prepared.tree.level;
     reposition_options.rounds = kRoundsOfMoves * options.smooth;

@@ -16,6 +16,9 @@ class Stages {
   public:
     Stages(const MeshOptions& options, MeshReport& report);
 
+    /// Progress is the stage's in the table of stages.cpp, which all are in that a mesh in memory has once.
+    void begin(const char* stage);
+    /// For stages that come piece by piece.
     void begin(const char* stage, double progress);
     /// Ends the stage; a stage of the same name as an earlier one is added to it.
     void end(std::uint64_t items);

@@ -84,7 +84,7 @@ LeafProbe::Curved LeafProbe::curved_surfaces(const TreeNode& leaf) const {
 }
 
 /// Formulas alone in their leaves take most of a probe's time, and are asked in lanes.
-void LeafProbe::look_at(std::uint32_t begin, std::uint32_t end) {
+void LeafProbe::prepare_batch(std::uint32_t begin, std::uint32_t end) {
     first_seen_ = begin;
     steady_.assign(end - begin, std::int8_t{-1});
     struct Sole {

@@ -19,11 +19,11 @@
 namespace mortise::probe {
 
 inline constexpr int kDepth = 4;  ///< subdivisions of a leaf
-inline constexpr int kSide =
-    1 << kDepth;  ///< pieces per edge; a ball of radius √3/2 of one is found for certain
+/// Pieces per edge; a ball of radius √3/2 of one is found for certain.
+inline constexpr int kSide = 1 << kDepth;
 inline constexpr std::uint32_t kPieces = kSide * kSide * kSide;  ///< in a leaf
-inline constexpr std::size_t kMostPieces =
-    4096;  ///< pieces of one depth; with more, the depth before is final
+/// Pieces of one depth; with more, the depth before is final.
+inline constexpr std::size_t kMostPieces = 4096;
 
 /// Pieces of one leaf, joined by faces, that lie in `region` and are meshed as another one.
 struct Component {
@@ -46,7 +46,7 @@ class LeafProbe {
         : model_(model), tree_(tree), batch_(model) {}
 
     /// Looks at leaves from `begin` to `end` together, before run() is asked for each of them: faster.
-    void look_at(std::uint32_t begin, std::uint32_t end);
+    void prepare_batch(std::uint32_t begin, std::uint32_t end);
 
     /// Appends the leaf's components, ordered by their first pieces.
     void run(std::uint32_t leaf, std::vector<Component>& out);
@@ -127,7 +127,7 @@ class LeafProbe {
     double low_[3] = {};
     double edge_ = 0;  ///< of the leaf
     bool folds_ = false;
-    std::uint32_t first_seen_ = 0;  ///< by look_at()
+    std::uint32_t first_seen_ = 0;  ///< by prepare_batch()
     std::vector<std::int8_t>
         steady_;  ///< by leaf from there on: has_small_variation of its one surface; -1: not known
     std::vector<std::uint32_t> surfaces_;  ///< of the leaf's tape, ascending

@@ -292,7 +292,7 @@ Probe find_features(const tape::BoundModel& model, const octree::Octree& tree, i
     parallel_chunks(tree.nio.size(), kChunk, workers, [&](std::size_t begin, std::size_t end, int thread) {
         std::unique_ptr<LeafProbe>& probe = probes[static_cast<std::size_t>(thread)];
         if (!probe) probe = std::make_unique<LeafProbe>(model, tree);
-        probe->look_at(static_cast<std::uint32_t>(begin), static_cast<std::uint32_t>(end));
+        probe->prepare_batch(static_cast<std::uint32_t>(begin), static_cast<std::uint32_t>(end));
         for (std::size_t i = begin; i < end; ++i) {
             probe->run(static_cast<std::uint32_t>(i), found[begin / kChunk]);
             if (!flat[begin / kChunk] && probe->is_flat(tree.nio[i]))

@@ -85,7 +85,7 @@ class OnHost {
         const MovableNode& node = stars_.movable[i];
         const NodeStar star = {stars_.star.data(),
                                points.data(),
-                               node.surface != kNoSurface ? &model_.surfaces[node.surface] : nullptr,
+                               node.surface != kFreeNode ? &model_.surfaces[node.surface] : nullptr,
                                model_.expression_ops.data(),
                                scale,
                                node};
@@ -103,7 +103,7 @@ class OnHost {
             const StarElement& e = stars_.star[node.first + n];
             for (u32 k = 0; k < kStarNodes[e.type]; ++k) {
                 const u32 other = stars_.movable_at[e.node[k]];
-                if (other != kNoSurface) progress.rests[other] = 0;
+                if (other != kNotMovable) progress.rests[other] = 0;
             }
         }
     }
@@ -139,7 +139,7 @@ class Groups {
                 const StarElement& e = stars.star[node.first + n];
                 for (u32 k = 0; k < kStarNodes[e.type]; ++k) {
                     const u32 other = stars.movable_at[e.node[k]];
-                    if (other != kNoSurface) sets_.join(i, other);
+                    if (other != kNotMovable) sets_.join(i, other);
                 }
             }
         }

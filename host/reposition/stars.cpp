@@ -16,7 +16,7 @@ namespace mortise::reposition {
 namespace {
 
 constexpr std::size_t kStarChunk = 4096;
-constexpr std::uint32_t kStays = kNoSurface - 1;  ///< instead of a surface: the node may not move
+constexpr std::uint32_t kStays = kFreeNode - 1;  ///< instead of a surface: the node may not move
 /// Quality, squared, below which an element is poor. Improvement computes it in another way: what is poor
 /// here must be so there, since a part of a mesh holds what is around the elements that are poor there.
 constexpr double kCertainlyPoor = 1 - 1e-9;
@@ -102,7 +102,7 @@ class Gatherer {
           options_(options),
           poor_(poor),
           movable_(nodes_of(mesh, poor.apart)),
-          surface_(movable_.size(), kNoSurface),
+          surface_(movable_.size(), kFreeNode),
           used_(mesh.node_count()) {}
 
     Stars gather() {
@@ -126,7 +126,7 @@ class Gatherer {
                 if (!movable_.holds(node[k])) continue;
                 std::uint32_t& surface = surface_[place(node[k])];
                 const bool is_held = options_.held != nullptr && (*options_.held)[facets.surface[i]] != 0;
-                surface = !is_held && (surface == kNoSurface || surface == facets.surface[i])
+                surface = !is_held && (surface == kFreeNode || surface == facets.surface[i])
                               ? facets.surface[i]
                               : kStays;
                 incidences_.push_back({place(node[k]), is_triangle ? kStarTriangle : kStarQuadrilateral,
@@ -202,7 +202,7 @@ class Gatherer {
         stars_.points.resize(3 * stars_.node.size());
         for (std::size_t i = 0; i < stars_.node.size(); ++i)
             frame_.to_lattice(mesh_, stars_.node[i], stars_.points.data() + 3 * i);
-        stars_.movable_at.assign(stars_.node.size(), kNoSurface);
+        stars_.movable_at.assign(stars_.node.size(), kNotMovable);
         const auto local = [this](u32 n) { return static_cast<std::uint32_t>(used_.place(n)); };
         for (StarElement& e : stars_.star) {
             for (u32 k = 0; k < kStarNodes[e.type]; ++k) e.node[k] = local(e.node[k]);
@@ -218,7 +218,7 @@ class Gatherer {
     const Options& options_;
     const PoorElements& poor_;
     const IndexSet movable_;
-    std::vector<std::uint32_t> surface_;  ///< per movable node: of its facets, kNoSurface or kStays
+    std::vector<std::uint32_t> surface_;  ///< per movable node: of its facets, kFreeNode or kStays
     IndexSet used_;                       ///< nodes of stars
     std::vector<Incidence> incidences_;
     Stars stars_;

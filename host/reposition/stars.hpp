@@ -52,7 +52,7 @@ struct Stars {
     std::vector<MovableNode> movable;
     std::vector<StarElement> star;
     std::vector<std::uint32_t> index;       ///< of each of these, among the mesh's of its type, or facets
-    std::vector<std::uint32_t> movable_at;  ///< per node, place in `movable`; kNoSurface: none
+    std::vector<std::uint32_t> movable_at;  ///< per node, place in `movable`; kNotMovable: none
     std::vector<std::uint8_t>
         is_hopeless;  ///< per movable node: a poor element around it is at a complex one
 };

@@ -201,49 +201,65 @@ class Compiler {
 
     std::uint32_t primitive(const Primitive& p, const Frame& frame) {
         node_ = frame.node;
+        const std::string base = base_name(p.kind, frame);
+        if (p.kind == Primitive::Kind::kConvex) return convex(p, frame, base);
+        if (p.kind == Primitive::Kind::kPolyhedron) return polyhedron(p, frame, base);
+        const Inverse inverse(frame);
+        Surface s{};
+        for (int i = 0; i < 3; ++i) {
+            for (int j = 0; j < 3; ++j) s.map[4 * i + j] = inverse.matrix[j][i];
+            s.map[4 * i + 3] = inverse.offset[i];
+        }
+        if (p.kind == Primitive::Kind::kExpression) return formula(p, s, base, frame);
+        shape(p, s);
+        return literal(add_surface(s, base, frame.size), frame.negate);
+    }
+
+    /// From model coordinates to those of a primitive.
+    struct Inverse {
+        explicit Inverse(const Frame& frame)
+            : matrix(glm::inverse(frame.map.matrix)), offset(-(matrix * frame.map.offset)) {}
+        const glm::dmat3 matrix;
+        const glm::dvec3 offset;
+    };
+
+    /// The node's own name, or its kind with a number. An unnamed primitive counts once however often its
+    /// frame is expanded: names stay short and stable.
+    std::string base_name(Primitive::Kind kind, const Frame& frame) {
+        if (!frame.name->empty()) return *frame.name;
         static const char* const kNames[] = {"convex", "sphere",  "cylinder",   "cone",   "cone",
                                              "torus",  "formula", "polyhedron", "rounded"};
         static_assert(std::size(kNames) == static_cast<std::size_t>(Primitive::Kind::kRounded) + 1);
-        const std::size_t kind = static_cast<std::size_t>(p.kind);
-        // An unnamed primitive counts once however often its frame is expanded: names stay short and stable.
-        std::string base = *frame.name;
-        if (base.empty()) {
-            const auto found = ordinals_.find(frame.node);
-            int ordinal = 0;
-            if (found == ordinals_.end())
-                ordinals_[frame.node] = ordinal = ++counts_[kNames[kind]];
-            else
-                ordinal = found->second;
-            base = kNames[kind] + std::to_string(ordinal);
-        }
-        const glm::dmat3 inverse = glm::inverse(frame.map.matrix);
-        const glm::dvec3 offset = -(inverse * frame.map.offset);
-        if (p.kind == Primitive::Kind::kConvex) {
-            std::vector<std::uint32_t> faces;
-            for (const Plane& plane : p.planes) {
-                // normal·(inverse x + offset) - plane.offset, scaled to a unit normal in model coordinates.
-                const glm::dvec3 local(plane.normal[0], plane.normal[1], plane.normal[2]);
-                const glm::dvec3 normal = glm::transpose(inverse) * local;
-                const double length = std::sqrt(glm::dot(normal, normal));
-                if (!(length > 0) || !std::isfinite(length)) {
-                    throw Error(ExitCode::kInput,
-                                model_.source + ": a half-space of '" + base + "' has no normal");
-                }
-                Surface s{};
-                s.kind = kSurfacePlane;
-                for (int j = 0; j < 3; ++j) s.map[j] = normal[j] / length;
-                s.map[3] = (glm::dot(local, offset) - plane.offset) / length;
-                const std::string name = plane.name.empty() ? base : base + "_" + plane.name;
-                faces.push_back(literal(add_surface(s, name, frame.size), frame.negate));
+        const char* const name = kNames[static_cast<std::size_t>(kind)];
+        const auto [ordinal, is_new] = ordinals_.try_emplace(frame.node, 0);
+        if (is_new) ordinal->second = ++counts_[name];
+        return name + std::to_string(ordinal->second);
+    }
+
+    std::uint32_t convex(const Primitive& p, const Frame& frame, const std::string& base) {
+        const Inverse inverse(frame);
+        std::vector<std::uint32_t> faces;
+        for (const Plane& plane : p.planes) {
+            // normal·(inverse x + offset) - plane.offset, scaled to a unit normal in model coordinates.
+            const glm::dvec3 local(plane.normal[0], plane.normal[1], plane.normal[2]);
+            const glm::dvec3 normal = glm::transpose(inverse.matrix) * local;
+            const double length = std::sqrt(glm::dot(normal, normal));
+            if (!(length > 0) || !std::isfinite(length)) {
+                throw Error(ExitCode::kInput,
+                            model_.source + ": a half-space of '" + base + "' has no normal");
             }
-            return add_operation(frame.negate ? Term::Type::kOr : Term::Type::kAnd, std::move(faces));
+            Surface s{};
+            s.kind = kSurfacePlane;
+            for (int j = 0; j < 3; ++j) s.map[j] = normal[j] / length;
+            s.map[3] = (glm::dot(local, inverse.offset) - plane.offset) / length;
+            const std::string name = plane.name.empty() ? base : base + "_" + plane.name;
+            faces.push_back(literal(add_surface(s, name, frame.size), frame.negate));
         }
-        if (p.kind == Primitive::Kind::kPolyhedron) return polyhedron(p, frame, base);
-        Surface s{};
-        for (int i = 0; i < 3; ++i) {
-            for (int j = 0; j < 3; ++j) s.map[4 * i + j] = inverse[j][i];
-            s.map[4 * i + 3] = offset[i];
-        }
+        return add_operation(frame.negate ? Term::Type::kOr : Term::Type::kAnd, std::move(faces));
+    }
+
+    /// Makes a surface that has the primitive's map one of its shape.
+    void shape(const Primitive& p, Surface& s) {
         const auto scale_row = [&s](int row, double factor) {
             for (int j = 0; j < 4; ++j) s.map[4 * row + j] *= factor;
         };
@@ -273,16 +289,13 @@ class Compiler {
                 s.form[0] = p.major;
                 s.form[3] = -p.radius * p.radius;
                 break;
-            case Primitive::Kind::kRounded: {
+            default: {  // kRounded
                 const auto [data, is_new] = rounded_.try_emplace(p.rounded.get());
                 if (is_new) data->second = write_rounded(*p.rounded, out_.expression_ops);
                 std::copy(s.map, s.map + 12, data->second.map);
                 s = data->second;
-                break;
             }
-            default: return formula(p, s, base, frame);
         }
-        return literal(add_surface(s, base, frame.size), frame.negate);
     }
 
     /// Its surfaces; their formulas depend on the cell (kernels/shared/spatial.h).

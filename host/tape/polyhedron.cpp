@@ -13,8 +13,8 @@ namespace mortise::tape {
 namespace {
 
 constexpr std::uint32_t kLeafSize = 4;
-constexpr double kNoLength =
-    1e-10;  ///< of a patch's size: above the rounding of distances, below all features
+/// Of a patch's size: above the rounding of distances, below all features.
+constexpr double kNoLength = 1e-10;
 
 Vec3 unit_normal(const TriangleSurface& shape, std::uint32_t triangle) {
     const auto& corner = shape.triangles[triangle];

@@ -8,6 +8,7 @@
 #include "host/common/constants.hpp"
 #include "host/common/vec3.hpp"
 #include "kernels/shared/corners.h"
+#include "kernels/shared/lattice.h"
 #include "mortise/mesh.hpp"
 
 namespace mortise::templates {
@@ -41,8 +42,8 @@ double angle(const Vector& first_normal, const Vector& second_normal) {
 /// The mesh of one face, as Cell::partition_face makes it; in the face's frame.
 void add_face(int f, SplitPattern pattern, std::vector<TransitionElement>& facets) {
     const auto axis = static_cast<std::size_t>(f / 2);
-    const std::size_t u_axis = axis == 0 ? 1 : 0;
-    const std::size_t v_axis = axis == 2 ? 1 : 2;
+    const auto u_axis = static_cast<std::size_t>(first_other(f / 2));
+    const auto v_axis = static_cast<std::size_t>(second_other(f / 2));
     const auto at = [&](int u, int v) {
         GridPoint p{};
         p[axis] = 2 * (f & 1);

@@ -8,8 +8,8 @@ namespace mortise::triangles {
 struct Division {
     std::uint64_t nodes = 0;     ///< of all octrees
     std::uint64_t formulas = 0;  ///< entries that are a formula
-    std::uint64_t crowded =
-        0;  ///< finest cells with more faces than a formula holds: small ones were left out
+    /// Finest cells with more faces than a formula holds: small ones were left out.
+    std::uint64_t crowded = 0;
 };
 
 /// Fills model.spatial for a tree whose leaves have levels from `base` >= 1 to `finest`, and makes the tape's

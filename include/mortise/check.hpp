@@ -25,8 +25,8 @@ struct CheckReport {
     std::uint64_t middle_nodes = 0;      ///< of these, of second order: in the middles of edges
     std::uint64_t boundary_facets = 0;   ///< facets that belong to one element only
     std::uint64_t interface_facets = 0;  ///< facets between two regions
-    std::uint64_t nonmanifold_edges =
-        0;  ///< boundary edges with other than two boundary facets (not a defect)
+    /// Boundary edges with other than two boundary facets (not a defect).
+    std::uint64_t nonmanifold_edges = 0;
     /// Boundary nodes whose boundary facets, joined by edges, are several fans (not a defect).
     std::uint64_t nonmanifold_nodes = 0;
     std::int64_t euler_characteristic = 0;  ///< V - E + F of the outer boundary

@@ -48,8 +48,8 @@ struct MeshOptions {
     double size_max = 0;          ///< no cell is larger, if positive
     double size_min = 0;          ///< no cell is smaller, if positive; at most size_max
     int interior_coarsening = 0;  ///< levels by which IN cells away from the boundary may be larger
-    bool box_fit =
-        false;  ///< enlarge cells by up to a quarter, so that more faces of the model lie on the grid
+    /// Enlarge cells by up to a quarter, so that more faces of the model lie on the grid.
+    bool box_fit = false;
     std::optional<Box3> box;  ///< cuts the solid; its faces become boundaries box_xmin, ...
     bool templates = true;    ///< false: every NIO cell by the certificate
     bool snap = true;         ///< vertices near a smooth surface move onto it; needs `templates`

@@ -96,12 +96,11 @@ MORTISE_KERNEL void own_nodes(TREE_PARAMETERS, __global const uint* used, __glob
     }
 }
 
-// Writes one point in model coordinates. Box-local coordinates are exact; the map rounds the same way
-// everywhere.
+// Writes one point in model coordinates.
 static void store_point(__global double* points, uint id, double4 origin_side, double x, double y, double z) {
-    points[3 * (ulong)id] = origin_side.x + origin_side.w * x;
-    points[3 * (ulong)id + 1] = origin_side.y + origin_side.w * y;
-    points[3 * (ulong)id + 2] = origin_side.z + origin_side.w * z;
+    points[3 * (ulong)id] = model_coordinate(origin_side.x, origin_side.w, x);
+    points[3 * (ulong)id + 1] = model_coordinate(origin_side.y, origin_side.w, y);
+    points[3 * (ulong)id + 2] = model_coordinate(origin_side.z, origin_side.w, z);
 }
 
 // The nodes that a leaf owns, which begins at (x, y, z) in edges of its own.

@@ -25,13 +25,13 @@ MORTISE_KERNEL void propose(__global const MovableNode* movable, __global const 
     s.ops = ops;
     s.scale = scale;
     s.node = movable[item];
-    s.surface = s.node.surface != kNoSurface ? surfaces + s.node.surface : 0;
+    s.surface = s.node.surface != kFreeNode ? surfaces + s.node.surface : 0;
     moves[item] = find_move(&s);
 }
 
 // Moves the nodes that go first.
 //
-// Reads   movable, star, moves; movable_at: per node its place among the movable ones, or kNoSurface.
+// Reads   movable, star, moves; movable_at: per node its place among the movable ones, or kNotMovable.
 // Writes  points of nodes that move, moved[i]: 1 if it ever did; rests: 0 for all movable nodes around them,
 //         and for those that did not move though they wanted to.
 // One work-item handles one movable node.
@@ -50,7 +50,7 @@ MORTISE_KERNEL void settle(__global const MovableNode* movable, __global const S
         __global const StarElement* e = star + node.first + i;
         for (int k = 0; k < kStarNodes[e->type]; ++k) {
             const uint other = movable_at[e->node[k]];
-            if (other != kNoSurface) rests[other] = 0;
+            if (other != kNotMovable) rests[other] = 0;
         }
     }
 }

@@ -50,8 +50,6 @@ typedef struct CellBoundary {
     u8 loop[kLargestLoop];  // counter-clockwise seen from outside the solid
 } CellBoundary;
 
-MORTISE_FUNCTION int frame_points_outward(int f) { return (f / 2 != 1) == ((f & 1) != 0); }
-
 // Faces of the cell that each node lies on; none for the interior node.
 MORTISE_TABLE u8 kNodeFaces[kCellNodes] = {0x15, 0x16, 0x19, 0x1a, 0x25, 0x26, 0x29, 0x2a, 0x14, 0x18, 0x24,
                                            0x28, 0x11, 0x12, 0x21, 0x22, 0x05, 0x06, 0x09, 0x0a, 0x00};

@@ -18,6 +18,10 @@
 #define kCellUnitBits 26
 #define kCellUnits (1 << kCellUnitBits)
 
+// The two other axes, in increasing order.
+MORTISE_FUNCTION int first_other(int axis) { return axis == 0 ? 1 : 0; }
+MORTISE_FUNCTION int second_other(int axis) { return axis == 2 ? 1 : 2; }
+
 // Low and high corner of each edge.
 MORTISE_TABLE u8 kEdgeCorners[12][2] = {{0, 1}, {2, 3}, {4, 5}, {6, 7}, {0, 2}, {1, 3},
                                         {4, 6}, {5, 7}, {0, 4}, {1, 5}, {2, 6}, {3, 7}};
@@ -30,6 +34,15 @@ MORTISE_TABLE u8 kFaceCorners[6][4] = {{0, 2, 6, 4}, {1, 3, 7, 5}, {0, 1, 5, 4},
 // Edge between kFaceCorners[f][i] and kFaceCorners[f][(i + 1) % 4].
 MORTISE_TABLE u8 kFaceEdges[6][4] = {{4, 10, 6, 8},  {5, 11, 7, 9}, {0, 9, 2, 8},
                                      {1, 11, 3, 10}, {0, 5, 1, 4},  {2, 7, 3, 6}};
+
+// Whether the frame of face f is counter-clockwise seen from outside its cell: it is left-handed for three of
+// the six.
+MORTISE_FUNCTION int frame_points_outward(int f) { return (f / 2 != 1) == ((f & 1) != 0); }
+
+// A box-local coordinate, which is exact, in model coordinates: the one way to round it.
+MORTISE_FUNCTION double model_coordinate(double origin, double side, double in_box) {
+    return origin + side * in_box;
+}
 
 // Spreads the low 21 bits of x to every third bit.
 MORTISE_FUNCTION u64 spread_bits(u64 x) {

@@ -32,7 +32,8 @@
 #define kRepositionMostSag 0.1
 // Nodes with more elements around them stay.
 #define kMostStarElements 64
-#define kNoSurface 0xffffffffu
+#define kFreeNode 0xffffffffu    // instead of a surface: the node lies on none
+#define kNotMovable 0xffffffffu  // instead of a place among the movable nodes
 
 // Types of StarElement behind those of the elements (mortise/mesh.hpp).
 #define kStarTriangle 4u  // facets: of a moving node's surface
@@ -49,7 +50,7 @@ typedef struct MovableNode {
     u32 first;     // of its star
     u32 elements;  // at the star's beginning
     u32 facets;    // behind them
-    u32 surface;   // kNoSurface: free
+    u32 surface;   // kFreeNode: free
     u32 padding;
 } MovableNode;
 
@@ -245,7 +246,7 @@ MORTISE_FUNCTION NodeMove find_move(const NodeStar* s) {
     double sag;
     u32 refuser = 0;
     int halvings = 0;
-    const int slides = s->node.surface != kNoSurface;
+    const int slides = s->node.surface != kFreeNode;
     for (int j = 0; j < 3; ++j) at[j] = s->points[3 * (u64)s->node.node + j];
     for (int j = 0; j < 3; ++j) move.point[j] = at[j];
     move.before = kRepositionTarget;
@@ -301,14 +302,14 @@ MORTISE_FUNCTION NodeMove find_move(const NodeStar* s) {
 }
 
 // Whether no other node around the i-th movable one goes before it: one that is worse off, or as badly and
-// comes first. movable_at: per node its place among the movable ones, or kNoSurface.
+// comes first. movable_at: per node its place among the movable ones, or kNotMovable.
 MORTISE_FUNCTION int goes_first(MORTISE_GLOBAL StarElement* star, MovableNode node,
                                 MORTISE_GLOBAL u32* movable_at, MORTISE_GLOBAL NodeMove* moves, u32 i) {
     for (u32 n = 0; n < node.elements; ++n) {
         MORTISE_GLOBAL StarElement* e = star + node.first + n;
         for (int k = 0; k < kStarNodes[e->type]; ++k) {
             const u32 other = movable_at[e->node[k]];
-            if (other == kNoSurface || other == i || moves[other].wanted == 0) continue;
+            if (other == kNotMovable || other == i || moves[other].wanted == 0) continue;
             if (moves[other].before < moves[i].before ||
                 (moves[other].before == moves[i].before && other < i))
                 return 0;

@@ -75,8 +75,8 @@ MORTISE_KERNEL void find_misfits(TREE_PARAMETERS, __global const TreeNode* nio, 
         const int axis = e >> 2;
         int direction[3] = {0, 0, 0};
         if (!((inside & low) && (outside & high)) && !((inside & high) && (outside & low))) continue;
-        direction[axis == 0 ? 1 : 0] = (e & 1) ? 1 : -1;
-        direction[axis == 2 ? 1 : 2] = (e & 2) ? 1 : -1;
+        direction[first_other(axis)] = (e & 1) ? 1 : -1;
+        direction[second_other(axis)] = (e & 2) ? 1 : -1;
         const Leaf beyond = leaf_beside(&tree, code, level, direction);
         fits = beyond.kind == kLeafNio && depends_on(tapes, nio[beyond.index], candidate.surface);
     }

@@ -11,8 +11,8 @@
 
 namespace mortise::test {
 
-inline constexpr int kRandomRounded =
-    5;  ///< as `kind`: a rounded solid, as patches are made of triangles only
+/// As `kind`: a rounded solid, as patches are made of triangles only.
+inline constexpr int kRandomRounded = 5;
 inline constexpr int kSurfaceKinds = 6;
 
 /// A rounded solid of any shape about the origin, of size 1 or so.

@@ -19,8 +19,8 @@ constexpr std::size_t kMostNamedSides = 24;
 constexpr std::size_t kFewEdges = 8;
 // Corners of twisted outlines part sides, whatever the angle; within a side triangles turn by this at most.
 constexpr double kTwistedTurn = 60;
-constexpr double kMostRise =
-    0.016;  ///< of an arc over its chord, in longest edges: 0.001 of the outline's width
+/// Of an arc over its chord, in longest edges: 0.001 of the outline's width.
+constexpr double kMostRise = 0.016;
 
 using Loop = std::vector<Vec2>;
 
