@@ -134,7 +134,7 @@ json measure_run(const Model& model, const MeshOptions& options, device::Device&
         std::chrono::duration<double>(extraction_begin - begin).count() + assembly_seconds + improve_seconds;
 
     mesh.region_names = prepared.compiled.region_names;
-    pipeline::name_surfaces(prepared.compiled, prepared.bound, mesh);
+    pipeline::name_surfaces(prepared.compiled, prepared.bound, 0, mesh);
     const std::vector<float> jacobians = scaled_jacobians(mesh);
     const WrittenFile file = write_file(mesh, jacobians, true, folder.path());
     const WrittenFile plain_arrays = write_file(mesh, jacobians, false, folder.path());

@@ -25,13 +25,16 @@ double parse_number(const std::string& option, const std::string& text) {
     return value;
 }
 
-int parse_integer(const std::string& option, const std::string& text, int smallest, const char* hint) {
+/// `hint`: what follows the range in messages.
+int parse_integer(const std::string& option, const std::string& text, int smallest,
+                  int largest = std::numeric_limits<int>::max(), const char* hint = "") {
     char* end = nullptr;
     errno = 0;
     const long value = std::strtol(text.c_str(), &end, 10);
-    if (text.empty() || *end != '\0' || errno == ERANGE || value < smallest ||
-        value > std::numeric_limits<int>::max()) {
-        refuse(option + " '" + text + "': expected a whole number from " + std::to_string(smallest) + hint);
+    if (text.empty() || *end != '\0' || errno == ERANGE || value < smallest || value > largest) {
+        const bool is_bounded = largest < std::numeric_limits<int>::max();
+        refuse(option + " '" + text + "': expected a whole number from " + std::to_string(smallest) +
+               (is_bounded ? " to " + std::to_string(largest) : "") + hint);
     }
     return static_cast<int>(value);
 }
@@ -71,9 +74,7 @@ double parse_length(const std::string& option, const std::string& word) {
 
 int parse_levels(const std::string& option, const std::string& word) {
     if (word.empty()) return 0;
-    const int levels = parse_integer(option, word, 0, " to 18");
-    if (levels > kMaxLevel) refuse(option + " '" + word + "': expected a whole number from 0 to 18");
-    return levels;
+    return parse_integer(option, word, 0, kMaxLevel);
 }
 
 /// Options that make cells of several sizes.
@@ -116,9 +117,9 @@ void read_model_words(const Words& words, Arguments& arguments) {
 /// Of the mesher, `batch` and `kernels`.
 void read_device_words(const Words& words, Arguments& arguments) {
     MeshOptions& options = arguments.options;
-    if (!words.threads.empty()) options.threads = parse_integer("--threads", words.threads, 1, "");
+    if (!words.threads.empty()) options.threads = parse_integer("--threads", words.threads, 1);
     if (!words.work_group.empty()) {
-        options.work_group_size = parse_integer("--work-group", words.work_group, 1, "");
+        options.work_group_size = parse_integer("--work-group", words.work_group, 1);
     }
 }
 
@@ -126,7 +127,7 @@ void read_mesh_words(const Words& words, Arguments& arguments) {
     MeshOptions& options = arguments.options;
     read_model_words(words, arguments);
     if (!words.level.empty())
-        options.level = parse_integer("--level", words.level, 1, " to 11; the default is 6");
+        options.level = parse_integer("--level", words.level, 1, kMostLevel, "; the default is 6");
     if (!words.size.empty()) options.size = parse_length("--size", words.size);
     read_size_words(words, options);
     options.box_fit = words.box_fit;
@@ -153,11 +154,7 @@ void read_mesh_words(const Words& words, Arguments& arguments) {
     options.snap = !words.no_snap;
     options.improve = !words.no_improve;
     arguments.file_options.compress = !words.no_compress;
-    if (!words.smooth.empty()) {
-        options.smooth = parse_integer("--smooth", words.smooth, 0, " to 100");
-        if (options.smooth > kMostSmooth)
-            refuse("--smooth '" + words.smooth + "': expected a whole number from 0 to 100");
-    }
+    if (!words.smooth.empty()) options.smooth = parse_integer("--smooth", words.smooth, 0, kMostSmooth);
     if (!words.min_angle.empty()) {
         options.min_angle = parse_number("--min-angle", words.min_angle);
         if (!(options.min_angle >= kLeastMinAngle && options.min_angle <= kMostMinAngle))
@@ -232,7 +229,7 @@ void read_batch_words(const Words& words, Arguments& arguments) {
         refuse("--format '" + arguments.format + "': expected vtu or msh");
     }
     arguments.format = format;
-    if (!words.jobs.empty()) arguments.jobs = parse_integer("--jobs", words.jobs, 1, "");
+    if (!words.jobs.empty()) arguments.jobs = parse_integer("--jobs", words.jobs, 1);
 }
 
 }  // namespace

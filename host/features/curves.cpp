@@ -18,7 +18,7 @@ class Chainer {
         std::sort(ends_.begin(), ends_.end());
         for (std::size_t i = 0, j = 0; i < ends_.size(); i = j) {
             while (j < ends_.size() && ends_[j].node == ends_[i].node) ++j;
-            if (j - i != 2 || edges[ends_[i].edge].surfaces != edges[ends_[i + 1].edge].surfaces ||
+            if (j - i != 2 || !is_same_curve(edges[ends_[i].edge], edges[ends_[i + 1].edge]) ||
                 std::binary_search(ends.begin(), ends.end(), ends_[i].node)) {
                 breaks_.push_back(ends_[i].node);
             }
@@ -45,6 +45,12 @@ class Chainer {
         }
     };
 
+    /// The same surfaces of the model, whatever they are called on the way.
+    static bool is_same_curve(const CreaseEdge& a, const CreaseEdge& b) {
+        const bool are_known = a.bound[0] != a.bound[1] && b.bound[0] != b.bound[1];
+        return are_known ? a.bound == b.bound : a.surfaces == b.surfaces;
+    }
+
     bool is_break(NodeId node) const { return std::binary_search(breaks_.begin(), breaks_.end(), node); }
 
     void follow(NodeId node, std::size_t edge) {
@@ -56,6 +62,7 @@ class Chainer {
         for (;;) {
             const CreaseEdge& e = edges_[edge];
             used_[edge] = true;
+            curve.surfaces = std::min(curve.surfaces, e.surfaces);
             curve.model_angle = std::min(curve.model_angle, e.model_angle);
             curve.length += length(quality::point_of(mesh_, e.b) - quality::point_of(mesh_, e.a));
             node = e.a == node ? e.b : e.a;

@@ -91,7 +91,7 @@ void check_options(const MeshOptions& options) {
         {"merge_distance", options.merge_distance, 0, kMostMergeDistance, nullptr, " of a cell"},
         {"smallest angle", options.min_angle, kLeastMinAngle, kMostMinAngle, nullptr, " degrees"},
     };
-    static_assert(octree::kMaxUniformLevel == 11, "as the range of `level` says");
+    static_assert(octree::kMaxUniformLevel == kMostLevel && kMostLevel == 11, "as the range of `level` says");
     for (const Range& range : ranges) check_range(range);
     check_work_group(options.work_group_size);
     check_sizes(options);

@@ -114,7 +114,7 @@ void Finish::describe(Mesh& mesh) {
     if (options_.improve) report_improvement(counters_, options_, model_.source, out_);
     stages_.begin("features");
     facet_surface_ = mesh.facets.surface;
-    name_surfaces(prepared_.compiled, prepared_.bound, mesh);
+    name_surfaces(prepared_.compiled, prepared_.bound, options_.threads, mesh);
     features::Hinges hinges;
     parallel_chunks(2, 1, options_.threads, [&](std::size_t i, std::size_t, int) {  // most of both is serial
         if (i == 0)

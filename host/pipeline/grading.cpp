@@ -29,7 +29,8 @@ void add_named_size(const std::string& name, double size, const tape::CompiledMo
         found = true;
     };
     for (std::size_t s = 0; s < model.surfaces.size(); ++s) add_surface(s, model.surface_name[s]);
-    for (const tape::RegionSurfaceName& own : model.names_by_region) add_surface(own.surface, own.name);
+    for (const tape::Namesake& other : model.namesakes)
+        add_surface(other.surface, compiled.surfaces[other.compiled].name);
     if (found) return;
     std::string known;
     for (const auto* names : {&compiled.region_names, &compiled.surface_names}) {

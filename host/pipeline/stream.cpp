@@ -136,7 +136,7 @@ class Streamer {
     void begin(const std::string& source, MeshSink& sink, MeshReport& out) {
         stages_.begin("features", kImproved);
         const std::vector<std::uint32_t> facet_surface = skin_.mesh.facets.surface;
-        name_surfaces(prepared_.compiled, prepared_.bound, skin_.mesh);
+        name_surfaces(prepared_.compiled, prepared_.bound, options_.threads, skin_.mesh);
         out.features =
             features::find_features(skin_.mesh, facet_surface, prepared_.bound, prepared_.leaves.level);
         dimension_ = std::move(out.features.model_dimension);

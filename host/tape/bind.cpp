@@ -1,7 +1,6 @@
 // Binding a compiled model to its root box: box-local surfaces, merged where equal, with float copies.
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <tuple>
 
 #include "host/tape/compile.hpp"
@@ -27,16 +26,17 @@ SurfaceBounds make_bounds(const Surface& s) {
     return b;
 }
 
-/// Per region the names of its own surfaces, where these were merged with one of another name. `target`: per
-/// compiled surface the one that stands for it. A region's formula stands before its select.
-std::vector<RegionSurfaceName> names_by_region(const CompiledModel& compiled, const BoundModel& bound,
-                                               const std::vector<std::uint32_t>& target) {
-    std::vector<RegionSurfaceName> names;
-    if (compiled.region_names.size() < 2) return names;
-    std::map<std::uint32_t, std::uint32_t> own;  // surface -> the region's first that it stands for
+/// A region's formula stands before its select.
+std::vector<Namesake> find_namesakes(const CompiledModel& compiled, const BoundModel& bound) {
+    std::vector<bool> has_several(bound.surfaces.size(), false);
+    for (std::size_t i = 0; i < compiled.surfaces.size(); ++i) {
+        const std::uint32_t target = bound.bound_surface[i];
+        if (compiled.surfaces[i].name != bound.surface_name[target]) has_several[target] = true;
+    }
+    std::vector<Namesake> namesakes;
+    std::vector<std::uint32_t> own;  // of the region at hand
     const auto add = [&](std::uint32_t surface) {
-        const auto [first, is_new] = own.try_emplace(target[surface], surface);
-        if (!is_new) first->second = std::min(first->second, surface);
+        if (has_several[bound.bound_surface[surface]]) own.push_back(surface);
     };
     for (const std::uint32_t word : compiled.tape) {
         const std::uint32_t operation = tape_operation(word);
@@ -45,16 +45,16 @@ std::vector<RegionSurfaceName> names_by_region(const CompiledModel& compiled, co
             for (const std::uint32_t surface : compiled.polyhedra[tape_surface(word)].surface) add(surface);
         }
         if (operation != kTapeSelect && operation != kTapeSelectConst) continue;
-        for (const auto& [surface, first] : own) {
-            const std::uint32_t name = compiled.surfaces[first].name;
-            if (name != bound.surface_name[surface]) names.push_back({surface, tape_region(word), name});
-        }
+        std::sort(own.begin(), own.end());
+        own.erase(std::unique(own.begin(), own.end()), own.end());
+        for (const std::uint32_t surface : own)
+            namesakes.push_back({bound.bound_surface[surface], tape_region(word), surface});
         own.clear();
     }
-    std::sort(names.begin(), names.end(), [](const RegionSurfaceName& a, const RegionSurfaceName& b) {
-        return std::tie(a.surface, a.region) < std::tie(b.surface, b.region);
+    std::sort(namesakes.begin(), namesakes.end(), [](const Namesake& a, const Namesake& b) {
+        return std::tie(a.surface, a.region, a.compiled) < std::tie(b.surface, b.region, b.compiled);
     });
-    return names;
+    return namesakes;
 }
 
 }  // namespace
@@ -68,7 +68,8 @@ BoundModel bind(const CompiledModel& compiled, const Vec3& origin, double side, 
     SurfaceMerge merged(compiled, origin, side);
     bound.nearly_equal = merged.merge_equal(bound.expression_ops, merge.any);
     if (merge.alike > merge.any) bound.alike = merged.merge_alike(compiled, merge.alike);
-    std::vector<std::uint32_t> target(compiled.surfaces.size());
+    std::vector<std::uint32_t>& target = bound.bound_surface;
+    target.resize(compiled.surfaces.size());
     const std::vector<std::uint32_t>& flipped = merged.flipped;
     for (std::size_t i = 0; i < compiled.surfaces.size(); ++i) {
         const double size = compiled.surface_size[i] / side;
@@ -83,7 +84,7 @@ BoundModel bind(const CompiledModel& compiled, const Vec3& origin, double side, 
         bound.surface_name.push_back(compiled.surfaces[i].name);
         bound.surface_size.push_back(size);
     }
-    bound.names_by_region = names_by_region(compiled, bound, target);
+    bound.namesakes = find_namesakes(compiled, bound);
     for (const double size : compiled.region_size) bound.region_size.push_back(size / side);
     for (const SurfaceHint& hint : compiled.hints) {
         SurfaceHint local{hint.kind, {}, {}, hint.max_size / side};

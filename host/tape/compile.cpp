@@ -11,9 +11,11 @@
 #include "host/common/constants.hpp"
 #include "host/formula/expression_parser.hpp"
 #include "host/tape/affine_map.hpp"
+#include "host/tape/bodies.hpp"
 #include "host/tape/hints.hpp"
 #include "host/tape/polyhedron.hpp"
 #include "host/tape/rounded.hpp"
+#include "host/tape/sides.hpp"
 #include "host/tape/surface_bounds.hpp"
 #include "host/tape/tree_size.hpp"
 
@@ -46,6 +48,7 @@ class Compiler {
                                               " are possible");
         }
         refuse_large_trees(model_, kMaxTerms);
+        out_.is_cut = clip != nullptr || model_.clip.has_value();
         std::vector<std::uint32_t> roots;
         for (const Region& region : model_.regions) {
             std::vector<std::uint32_t> parts = {expand(region.root)};
@@ -74,6 +77,7 @@ class Compiler {
             started = true;
         }
         if (!started) throw Error(ExitCode::kInput, model_.source + ": the solid is empty");
+        find_sides(out_);
         return std::move(out_);
     }
 
@@ -311,20 +315,26 @@ class Compiler {
                 place.push_back(add_surface(parts.surfaces[i], base + parts.suffixes[i], frame.size));
             }
             for (std::uint32_t& surface : parts.world.surface) surface = place[surface];
-            found = polyhedra_.emplace(key, static_cast<std::uint32_t>(out_.polyhedra.size())).first;
-            out_.polyhedra.push_back(std::move(parts.world));
+            found = polyhedra_.emplace(key, std::vector<std::uint32_t>()).first;
+            for (WorldPolyhedron& body : split_bodies(std::move(parts.world))) {
+                found->second.push_back(static_cast<std::uint32_t>(out_.polyhedra.size()));
+                out_.polyhedra.push_back(std::move(body));
+            }
         }
-        for (const std::uint32_t surface : out_.polyhedra[found->second].surface) {
-            out_.surface_size[surface] = std::min(out_.surface_size[surface], frame.size);
+        std::vector<std::uint32_t> bodies;
+        for (const std::uint32_t at : found->second) {
+            const WorldPolyhedron& body = out_.polyhedra[at];
+            for (const std::uint32_t surface : body.surface)
+                out_.surface_size[surface] = std::min(out_.surface_size[surface], frame.size);
+            if (body.shape.triangles.empty()) return add_constant(frame.negate);
+            Term term;
+            term.type = Term::Type::kSpatial;
+            term.negated = frame.negate;
+            term.surface = at;
+            if (!frame.negate) term.hint = bounds_of(body.shape);
+            bodies.push_back(add(std::move(term)));
         }
-        const TriangleSurface& shape = out_.polyhedra[found->second].shape;
-        if (shape.triangles.empty()) return add_constant(frame.negate);
-        Term term;
-        term.type = Term::Type::kSpatial;
-        term.negated = frame.negate;
-        term.surface = found->second;
-        if (!frame.negate) term.hint = bounds_of(shape);
-        return add(std::move(term));
+        return add_operation(frame.negate ? Term::Type::kAnd : Term::Type::kOr, std::move(bodies));
     }
 
     /// min(f, 0) and max(f, 0): what is 0 everywhere is neither inside nor outside.
@@ -492,7 +502,8 @@ class Compiler {
     std::map<std::string, std::uint32_t> name_index_;
     std::map<std::string, int> counts_;
     std::map<std::uint32_t, int> ordinals_;
-    std::map<std::pair<const TriangleSurface*, Affine>, std::uint32_t> polyhedra_;  ///< by shape and place
+    /// By shape and place: its bodies.
+    std::map<std::pair<const TriangleSurface*, Affine>, std::vector<std::uint32_t>> polyhedra_;
     std::map<const RoundedSolid*, Surface> rounded_;
 };
 

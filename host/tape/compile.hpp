@@ -44,12 +44,23 @@ struct PeriodicSurfaces {
     std::uint32_t second = kNoSurface;
 };
 
+/// Signed surfaces of one conjunction, or of one disjunction: the sides of a solid. Where a point of one of
+/// them lies inside all others of a conjunction, or outside all others of a disjunction (a solid that is cut
+/// away), it is on the solid's own face.
+struct Sides {
+    bool is_conjunction = true;
+    std::vector<std::uint32_t> literals;  ///< as words of a tape
+};
+
 /// A model as formula over surfaces, in model units.
 struct CompiledModel {
     std::vector<WorldSurface> surfaces;
     std::vector<ExpressionOp> expression_ops;
     std::vector<std::uint32_t> tape;  ///< literals index `surfaces`
     std::vector<WorldPolyhedron> polyhedra;
+    std::vector<Sides> sides;
+    std::vector<std::uint32_t> sides_of;  ///< per surface: its place in `sides`; kNoSides: a polyhedron's
+    static constexpr std::uint32_t kNoSides = 0xffffffffu;
     std::vector<std::string> surface_names;
     std::vector<std::string> region_names;
     std::vector<double> surface_size;  ///< per surface: element size wanted on it; infinity: none
@@ -57,6 +68,7 @@ struct CompiledModel {
     std::vector<SurfaceHint> hints;
     std::vector<PeriodicSurfaces> periodic;  ///< parallel to Model::periodic
     Box3 bounds{};                           ///< holds the solid; components may be infinite
+    bool is_cut = false;                     ///< by a box, the caller's or the model's
     double scale = 1;  ///< a length that is large compared with every number in the model
 };
 
@@ -67,12 +79,11 @@ struct BoundPolyhedron {
     Box3 bounds;                         ///< of the triangles: outside it the polyhedron is not
 };
 
-/// The name of a surface where it bounds a region, if that differs from its first one: equal surfaces of
-/// several regions are one.
-struct RegionSurfaceName {
-    std::uint32_t surface = 0;  ///< index into BoundModel::surfaces
-    std::int32_t region = 0;    ///< from 1
-    std::uint32_t name = 0;     ///< index into CompiledModel::surface_names
+/// One of several surfaces of other names that are equal, and therefore one in the bound model.
+struct Namesake {
+    std::uint32_t surface = 0;   ///< index into BoundModel::surfaces
+    std::int32_t region = 0;     ///< from 1: whose formula has it
+    std::uint32_t compiled = 0;  ///< index into CompiledModel::surfaces
 };
 
 /// A compiled model in box-local coordinates of a cube: what the octree and all later stages work on.
@@ -81,14 +92,15 @@ struct BoundModel {
     std::vector<SurfaceBounds> bounds;         ///< one per surface
     std::vector<ExpressionOp> expression_ops;  ///< never empty, so that a device buffer exists
     std::vector<std::uint32_t> tape;
-    std::vector<std::uint32_t> spatial;       ///< kernels/shared/spatial.h; empty: polyhedra are not divided
-    std::vector<BoundPolyhedron> polyhedra;   ///< spatial words hold their index until they are divided
-    std::vector<std::uint32_t> surface_name;  ///< per surface, index into CompiledModel::surface_names
-    std::vector<RegionSurfaceName> names_by_region;  ///< by surface, then region
-    std::vector<double> surface_size;                ///< per surface, as in CompiledModel, but box-local
-    std::vector<double> region_size;                 ///< per region, likewise
-    std::vector<SurfaceHint> hints;                  ///< box-local
-    std::vector<PeriodicSurfaces> periodic;          ///< as in CompiledModel
+    std::vector<std::uint32_t> spatial;        ///< kernels/shared/spatial.h; empty: polyhedra are not divided
+    std::vector<BoundPolyhedron> polyhedra;    ///< spatial words hold their index until they are divided
+    std::vector<std::uint32_t> surface_name;   ///< per surface, index into CompiledModel::surface_names
+    std::vector<Namesake> namesakes;           ///< by surface, region, compiled surface
+    std::vector<std::uint32_t> bound_surface;  ///< per compiled surface: the one that stands for it
+    std::vector<double> surface_size;          ///< per surface, as in CompiledModel, but box-local
+    std::vector<double> region_size;           ///< per region, likewise
+    std::vector<SurfaceHint> hints;            ///< box-local
+    std::vector<PeriodicSurfaces> periodic;    ///< as in CompiledModel
     std::uint64_t nearly_equal = 0;  ///< surfaces merged with one that they are not equal to (MergeDistances)
     std::uint64_t alike = 0;         ///< the same
     Vec3 origin{};                   ///< model coordinates of the cube's minimum corner

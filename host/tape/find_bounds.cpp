@@ -111,8 +111,9 @@ bool is_finite(const Box3& box) {
     return finite;
 }
 
-[[noreturn]] void refuse_as_empty(const std::string& source) {
-    throw Error(ExitCode::kInput, source + ": the solid is empty");
+[[noreturn]] void refuse_as_empty(const CompiledModel& compiled, const std::string& source) {
+    throw Error(ExitCode::kInput, source + ": the solid is empty" +
+                                      (compiled.is_cut ? ", or lies outside of the box that cuts it" : ""));
 }
 
 /// What of the compiled bounds is within `reach` of the origin.
@@ -124,25 +125,25 @@ Box3 cut_bounds(const CompiledModel& compiled, double reach) {
 
 Box3 tightened(const CompiledModel& compiled, const Box3& box, const std::string& source) {
     const std::optional<Box3> tight = tighten(compiled, box);
-    if (!tight) refuse_as_empty(source);
+    if (!tight) refuse_as_empty(compiled, source);
     return *tight;
 }
 
 Found search(const CompiledModel& compiled, const std::string& source) {
     const Box3& known = compiled.bounds;
     if (!(known.min[0] < known.max[0] && known.min[1] < known.max[1] && known.min[2] < known.max[2]))
-        refuse_as_empty(source);
+        refuse_as_empty(compiled, source);
     if (is_finite(known)) return {known};
     const Box3 box = cut_bounds(compiled, kFar * compiled.scale);
     const std::vector<Box3> cells = cover(compiled, box);
-    if (cells.empty()) refuse_as_empty(source);
+    if (cells.empty()) refuse_as_empty(compiled, source);
     const Box3 all = around(cells);
     for (std::size_t j = 0; j < 3; ++j) {
         if ((!std::isfinite(known.min[j]) && all.min[j] <= box.min[j]) ||
             (!std::isfinite(known.max[j]) && all.max[j] >= box.max[j])) {
             // Flat parts fill so many cells that these stay too large to be told empty.
             const Box3 convex = convex_bounds(compiled);
-            if (convex.min[0] > convex.max[0]) refuse_as_empty(source);
+            if (convex.min[0] > convex.max[0]) refuse_as_empty(compiled, source);
             if (is_finite(convex)) return {tightened(compiled, convex, source)};
             return {box, static_cast<int>(j)};
         }

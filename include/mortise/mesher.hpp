@@ -17,10 +17,11 @@
 namespace mortise {
 
 /// Level of the smallest cells that sizes, `refine` and curvature can ask for; MeshOptions::level, of cells
-/// of one size, ends at 11. 3 × 19 bits of coordinate, 5 of level and 2 of axis fill a 64-bit key.
+/// of one size, ends at kMostLevel. 3 × 19 bits of coordinate, 5 of level and 2 of axis fill a 64-bit key.
 inline constexpr int kMaxLevel = 18;
 
-/// Limits of MeshOptions::min_angle, smooth and merge_distance.
+/// Limits of MeshOptions::level, min_angle, smooth and merge_distance.
+inline constexpr int kMostLevel = 11;
 inline constexpr double kLeastMinAngle = 18;
 inline constexpr double kMostMinAngle = 44;
 inline constexpr int kMostSmooth = 100;

@@ -14,8 +14,10 @@ namespace mortise {
 /// A crease of the model as the mesh has it: mesh edges between two corners, or a closed ring.
 struct FeatureCurve {
     std::string name;  ///< "A+B" by its surfaces; "A+B.1", "A+B.2", … if they meet along several curves
-    std::array<std::uint32_t, 2> surfaces{};  ///< indices into Mesh::surface_names, ascending; may be equal
-    std::vector<NodeId> nodes;                ///< in order; a closed curve does not repeat its first node
+    /// Indices into Mesh::surface_names, ascending; may be equal. The lowest, where surfaces at it change
+    /// names.
+    std::array<std::uint32_t, 2> surfaces{};
+    std::vector<NodeId> nodes;  ///< in order; a closed curve does not repeat its first node
     bool closed = false;
     double length = 0;       ///< model units
     double model_angle = 0;  ///< degrees; smallest angle of material between the two tangent planes

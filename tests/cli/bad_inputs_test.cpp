@@ -168,6 +168,10 @@ TEST_CASE("a command line that is not understood") {
                    {model, "-o", out, "--min-angle", "25", "--no-improve"});
     expect_failure(scratch, kUsage, "--hanging and --elements tet",
                    {model, "-o", out, "--hanging", "--elements", "tet"});
+    expect_failure(scratch, kUsage, "--level '12': expected a whole number from 1 to 11; the default is 6",
+                   {model, "-o", out, "--level", "12"});
+    expect_failure(scratch, kInput, "the solid is empty, or lies outside of the box that cuts it",
+                   {model, "-o", out, "--box", "100", "100", "100", "101", "101", "101"});
     expect_failure(scratch, kUsage, "--order '3': expected 1 or 2", {model, "-o", out, "--order", "3"});
     expect_failure(scratch, kUsage, "--hanging and --order 2",
                    {model, "-o", out, "--hanging", "--order", "2"});

@@ -1,0 +1,42 @@
+#include "host/pipeline/names.hpp"
+
+#include "host/common/parallel.hpp"
+#include "host/tape/face_names.hpp"
+
+namespace mortise::pipeline {
+namespace {
+
+constexpr std::size_t kFacetChunk = 4096;
+
+Vec3 middle_of(const Mesh& mesh, std::size_t facet) {
+    const NodeId* const node = mesh.facets.nodes.data() + 4 * facet;
+    const std::size_t count = node[2] == node[3] ? 3 : 4;
+    Vec3 middle{};
+    for (std::size_t k = 0; k < count; ++k) {
+        const double* const p = mesh.points.data() + 3 * std::size_t{node[k]};
+        for (std::size_t j = 0; j < 3; ++j) middle[j] += p[j] / static_cast<double>(count);
+    }
+    return middle;
+}
+
+}  // namespace
+
+void name_surfaces(const tape::CompiledModel& compiled, const tape::BoundModel& model, int threads,
+                   Mesh& mesh) {
+    std::vector<std::uint32_t>& surface = mesh.facets.surface;
+    const tape::FaceNames names(compiled, model);
+    parallel_chunks(surface.size(), kFacetChunk, threads, [&](std::size_t begin, std::size_t end, int) {
+        for (std::size_t f = begin; f < end; ++f)
+            surface[f] = names.name(surface[f], mesh.facets.inside[f], middle_of(mesh, f));
+    });
+    std::vector<std::uint32_t> place(compiled.surface_names.size(), 0xffffffffu);
+    for (const std::uint32_t name : surface) place[name] = 0;
+    for (std::size_t i = 0; i < place.size(); ++i) {
+        if (place[i] != 0) continue;
+        place[i] = static_cast<std::uint32_t>(mesh.surface_names.size());
+        mesh.surface_names.push_back(compiled.surface_names[i]);
+    }
+    for (std::uint32_t& name : surface) name = place[name];
+}
+
+}  // namespace mortise::pipeline
