@@ -45,10 +45,9 @@ class Chainer {
         }
     };
 
-    /// The same surfaces of the model, whatever they are called on the way.
+    /// Surfaces of the same names, or the same ones under other names.
     static bool is_same_curve(const CreaseEdge& a, const CreaseEdge& b) {
-        const bool are_known = a.bound[0] != a.bound[1] && b.bound[0] != b.bound[1];
-        return are_known ? a.bound == b.bound : a.surfaces == b.surfaces;
+        return a.surfaces == b.surfaces || (a.bound[0] != a.bound[1] && a.bound == b.bound);
     }
 
     bool is_break(NodeId node) const { return std::binary_search(breaks_.begin(), breaks_.end(), node); }
