@@ -26,8 +26,11 @@ void name_surfaces(const tape::CompiledModel& compiled, const tape::BoundModel& 
     std::vector<std::uint32_t>& surface = mesh.facets.surface;
     const tape::FaceNames names(compiled, model);
     parallel_chunks(surface.size(), kFacetChunk, threads, [&](std::size_t begin, std::size_t end, int) {
-        for (std::size_t f = begin; f < end; ++f)
-            surface[f] = names.name(surface[f], mesh.facets.inside[f], middle_of(mesh, f));
+        for (std::size_t f = begin; f < end; ++f) {
+            // Only where several solids have a surface does the place tell.
+            const Vec3 middle = model.namesakes.empty() ? Vec3{} : middle_of(mesh, f);
+            surface[f] = names.name(surface[f], mesh.facets.inside[f], middle);
+        }
     });
     std::vector<std::uint32_t> place(compiled.surface_names.size(), 0xffffffffu);
     for (const std::uint32_t name : surface) place[name] = 0;

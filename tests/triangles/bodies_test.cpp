@@ -27,6 +27,14 @@ TriangleSurface post(int sides, double radius, double height) {
     return prism(outline, height);
 }
 
+TriangleSurface hollow_block() {
+    TriangleSurface hollow = block(3);
+    TriangleSurface inner = block(1);
+    for (auto& t : inner.triangles) std::swap(t[1], t[2]);
+    append(hollow, inner, {1, 1, 1});
+    return hollow;
+}
+
 std::size_t parts_of(const TriangleSurface& surface) {
     return tape::split_bodies({surface, std::vector<std::uint32_t>(surface.triangles.size(), 0)}).size();
 }
@@ -47,7 +55,8 @@ TEST_CASE("a block and a post through it in one file") {
             CHECK(meshed.check.euler_characteristic == 2);
             CHECK(worst_jacobian(meshed.check) > 0.15);
             const double post_area = 0.5 * sides * 4 * std::sin(kTurn / sides);
-            CHECK(meshed.check.volume == doctest::Approx(1000 + 10 * post_area).epsilon(4e-3));  // flat facets
+            CHECK(meshed.check.volume ==
+                  doctest::Approx(1000 + 10 * post_area).epsilon(4e-3));  // flat facets
         }
     }
 }
@@ -66,11 +75,7 @@ TEST_CASE("bodies whose boxes touch are kept apart, in as few parts as that take
 }
 
 TEST_CASE("what is no union of closed bodies stays as it is") {
-    TriangleSurface cavity = block(3);
-    TriangleSurface inner = block(1);
-    for (auto& t : inner.triangles) std::swap(t[1], t[2]);
-    append(cavity, inner, {1, 1, 1});
-    CHECK(parts_of(cavity) == 1);
+    CHECK(parts_of(hollow_block()) == 1);
     TriangleSurface open = block(3);
     append(open, block(1), {2.5, 1, 1});
     open.triangles.pop_back();
@@ -78,11 +83,7 @@ TEST_CASE("what is no union of closed bodies stays as it is") {
 }
 
 TEST_CASE("a cavity stays hollow, and bodies that only share a face are one solid") {
-    TriangleSurface cavity = block(3);
-    TriangleSurface inner = block(1);
-    for (auto& t : inner.triangles) std::swap(t[1], t[2]);
-    append(cavity, inner, {1, 1, 1});
-    CHECK(mesh_and_check(solid_of(cavity, 40), 4).check.volume == doctest::Approx(26));
+    CHECK(mesh_and_check(solid_of(hollow_block(), 40), 4).check.volume == doctest::Approx(26));
     TriangleSurface pair = block(2);
     append(pair, block(2), {2, 0, 0});
     const Meshed meshed = mesh_and_check(solid_of(pair, 40), 4);
