@@ -4,8 +4,10 @@
 #include <cmath>
 
 #include "host/common/constants.hpp"
+#include "host/common/vec3.hpp"
 #include "host/tape/bodies.hpp"
 #include "tests/mesher/meshed.hpp"
+#include "tests/mesher/random_source.hpp"
 #include "tests/triangles/shapes.hpp"
 
 namespace mortise::test {
@@ -33,6 +35,19 @@ TriangleSurface hollow_block() {
     for (auto& t : inner.triangles) std::swap(t[1], t[2]);
     append(hollow, inner, {1, 1, 1});
     return hollow;
+}
+
+/// The winding number of a closed surface at a point, by the solid angles of its triangles.
+double winding(const TriangleSurface& surface, const Vec3& at) {
+    double sum = 0;
+    for (const auto& t : surface.triangles) {
+        const Vec3 a = difference(surface.points[t[0]], at), b = difference(surface.points[t[1]], at),
+                   c = difference(surface.points[t[2]], at);
+        const double la = length(a), lb = length(b), lc = length(c);
+        sum += 2 * std::atan2(dot(a, cross(b, c)),
+                              la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb);
+    }
+    return sum / (2 * kTurn);
 }
 
 std::size_t parts_of(const TriangleSurface& surface) {
@@ -72,6 +87,29 @@ TEST_CASE("bodies whose boxes touch are kept apart, in as few parts as that take
     CHECK(parts_of(soup) == 2);
     append(soup, block(1), {0.75, 0.25, 0.6});
     CHECK(parts_of(soup) == 3);
+}
+
+TEST_CASE("random rugged bodies that cross: the volume of their union") {
+    for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+        CAPTURE(seed);
+        RandomSource random(seed);
+        TriangleSurface soup;
+        for (std::uint64_t i = 0; i < 4; ++i)
+            append(soup, random_star(10 * seed + i, 1, 0.8, 1.1),
+                   {random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)});
+        REQUIRE(parts_of(soup) > 1);
+        const Meshed meshed = mesh_and_check(solid_of(soup, 0), 5);
+        CHECK(meshed.defects.empty());
+        int inside = 0;
+        constexpr int kSamples = 20000;
+        for (int i = 0; i < kSamples; ++i) {
+            const Vec3 at = {random.uniform(-2.2, 2.2), random.uniform(-2.2, 2.2), random.uniform(-2.2, 2.2)};
+            inside += winding(soup, at) > 0.5;
+        }
+        // Four standard deviations are 2 to 3 %.
+        const double volume = std::pow(4.4, 3) * inside / kSamples;
+        CHECK(meshed.check.volume == doctest::Approx(volume).epsilon(0.03));
+    }
 }
 
 TEST_CASE("what is no union of closed bodies stays as it is") {
