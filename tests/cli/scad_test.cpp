@@ -1,4 +1,5 @@
-// .scad files on the command line, with a script in place of openscad (tests/model/scad_test.cpp tests the rest).
+// .scad files on the command line, with a script in place of openscad (tests/model/scad_test.cpp tests the
+// rest).
 #include <doctest/doctest.h>
 #include <signal.h>
 #include <unistd.h>
