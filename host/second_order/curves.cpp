@@ -39,13 +39,9 @@ std::vector<FacetEdge> list_facet_edges(const Mesh& mesh, const std::vector<std:
     std::vector<FacetEdge> list(4 * mesh.facets.size());
     parallel_chunks(mesh.facets.size(), kFacetChunk, threads, [&](std::size_t begin, std::size_t end, int) {
         for (std::size_t f = begin; f < end; ++f) {
-            const NodeId* const node = mesh.facets.nodes.data() + 4 * f;
-            const std::size_t count = node[2] == node[3] ? 3 : 4;
-            for (std::size_t k = 0; k < 4; ++k) {
-                const std::size_t side = std::min(k, count - 1);  // a triangle's last one twice
-                const auto [lower, upper] = std::minmax(node[side], node[(side + 1) % count]);
-                list[4 * f + k] = {edges.number(lower, upper), lower, upper, facet_surface[f]};
-            }
+            for_sides(mesh.facets, f, [&](std::size_t k, NodeId a, NodeId b) {
+                list[4 * f + k] = {edges.number(a, b), std::min(a, b), std::max(a, b), facet_surface[f]};
+            });
         }
     });
     parallel_sort(list, threads);

@@ -1,6 +1,7 @@
 // Edges of a mesh, numbered: the nodes in their middles come after all others, in this order.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -30,5 +31,17 @@ class Edges {
     std::vector<std::size_t> first_;  ///< by lower node: its first edge; and the end
     std::vector<NodeId> upper_;       ///< by edge: the other node
 };
+
+/// Calls visit(k, a, b) for the sides of a facet, k from 0 to 3 as in FacetBlock::middles: the last one of a
+/// triangle comes twice.
+template <class Visit>
+void for_sides(const FacetBlock& facets, std::size_t facet, const Visit& visit) {
+    const NodeId* const node = facets.nodes.data() + 4 * facet;
+    const std::size_t corners = node[2] == node[3] ? 3 : 4;
+    for (std::size_t k = 0; k < 4; ++k) {
+        const std::size_t side = std::min(k, corners - 1);
+        visit(k, node[side], node[(side + 1) % corners]);
+    }
+}
 
 }  // namespace mortise::second_order

@@ -47,12 +47,8 @@ void set_middles(Mesh& mesh, const Edges& edges, std::size_t corners, int thread
     facets.middles.resize(4 * facets.size());
     parallel_chunks(facets.size(), kChunk, threads, [&](std::size_t begin, std::size_t end, int) {
         for (std::size_t f = begin; f < end; ++f) {
-            const NodeId* const node = facets.nodes.data() + 4 * f;
-            const std::size_t count = node[2] == node[3] ? 3 : 4;
-            for (std::size_t k = 0; k < 4; ++k) {
-                const std::size_t side = std::min(k, count - 1);
-                facets.middles[4 * f + k] = middle(node[side], node[(side + 1) % count]);
-            }
+            for_sides(facets, f,
+                      [&](std::size_t k, NodeId a, NodeId b) { facets.middles[4 * f + k] = middle(a, b); });
         }
     });
 }

@@ -14,6 +14,7 @@
 #include "host/tape/bodies.hpp"
 #include "host/tape/hints.hpp"
 #include "host/tape/polyhedron.hpp"
+#include "host/tape/primitive_shape.hpp"
 #include "host/tape/rounded.hpp"
 #include "host/tape/sides.hpp"
 #include "host/tape/surface_bounds.hpp"
@@ -215,7 +216,8 @@ class Compiler {
             s.map[4 * i + 3] = inverse.offset[i];
         }
         if (p.kind == Primitive::Kind::kExpression) return formula(p, s, base, frame);
-        shape(p, s);
+        if (p.kind == Primitive::Kind::kRounded) s = rounded(p, s);
+        set_shape(p, s);
         return literal(add_surface(s, base, frame.size), frame.negate);
     }
 
@@ -262,44 +264,13 @@ class Compiler {
         return add_operation(frame.negate ? Term::Type::kOr : Term::Type::kAnd, std::move(faces));
     }
 
-    /// Makes a surface that has the primitive's map one of its shape.
-    void shape(const Primitive& p, Surface& s) {
-        const auto scale_row = [&s](int row, double factor) {
-            for (int j = 0; j < 4; ++j) s.map[4 * row + j] *= factor;
-        };
-        switch (p.kind) {
-            case Primitive::Kind::kSphere:
-            case Primitive::Kind::kCylinder:
-                s.kind = kSurfaceQuadric;
-                for (int i = 0; i < 3; ++i) scale_row(i, 1 / p.radius);
-                s.form[0] = s.form[1] = 1;
-                s.form[2] = p.kind == Primitive::Kind::kSphere ? 1 : 0;
-                s.form[3] = -1;
-                break;
-            case Primitive::Kind::kDoubleCone:
-                s.kind = kSurfaceQuadric;
-                scale_row(2, p.slope);
-                s.map[11] += p.radius;
-                s.form[0] = s.form[1] = 1;
-                s.form[2] = -1;
-                break;
-            case Primitive::Kind::kCone:
-                s.kind = kSurfaceCone;
-                scale_row(2, -p.slope);
-                s.map[11] -= p.radius;
-                break;
-            case Primitive::Kind::kTorus:
-                s.kind = kSurfaceTorus;
-                s.form[0] = p.major;
-                s.form[3] = -p.radius * p.radius;
-                break;
-            default: {  // kRounded
-                const auto [data, is_new] = rounded_.try_emplace(p.rounded.get());
-                if (is_new) data->second = write_rounded(*p.rounded, out_.expression_ops);
-                std::copy(s.map, s.map + 12, data->second.map);
-                s = data->second;
-            }
-        }
+    /// Of a surface that has the primitive's map: the data are written once for all its copies.
+    Surface rounded(const Primitive& p, const Surface& mapped) {
+        const auto [data, is_new] = rounded_.try_emplace(p.rounded.get());
+        if (is_new) data->second = write_rounded(*p.rounded, out_.expression_ops);
+        Surface surface = data->second;
+        std::copy(mapped.map, mapped.map + 12, surface.map);
+        return surface;
     }
 
     /// Its surfaces; their formulas depend on the cell (kernels/shared/spatial.h).
