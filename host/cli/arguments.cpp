@@ -123,6 +123,28 @@ void read_device_words(const Words& words, Arguments& arguments) {
     }
 }
 
+void read_layer_words(const Words& words, MeshOptions& options) {
+    LayerOptions& layers = options.layers;
+    if (words.layers.empty()) {
+        for (const auto& [is_given, option] :
+             {std::pair<bool, const char*>{!words.first_layer.empty(), "--first-layer"},
+              {!words.layer_growth.empty(), "--layer-growth"},
+              {!layers.on.empty(), "--layers-on"}}) {
+            if (is_given) refuse(std::string(option) + ": there are no layers; add --layers N");
+        }
+        return;
+    }
+    layers.count = parse_integer("--layers", words.layers, 1, kMostLayers);
+    if (!words.first_layer.empty()) layers.first = parse_length("--first-layer", words.first_layer);
+    if (!words.layer_growth.empty()) {
+        layers.growth = parse_number("--layer-growth", words.layer_growth);
+        if (!(layers.growth >= kLeastLayerGrowth && layers.growth <= kMostLayerGrowth))
+            refuse("--layer-growth '" + words.layer_growth + "': expected 0.5 to 3");
+    }
+    if (options.hanging) refuse("--layers and --hanging: layers need a mesh that conforms; leave one away");
+    if (options.second_order) refuse("--layers and --order 2: layers are of first order; leave one away");
+}
+
 void read_mesh_words(const Words& words, Arguments& arguments) {
     MeshOptions& options = arguments.options;
     read_model_words(words, arguments);
@@ -150,6 +172,7 @@ void read_mesh_words(const Words& words, Arguments& arguments) {
     options.second_order = words.order == "2";
     if (options.hanging && options.second_order)
         refuse("--hanging and --order 2: only elements of first order have hanging nodes; leave one away");
+    read_layer_words(words, options);
     options.templates = !words.no_templates;
     options.snap = !words.no_snap;
     options.improve = !words.no_improve;
@@ -201,7 +224,8 @@ void read_memory(const std::string& word, Arguments& arguments) {
                                                   {!arguments.features.empty(), "--features"},
                                                   {!arguments.picture.empty(), "--picture"},
                                                   {arguments.options.tetrahedra, "--elements tet"},
-                                                  {arguments.options.second_order, "--order 2"}};
+                                                  {arguments.options.second_order, "--order 2"},
+                                                  {arguments.options.layers.count > 0, "--layers"}};
     for (const auto& [is_given, option] : wrong) {
         if (is_given)
             refuse(std::string(option) + " needs the whole mesh in memory; leave it or --memory away");

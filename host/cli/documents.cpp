@@ -65,6 +65,14 @@ Json mesh_document(const MeshReport& report, const MeshFigures& figures) {
         json["second_order"] = {{"middle_nodes", report.middle_nodes},
                                 {"curved_edges", report.curved_edges},
                                 {"relaxed_edges", report.relaxed_edges}};
+    if (report.layers.facets > 0)
+        json["layers"] = {
+            {"facets", report.layers.facets},
+            {"lower", report.layers.lower},
+            {"bare", report.layers.bare},
+            {"elements", report.layers.elements},
+            {"thickness", report.layers.thickness},
+            {"first_bare", report.layers.first_bare ? Json(*report.layers.first_bare) : Json(nullptr)}};
     json["cell_size"] = report.cell_size;
     json["root_box"] = {{"min", report.root.min}, {"max", report.root.max}};
     json["nodes"] = figures.nodes;
@@ -72,7 +80,8 @@ Json mesh_document(const MeshReport& report, const MeshFigures& figures) {
     json["elements_by_kind"] = {{"in", figures.kinds[0]},
                                 {"snio", figures.kinds[1]},
                                 {"cnio", figures.kinds[2]},
-                                {"transition", figures.kinds[3]}};
+                                {"transition", figures.kinds[3]},
+                                {"layer", figures.kinds[4]}};
     json["min_scaled_jacobian"] = worst_by_type(figures.elements, figures.min_scaled_jacobian);
     json["worst_place"] = figures.worst_place ? Json(*figures.worst_place) : Json(nullptr);
     json["regions"] = names_with_counts(figures.regions, figures.in_region, "elements");

@@ -18,7 +18,7 @@ void MeshFigures::add_outline(const Mesh& mesh) {
 void MeshFigures::add_elements(const Mesh& mesh, const std::vector<float>& jacobians, int threads) {
     struct Part {
         float worst = 1;
-        std::array<std::uint64_t, 4> kinds{};
+        std::array<std::uint64_t, 5> kinds{};
         std::vector<std::uint64_t> in_region;
     };
     constexpr std::size_t kChunk = std::size_t{1} << 17;

@@ -16,7 +16,7 @@ namespace mortise::cli {
 struct MeshFigures {
     std::uint64_t nodes = 0;
     std::array<std::uint64_t, kElementTypes> elements{};
-    std::array<std::uint64_t, 4> kinds{};                               ///< by ElementKind
+    std::array<std::uint64_t, 5> kinds{};                               ///< by ElementKind
     std::array<double, kElementTypes> min_scaled_jacobian{1, 1, 1, 1};  ///< 1 where a type has no elements
     std::optional<Vec3> worst_place;  ///< mean of the worst element's nodes; of a mesh in one piece
     std::vector<std::string> regions;

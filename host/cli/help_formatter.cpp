@@ -19,6 +19,7 @@ std::string HelpFormatter::make_help(const CLI::App* app, std::string, CLI::AppF
     std::ostringstream out;
     out << app->get_description() << "\nUsage: " << usage_ << "\n";
     for (const std::string& group : app->get_groups()) {
+        if (group.empty()) continue;  // options that are not shown
         const auto options = app->get_options([&group](const CLI::Option* option) {
             return option->nonpositional() && option->get_group() == group;
         });

@@ -91,6 +91,12 @@ std::string summary(const Arguments& arguments, const MeshReport& report, const 
                     " less than the model, for the shape of elements there";
         text += "\n";
     }
+    if (report.layers.facets > 0) {
+        text += "  layers     " + std::to_string(report.layers.elements) + " elements, " +
+                short_number(report.layers.thickness, 3) + " thick in the mean, on " +
+                std::to_string(report.layers.facets - report.layers.bare) + " of " +
+                std::to_string(report.layers.facets) + " facets\n";
+    }
     text += "  worst      scaled Jacobian " + list_jacobians(figures.elements, figures.min_scaled_jacobian);
     if (figures.worst_place) text += "; the lowest at " + place_text(*figures.worst_place);
     text += "\n";

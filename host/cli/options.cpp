@@ -10,7 +10,6 @@ namespace mortise::cli {
 namespace {
 
 constexpr const char* kExamples = R"(Examples: mortise bracket.csg -o bracket.vtu --picture bracket.png
-          mortise pipe.geo -o pipe.vtu -o pipe.msh --box -1 -1 0 1 1 4 --size 0.05
 )";
 
 constexpr const char* kExitCodes =
@@ -110,6 +109,16 @@ void add_element_options(CLI::App& app, Arguments& arguments, Words& words) {
         ->option_text("1|2");
     app.add_flag("--hanging", words.hanging,
                  "cells inside beside smaller ones stay hexahedra, with hanging nodes");
+    app.add_option("--layers", words.layers, "N layers of flat elements at walls")->option_text("N");
+    app.add_option("--first-layer", words.first_layer,
+                   "height of the one at the wall (0.4 of a facet's edge)")
+        ->option_text("LENGTH");
+    app.add_option("--layer-growth", words.layer_growth, "height of each to the one before it (1.2)")
+        ->option_text("X");
+    app.add_option("--layers-on", arguments.options.layers.on,
+                   "walls: that surface, or a region's boundary (all; repeatable)")
+        ->option_text("NAME")
+        ->allow_extra_args(false);
     app.add_option("--min-angle", words.min_angle, "smallest dihedral angle that elements get, 18 to 44 (18)")
         ->option_text("ANGLE");
     app.add_option("--smooth", words.smooth, "rounds of moving nodes to better places, 0 to 100 (4)")
@@ -118,8 +127,10 @@ void add_element_options(CLI::App& app, Arguments& arguments, Words& words) {
                    "instead of slivers, nodes may merge within X cells, or move 3 X (0.05)")
         ->option_text("X");
     app.add_flag("--no-improve", words.no_improve, "leave elements as templates and certificate make them");
-    app.add_flag("--no-snap", words.no_snap, "do not move grid vertices onto the surface");
-    app.add_flag("--no-templates", words.no_templates, "mesh simple surface cells like complex ones");
+    // For developers; docs/options.md has them.
+    app.add_flag("--no-snap", words.no_snap, "do not move grid vertices onto the surface")->group("");
+    app.add_flag("--no-templates", words.no_templates, "mesh simple surface cells like complex ones")
+        ->group("");
     app.add_flag("--strict", arguments.options.strict,
                  "exit 3, write nothing, if a feature may be missing or regions overlap");
     app.add_option("--quality-floor", words.floor, "exit 4 if a scaled Jacobian is below X, 0 to 1")
@@ -131,7 +142,8 @@ void add_device_options(CLI::App& app, Arguments& arguments, Words& words) {
         ->option_text("DEVICE");
     app.add_option("--threads", words.threads, "host threads, default all cores")->option_text("COUNT");
     app.add_option("--work-group", words.work_group, "OpenCL work-group size, default by device")
-        ->option_text("COUNT");
+        ->option_text("COUNT")
+        ->group("");  // for developers
 }
 
 void add_file_options(CLI::App& app, Words& words) {

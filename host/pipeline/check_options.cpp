@@ -89,6 +89,8 @@ void check_options(const MeshOptions& options) {
         {"interior_coarsening", double(options.interior_coarsening), 0, kMaxLevel, nullptr, " levels"},
         {"curvature_elements", options.curvature_elements, 0, kAny, "a positive number, or 0 for none"},
         {"merge_distance", options.merge_distance, 0, kMostMergeDistance, nullptr, " of a cell"},
+        {"count of layers", double(options.layers.count), 0, kMostLayers, nullptr},
+        {"growth of layers", options.layers.growth, kLeastLayerGrowth, kMostLayerGrowth, nullptr},
         {"smallest angle", options.min_angle, kLeastMinAngle, kMostMinAngle, nullptr, " degrees"},
     };
     static_assert(octree::kMaxUniformLevel == kMostLevel && kMostLevel == 11, "as the range of `level` says");
@@ -103,6 +105,11 @@ void check_options(const MeshOptions& options) {
         refuse("hanging nodes are those of hexahedra; leave them or tetrahedra away");
     if (options.hanging && options.second_order)
         refuse("hanging nodes are those of elements of first order; leave them or second_order away");
+    check_length("height of the first layer", options.layers.first, true);
+    if (options.layers.count > 0 && options.hanging)
+        refuse("layers need a mesh that conforms; leave them or hanging nodes away");
+    if (options.layers.count > 0 && options.second_order)
+        refuse("layers are of first order; leave them or second_order away");
     if (options.min_angle > kLeastMinAngle && !options.improve)
         refuse("a smallest angle needs elements to be improved");
     if (options.box) check_box(*options.box);

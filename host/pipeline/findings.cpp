@@ -208,6 +208,29 @@ void report_hinges(const features::Hinges& hinges, const std::vector<double>& po
     warn_or_refuse(text, options, source, out);
 }
 
+void report_layers(const LayerOptions& layers, const std::string& source, MeshReport& out) {
+    const LayerFigures& found = out.layers;
+    if (found.facets == 0) {
+        std::string names;
+        for (const std::string& name : layers.on) names += (names.empty() ? "'" : "', '") + name;
+        out.warnings.push_back(source + ": no layers: no facet of the mesh is a wall called " + names + "'");
+        return;
+    }
+    const auto percent = [&found](std::uint64_t facets) {
+        return number_text(
+                   std::ceil(1000.0 * static_cast<double>(facets) / static_cast<double>(found.facets)) / 10) +
+               " %";
+    };
+    std::string text;
+    if (found.lower > 0)
+        text = "lower than asked on " + percent(found.lower) + " of the walls' facets, for want of room";
+    if (found.bare > 0)
+        text += (text.empty() ? "missing on " : "; missing on ") + percent(found.bare) +
+                (text.empty() ? " of the walls' facets" : "") + ", first near " +
+                place_text(*found.first_bare);
+    if (!text.empty()) out.warnings.push_back(source + ": layers are " + text);
+}
+
 void warn_of_empty_regions(const std::vector<std::string>& names, const std::vector<bool>& present,
                            const std::string& source, MeshReport& report) {
     for (std::size_t r = 1; r <= names.size(); ++r) {

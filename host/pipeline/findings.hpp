@@ -47,6 +47,9 @@ void report_false_facets(const Prepared& prepared, const std::vector<double>& po
 void report_cells(const Prepared& prepared, const Extracted& extracted, const Model& model,
                   const MeshOptions& options, MeshReport& out);
 
+/// Warns where walls have fewer or lower layers than asked.
+void report_layers(const LayerOptions& layers, const std::string& source, MeshReport& out);
+
 /// Where a region has no element, by region: named in the file, but not in the mesh.
 void warn_of_empty_regions(const std::vector<std::string>& names, const std::vector<bool>& present,
                            const std::string& source, MeshReport& report);

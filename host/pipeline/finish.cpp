@@ -7,6 +7,7 @@
 #include "host/common/parallel.hpp"
 #include "host/features/features.hpp"
 #include "host/hanging/restore.hpp"
+#include "host/layers/layers.hpp"
 #include "host/pipeline/findings.hpp"
 #include "host/pipeline/names.hpp"
 #include "host/pipeline/periodic.hpp"
@@ -104,6 +105,21 @@ void Finish::restore_cells(Mesh& mesh) {
     stages_.end(restored.cells);
 }
 
+void Finish::name(Mesh& mesh) {
+    stages_.begin("names");
+    facet_surface_ = mesh.facets.surface;
+    name_surfaces(prepared_.compiled, prepared_.bound, options_.threads, mesh);
+    stages_.end(mesh.facets.size());
+}
+
+void Finish::add_layers(Mesh& mesh) {
+    stages_.begin("layers");
+    out_.layers =
+        layers::add_layers(mesh, facet_surface_, prepared_.bound, options_.layers, options_.threads);
+    report_layers(options_.layers, model_.source, out_);
+    stages_.end(out_.layers.elements);
+}
+
 void Finish::verify(const Mesh& mesh) {
     stages_.begin("faces");
     if (!quality::faces_are_paired(mesh, options_.threads)) refuse_unpaired(model_.source);
@@ -113,8 +129,6 @@ void Finish::verify(const Mesh& mesh) {
 void Finish::describe(Mesh& mesh) {
     if (options_.improve) report_improvement(counters_, options_, model_.source, out_);
     stages_.begin("features");
-    facet_surface_ = mesh.facets.surface;
-    name_surfaces(prepared_.compiled, prepared_.bound, options_.threads, mesh);
     features::Hinges hinges;
     parallel_chunks(2, 1, options_.threads, [&](std::size_t i, std::size_t, int) {  // most of both is serial
         if (i == 0)
@@ -153,7 +167,7 @@ void Finish::raise_order(Mesh& mesh) {
 
 void Finish::measure(const Mesh& mesh, std::optional<jacobian::Method> method, std::vector<float> memory) {
     stages_.begin("jacobians");
-    const bool knows_shapes = prepared_.periodic.empty();
+    const bool knows_shapes = prepared_.periodic.empty() && options_.layers.count == 0;
     out_.scaled_jacobians = jacobian::scaled_jacobians(
         device_, mesh, method.value_or(jacobian::usual_method(mesh.element_count())), options_.threads,
         knows_shapes ? jacobian::KnownShapes{&moved_cubes_, &sixths_} : jacobian::KnownShapes{},

@@ -40,11 +40,16 @@ class Finish {
     /// Hexahedra with hanging nodes.
     void restore_cells(Mesh& mesh);
 
+    /// Names of surfaces.
+    void name(Mesh& mesh);
+
+    /// Layers at walls; after name().
+    void add_layers(Mesh& mesh);
+
     /// Throws Error if faces do not fit together.
     void verify(const Mesh& mesh);
 
-    /// What improvement did; names of surfaces, dimensions of nodes; what the mesh has lost; the quality
-    /// report if it is wanted.
+    /// What improvement did; dimensions of nodes; what the mesh has lost; the quality report if it is wanted.
     void describe(Mesh& mesh);
 
     /// Nodes in the middles of edges; after describe().
@@ -68,7 +73,7 @@ class Finish {
     IndexRuns moved_cubes_;        ///< hexahedra of kind kIn, but for these, are boxes along the axes
     IndexRuns sixths_;             ///< tetrahedra that are sixths of such boxes
     std::vector<NodeId> copy_of_;  ///< of periodic planes
-    std::vector<std::uint32_t> facet_surface_;  ///< by facet, the bound model's: known from describe() on
+    std::vector<std::uint32_t> facet_surface_;  ///< by facet, the bound model's: known from name() on
 };
 
 }  // namespace mortise::pipeline

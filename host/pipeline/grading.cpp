@@ -6,6 +6,7 @@
 
 #include "host/common/constants.hpp"
 #include "host/formula/expression_parser.hpp"
+#include "host/pipeline/names.hpp"
 #include "host/sizing/hints.hpp"
 #include "mortise/error.hpp"
 
@@ -31,14 +32,7 @@ void add_named_size(const std::string& name, double size, const tape::CompiledMo
     for (std::size_t s = 0; s < model.surfaces.size(); ++s) add_surface(s, model.surface_name[s]);
     for (const tape::Namesake& other : model.namesakes)
         add_surface(other.surface, compiled.surfaces[other.compiled].name);
-    if (found) return;
-    std::string known;
-    for (const auto* names : {&compiled.region_names, &compiled.surface_names}) {
-        for (const std::string& other : *names) {
-            if (known.size() < 200) known += (known.empty() ? "" : ", ") + other;
-        }
-    }
-    throw Error(ExitCode::kUsage, "no region or surface is called '" + name + "'; this model has " + known);
+    if (!found) refuse_name(name, compiled);
 }
 
 /// What the model asks for at parts without a node of their own. `base`: level of the boundary.

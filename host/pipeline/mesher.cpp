@@ -157,6 +157,8 @@ Mesh Mesher::generate(const Model& model, const MeshOptions& asked, MeshReport* 
     if (options.tetrahedra) finish.split(mesh, arena != nullptr ? &arena->mesh : nullptr);
     if (finish.raises()) finish.raise(mesh);
     if (options.hanging) finish.restore_cells(mesh);
+    finish.name(mesh);
+    if (options.layers.count > 0) finish.add_layers(mesh);
     finish.verify(mesh);
     finish.describe(mesh);
     if (report != nullptr) finish.measure(mesh, jacobian_method, std::move(jacobians));

@@ -1,7 +1,10 @@
 #include "host/pipeline/names.hpp"
 
+#include <algorithm>
+
 #include "host/common/parallel.hpp"
 #include "host/tape/face_names.hpp"
+#include "mortise/error.hpp"
 
 namespace mortise::pipeline {
 namespace {
@@ -40,6 +43,25 @@ void name_surfaces(const tape::CompiledModel& compiled, const tape::BoundModel& 
         mesh.surface_names.push_back(compiled.surface_names[i]);
     }
     for (std::uint32_t& name : surface) name = place[name];
+}
+
+void refuse_name(const std::string& name, const tape::CompiledModel& compiled) {
+    std::string known;
+    for (const auto* names : {&compiled.region_names, &compiled.surface_names}) {
+        for (const std::string& other : *names) {
+            if (known.size() < 200) known += (known.empty() ? "" : ", ") + other;
+        }
+    }
+    throw Error(ExitCode::kUsage, "no region or surface is called '" + name + "'; this model has " + known);
+}
+
+void check_names(const std::vector<std::string>& names, const tape::CompiledModel& compiled) {
+    for (const std::string& name : names) {
+        bool found = false;
+        for (const auto* known : {&compiled.region_names, &compiled.surface_names})
+            found = found || std::find(known->begin(), known->end(), name) != known->end();
+        if (!found) refuse_name(name, compiled);
+    }
 }
 
 }  // namespace mortise::pipeline

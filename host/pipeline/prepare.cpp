@@ -11,6 +11,7 @@
 #include "host/pipeline/grading.hpp"
 #include "host/pipeline/memory_limit.hpp"
 #include "host/pipeline/message_text.hpp"
+#include "host/pipeline/names.hpp"
 #include "host/pipeline/programs.hpp"
 #include "host/pipeline/snap.hpp"
 #include "host/probe/overlaps.hpp"
@@ -87,6 +88,16 @@ Root find_root(const tape::CompiledModel& compiled, const Box3& bounds, const Me
                                       "(--refine, --size-of, --size-at)");
 }
 
+void check_layers(const LayerOptions& layers, const tape::CompiledModel& compiled,
+                  const std::vector<PeriodicAxis>& periodic) {
+    if (layers.count == 0) return;
+    check_names(layers.on, compiled);
+    if (!periodic.empty())
+        throw Error(ExitCode::kUsage,
+                    "layers do not go with periodic planes yet; leave the layers (--layers) away, or take "
+                    "'identify periodic' out of the model");
+}
+
 /// From the model to its surfaces in the root box. Returns what sizes cells are to have.
 Sizes bind_model(const Model& model, const MeshOptions& options, Prepared& result, MeshReport& out) {
     check_model(model);
@@ -95,6 +106,7 @@ Sizes bind_model(const Model& model, const MeshOptions& options, Prepared& resul
     const tape::CompiledModel& compiled = result.compiled;
     const Box3 bounds = tape::find_bounds(model, compiled, clip, &out.warnings);
     result.periodic = periodic_axes(compiled, model, &out.warnings);
+    check_layers(options.layers, compiled, result.periodic);
     const Root root = result.root = find_root(compiled, bounds, options, result.periodic, out);
     tape::BoundModel& bound = result.bound;
     bound = tape::bind(compiled, root.origin, root.side);

@@ -15,13 +15,14 @@ struct Step {
 };
 
 /// In their order; between "classify" and "merge" pieces are made, between 0.4 and 0.9.
-constexpr std::array<Step, 23> kSteps = {{
-    {"compile", 0},     {"polyhedra", 0.01}, {"device", 0.02},        {"octree", 0.05},
-    {"probe", 0.28},    {"overlaps", 0.29},  {"classify", 0.3},       {"snap", 0.31},
-    {"extract", 0.33},  {"merge", 0.9},      {"reposition", 0.91},    {"planes", 0.925},
-    {"improve", 0.93},  {"periodic", 0.945}, {"tetrahedra", 0.95},    {"raise", 0.952},
-    {"hanging", 0.954}, {"faces", 0.955},    {"features", 0.96},      {"quality", 0.97},
-    {"films", 0.98},    {"jacobians", 0.99}, {"second order", 0.995},
+constexpr std::array<Step, 25> kSteps = {{
+    {"compile", 0},          {"polyhedra", 0.01}, {"device", 0.02},     {"octree", 0.05},
+    {"probe", 0.28},         {"overlaps", 0.29},  {"classify", 0.3},    {"snap", 0.31},
+    {"extract", 0.33},       {"merge", 0.9},      {"reposition", 0.91}, {"planes", 0.925},
+    {"improve", 0.93},       {"periodic", 0.945}, {"tetrahedra", 0.95}, {"raise", 0.952},
+    {"hanging", 0.954},      {"names", 0.9545},   {"layers", 0.9547},   {"faces", 0.955},
+    {"features", 0.96},      {"quality", 0.97},   {"films", 0.98},      {"jacobians", 0.99},
+    {"second order", 0.995},
 }};
 
 constexpr bool ascends() {

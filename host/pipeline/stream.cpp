@@ -41,6 +41,7 @@ void refuse(bool wrong, const char* option) {
 void check_stream_options(const MeshOptions& options) {
     refuse(options.tetrahedra, "tetrahedra only (--elements tet)");
     refuse(options.second_order, "second order (--order 2)");
+    refuse(options.layers.count > 0, "layers (--layers)");
     refuse(options.quality, "a quality report (--quality)");
 }
 

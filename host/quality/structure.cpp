@@ -117,7 +117,7 @@ bool check_structure(const Mesh& mesh, int threads, DefectLog& log) {
         ranges.check_index(block.nodes, nodes, {DefectKind::kElementNodeRange, name, "node", corners});
         ranges.check_index(block.middles, nodes, {DefectKind::kElementNodeRange, name, "middle", edges});
         ranges.check(block.region, 1, regions, {DefectKind::kElementRegion, name, "region"});
-        constexpr auto last_kind = static_cast<std::uint64_t>(ElementKind::kTransition);
+        constexpr auto last_kind = static_cast<std::uint64_t>(ElementKind::kLayer);
         ranges.check(block.kind, 0, last_kind, {DefectKind::kElementKind, name, "kind"});
     }
     const FacetBlock& facets = mesh.facets;

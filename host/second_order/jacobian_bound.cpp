@@ -268,23 +268,6 @@ void transform_axis(const Table& table, std::size_t axis, std::vector<double>& v
 
 }  // namespace
 
-double least_straight_jacobian(ElementType type, const Vec3* corners) {
-    const auto jacobian_at = [&](std::size_t corner, std::size_t a, std::size_t b, std::size_t c) {
-        return dot(difference(corners[a], corners[corner]),
-                   cross(difference(corners[b], corners[corner]), difference(corners[c], corners[corner])));
-    };
-    switch (type) {
-        case ElementType::kTetrahedron: return jacobian_at(0, 1, 2, 3);
-        case ElementType::kPyramid:  // bilinear over the base (host/quality/jacobian.cpp has the proof)
-            return std::min({jacobian_at(0, 1, 3, 4), jacobian_at(1, 2, 0, 4), jacobian_at(2, 3, 1, 4),
-                             jacobian_at(3, 0, 2, 4)});
-        default: {
-            constexpr std::array<Vec3, kMostEdges> straight{};
-            return least_jacobian(type, corners, straight.data());
-        }
-    }
-}
-
 bool is_surely_valid(const Vec3* corners, const Vec3* displacements, double share) {
     // With J of the straight tetrahedron, the Jacobian is det J · det(I + P), P = Σ J⁻¹ d ∇(4 λa λb).
     // Singular values of I + P are 1 - |P| at least, and |∇(4 λa λb)| is largest at a corner, 4 √3.

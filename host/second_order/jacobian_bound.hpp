@@ -13,10 +13,8 @@
 
 namespace mortise::second_order {
 
-/// A lower bound of the Jacobian of an element with straight edges. `corners`: kElementNodes[type] points.
-double least_straight_jacobian(ElementType type, const Vec3* corners);
-
-/// The same of an element with curved edges; `displacements`: kElementEdges[type] vectors by local_edges().
+/// A lower bound of the Jacobian of an element with curved edges. `corners`: kElementNodes[type] points;
+/// `displacements`: kElementEdges[type] vectors by local_edges().
 double least_jacobian(ElementType type, const Vec3* corners, const Vec3* displacements);
 
 /// Whether the Jacobian of a tetrahedron with curved edges is surely at least `share` of the straight one's:

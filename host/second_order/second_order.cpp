@@ -6,6 +6,7 @@
 #include <cmath>
 #include <memory>
 
+#include "host/common/element_jacobian.hpp"
 #include "host/common/index_set.hpp"
 #include "host/common/large_array.hpp"
 #include "host/common/parallel.hpp"

@@ -23,6 +23,7 @@ enum class ElementKind : std::uint8_t {
     kSnio = 1,        ///< a template of a cell with one simple surface
     kCnio = 2,        ///< the certificate of a complex cell
     kTransition = 3,  ///< between leaves of different sizes: a template, or a cube with hanging nodes
+    kLayer = 4,       ///< in a layer at a wall
 };
 
 /// All elements of one type. Order: Morton order of the leaf that made them.

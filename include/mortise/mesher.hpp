@@ -26,12 +26,27 @@ inline constexpr double kLeastMinAngle = 18;
 inline constexpr double kMostMinAngle = 44;
 inline constexpr int kMostSmooth = 100;
 inline constexpr double kMostMergeDistance = 0.25;
+/// Those of LayerOptions.
+inline constexpr int kMostLayers = 100;
+inline constexpr double kLeastLayerGrowth = 0.5;
+inline constexpr double kMostLayerGrowth = 3;
 
 /// A wish for small cells around a point: at distance d from it none is larger than size + grading × d.
 struct SizeSource {
     Vec3 at{};
     double size = 0;     ///< edge of a cell in model units
     double grading = 1;  ///< growth of the edge per unit of distance; 0: everywhere
+};
+
+/// Layers of flat elements at walls, for flow along them.
+struct LayerOptions {
+    int count = 0;        ///< how many, 100 at most; 0: none
+    double first = 0;     ///< height of the one at the wall, model units; 0: the last one is 0.4 of an edge
+                          ///< of the wall, all together an edge at most
+    double growth = 1.2;  ///< height of each to the one before it, 0.5 to 3
+    /// Names of surfaces and regions. Of regions all their boundary gets layers, on its inside; of surfaces
+    /// these; of both what is both. None: the outer boundary.
+    std::vector<std::string> on;
 };
 
 struct MeshOptions {
@@ -71,6 +86,7 @@ struct MeshOptions {
     /// Elements of second order: a node in the middle of each edge, on the model where the edge lies on it;
     /// not with `hanging`.
     bool second_order = false;
+    LayerOptions layers;   ///< of wedges and hexahedra; not with `hanging`, `second_order`, periodic planes
     int pieces = 1;        ///< parts of the Morton range that are meshed apart and merged: the same mesh
     bool quality = false;  ///< also make MeshReport::quality
     bool strict = false;   ///< Error(kMeshing) if a feature of the model may be missing, or regions overlap
@@ -102,6 +118,16 @@ struct MissedFeature {
     bool kept = false;     ///< the mesh shows it all the same
 };
 
+/// What walls got of the layers that were asked for, MeshOptions::layers.
+struct LayerFigures {
+    std::uint64_t facets = 0;    ///< of the walls
+    std::uint64_t lower = 0;     ///< of these, with lower layers, for want of room, at some corner
+    std::uint64_t bare = 0;      ///< without layers
+    std::uint64_t elements = 0;  ///< in layers
+    double thickness = 0;        ///< of all layers, mean over the walls' nodes that have some; model units
+    std::optional<Vec3> first_bare;  ///< where the first facet without layers is
+};
+
 /// What happened besides the mesh.
 struct MeshReport {
     std::string device;
@@ -114,6 +140,7 @@ struct MeshReport {
     std::uint64_t middle_nodes = 0;      ///< of second order, in the middles of edges
     std::uint64_t curved_edges = 0;      ///< of second order, edges that are not straight
     std::uint64_t relaxed_edges = 0;     ///< that would be curved more, but for the shape of elements there
+    LayerFigures layers;                 ///< if there are any
     Box3 root{};                         ///< the root box, a cube
     std::uint64_t cells_evaluated = 0;
     std::uint64_t in_cells = 0;

@@ -179,6 +179,24 @@ TEST_CASE("a command line that is not understood") {
                    {model, "-o", out, "--memory", "1G", "--order", "2"});
     expect_failure(scratch, kUsage, "OpenFOAM's meshes have no elements of second order",
                    {model, "-o", scratch.file("out/polyMesh"), "--order", "2"});
+    expect_failure(scratch, kUsage, "--layers '0': expected a whole number from 1 to 100",
+                   {model, "-o", out, "--layers", "0"});
+    expect_failure(scratch, kUsage, "--first-layer: there are no layers; add --layers N",
+                   {model, "-o", out, "--first-layer", "0.1"});
+    expect_failure(scratch, kUsage, "--layers-on: there are no layers",
+                   {model, "-o", out, "--layers-on", "block"});
+    expect_failure(scratch, kUsage, "--first-layer '-1': expected a positive length",
+                   {model, "-o", out, "--layers", "2", "--first-layer", "-1"});
+    expect_failure(scratch, kUsage, "--layer-growth '9': expected 0.5 to 3",
+                   {model, "-o", out, "--layers", "2", "--layer-growth", "9"});
+    expect_failure(scratch, kUsage, "--layers and --hanging",
+                   {model, "-o", out, "--layers", "2", "--hanging"});
+    expect_failure(scratch, kUsage, "--layers and --order 2",
+                   {model, "-o", out, "--layers", "2", "--order", "2"});
+    expect_failure(scratch, kUsage, "--layers needs the whole mesh",
+                   {model, "-o", out, "--layers", "2", "--memory", "1G"});
+    expect_failure(scratch, kUsage, "no region or surface is called 'wing'",
+                   {model, "-o", out, "--layers", "2", "--layers-on", "wing"});
     expect_failure(scratch, kUsage, ".msh files have no place for hanging nodes",
                    {model, "-o", scratch.file("out/a.MSH"), "--hanging"});
     expect_failure(scratch, kUsage, "a folder polyMesh (OpenFOAM)", {model, "-o", scratch.file("out/mesh")});

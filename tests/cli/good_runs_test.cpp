@@ -339,6 +339,27 @@ TEST_CASE("a mesh of second order as .vtu and .msh, which check reads") {
     CHECK(report["second_order"]["relaxed_edges"] == 0);
 }
 
+TEST_CASE("layers at walls as .vtu, .msh and for OpenFOAM") {
+    const ScratchFolder scratch;
+    scratch.names("out");
+    const std::string vtu = scratch.file("a.vtu"), msh = scratch.file("a.msh"), json = scratch.file("a.json");
+    const Outcome outcome =
+        run({"--layers", "3", "--layers-on", "cube1_xmin", "--layers-on", "cube1_xmax", asset("block.csg"),
+             "-o", vtu, "-o", msh, "-o", scratch.file("out/polyMesh"), "--report", json, "--check"});
+    CHECK(outcome.code == 0);
+    CHECK(outcome.err.empty());
+    CHECK(contains(outcome.out, "  layers     "));
+    CHECK(run({"check", vtu}).code == 0);
+    CHECK(run({"check", msh}).code == 0);
+    std::ifstream text(json);
+    const nlohmann::json report = nlohmann::json::parse(text);
+    CHECK(report["layers"]["facets"] > 100);
+    CHECK(report["layers"]["bare"] == 0);
+    CHECK(report["layers"]["first_bare"].is_null());
+    CHECK(report["layers"]["elements"] == 3 * report["layers"]["facets"].get<int>());
+    CHECK(report["elements_by_kind"]["layer"] == report["layers"]["elements"]);
+}
+
 TEST_CASE("a signal in the middle of writing for OpenFOAM leaves no folder") {
     const ScratchFolder scratch;
     scratch.names("out");

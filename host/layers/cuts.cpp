@@ -1,0 +1,88 @@
+#include "host/layers/cuts.hpp"
+
+#include <algorithm>
+
+#include "host/common/parallel.hpp"
+#include "host/layers/stack.hpp"
+
+namespace mortise::layers {
+namespace {
+
+const CutFace* find_face(const std::vector<CutFace>& faces, const NodeId* nodes, const LocalFace& face) {
+    if (face[3] < 0) return nullptr;
+    CutFace wanted;
+    for (std::size_t k = 0; k < 4; ++k) wanted.key[k] = nodes[face[k]];
+    std::sort(wanted.key.begin(), wanted.key.end());
+    const auto found = std::lower_bound(faces.begin(), faces.end(), wanted);
+    return found != faces.end() && found->key == wanted.key ? &*found : nullptr;
+}
+
+}  // namespace
+
+std::vector<CutFace> find_cut_faces(const Walls& walls, const std::vector<std::uint8_t>& is_bare) {
+    std::vector<CutFace> faces;
+    for (std::size_t f = 0; f < walls.facets.size(); ++f) {
+        const WallFacet& facet = walls.facets[f];
+        BareCorners bare{};
+        for (std::size_t k = 0; k < 4; ++k) bare[k] = is_bare[walls.place[facet.node[k]]] != 0;
+        const std::optional<std::size_t> cut = cut_of(facet, bare);
+        if (!cut) continue;
+        CutFace face;
+        face.key = facet.node;
+        std::sort(face.key.begin(), face.key.end());
+        face.diagonal = {facet.node[*cut], facet.node[(*cut + 2) % 4]};
+        face.wall = static_cast<std::uint32_t>(f);
+        faces.push_back(face);
+    }
+    std::sort(faces.begin(), faces.end());
+    return faces;
+}
+
+std::vector<CutElement> find_cut_elements(const Mesh& mesh, const std::vector<CutFace>& faces, int threads) {
+    std::vector<CutElement> elements;
+    if (faces.empty()) return elements;
+    for (const ElementType type : {ElementType::kHexahedron, ElementType::kWedge, ElementType::kPyramid}) {
+        const ElementBlock& block = mesh.block(type);
+        const LocalFaces local = local_faces(type);
+        const auto nodes = static_cast<std::size_t>(kElementNodes[static_cast<std::size_t>(type)]);
+        std::vector<std::vector<CutElement>> parts(chunk_count(block.size(), kElementChunk));
+        parallel_numbered(
+            block.size(), kElementChunk, threads, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+                for (std::size_t i = begin; i < end; ++i) {
+                    const NodeId* const node = block.nodes.data() + nodes * i;
+                    const bool has_cut = std::any_of(
+                        local.faces, local.faces + local.count,
+                        [&](const LocalFace& face) { return find_face(faces, node, face) != nullptr; });
+                    if (has_cut) parts[chunk].push_back({type, static_cast<std::uint32_t>(i)});
+                }
+            });
+        for (const auto& part : parts) elements.insert(elements.end(), part.begin(), part.end());
+    }
+    return elements;
+}
+
+std::vector<CutPart> cut_element(ElementType type, const NodeId* nodes, const std::vector<CutFace>& faces) {
+    const LocalFaces local = local_faces(type);
+    const int top = type == ElementType::kPyramid ? 4 : kCentre;
+    std::vector<CutPart> parts;
+    for (int f = 0; f < local.count; ++f) {
+        const LocalFace& face = local.faces[f];
+        const CutFace* const cut = find_face(faces, nodes, face);
+        if (type == ElementType::kPyramid && cut == nullptr) continue;  // a side
+        // Faces are outward: seen from the centre the other way round.
+        if (face[3] < 0) {
+            parts.push_back({ElementType::kTetrahedron, {face[0], face[2], face[1], top}});
+        } else if (cut == nullptr) {
+            parts.push_back({ElementType::kPyramid, {face[0], face[3], face[2], face[1], top}});
+        } else {
+            std::size_t k = 0;
+            while (nodes[face[k]] != cut->diagonal[0] && nodes[face[k]] != cut->diagonal[1]) ++k;
+            const auto at = [&](std::size_t i) { return face[(k + i) % 4]; };
+            parts.push_back({ElementType::kTetrahedron, {at(0), at(2), at(1), top}});
+            parts.push_back({ElementType::kTetrahedron, {at(0), at(3), at(2), top}});
+        }
+    }
+    return parts;
+}
+
+}  // namespace mortise::layers
