@@ -4,7 +4,7 @@
 
 say() { echo "$(basename "$0"): $*" >&2; }
 
-# install_packages [tests]: installs what is missing of .ci/packages.txt; with "tests" those lines too.
+# install_packages [tests|python]: installs what is missing of .ci/packages.txt; with a word its lines too.
 install_packages() {
     local missing=() name use
     while read -r name use; do

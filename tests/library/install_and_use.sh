@@ -30,6 +30,14 @@ read -ra flags <<<"$(PKG_CONFIG_PATH="$packages" pkg-config --cflags --libs mort
 for mesh in "$scratch"/plate1.vtu "$scratch"/plate20.vtu "$scratch"/large.vtu; do
     "$2" check "$mesh" >/dev/null
 done
+# The Python module, if it was built, finds the library and its kernels from its own place.
+module="$(find "$scratch/prefix" -name 'mortise.cpython-*.so')"
+if [ -n "$module" ]; then
+    PYTHONPATH="$(dirname "$module")" python3 -c '
+import mortise
+mesh = mortise.generate(mortise.parse_model("cube([1, 2, 3]);", "csg"), level=3)
+assert abs(mesh.check().volume - 6) < 1e-9'
+fi
 # Every function that a header declares is there.
 shown="$(nm -DC --defined-only "$(find "$scratch/prefix" -name libmortise.so)")"
 declared="$(sed -n '/^inline\|^struct\|^class/d; s/^[A-Za-z][A-Za-z0-9_:<>, ]* \**&*\([a-z_0-9]*\)(.*/\1/p' "$scratch"/prefix/include/mortise/*.hpp)"

@@ -1,0 +1,358 @@
+// The Python module: models, meshes as arrays of numpy, files.
+#include <array>
+#include <memory>
+#include <string>
+#include <utility>
+
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include "host/python/arrays.hpp"
+#include "host/python/options.hpp"
+#include "mortise/check.hpp"
+#include "mortise/error.hpp"
+#include "mortise/io.hpp"
+#include "mortise/mesher.hpp"
+#include "mortise/model.hpp"
+
+namespace mortise::python {
+namespace {
+
+/// A mesh with what is known of its making.
+struct ReportedMesh {
+    Mesh mesh;
+    MeshReport report;
+};
+
+constexpr std::array<const char*, kElementTypes> kBlockNames = {"hexahedra", "wedges", "pyramids",
+                                                                "tetrahedra"};
+/// As VTK and meshio call them, and the order of nodes there.
+constexpr std::array<const char*, kElementTypes> kCellNames = {"hexahedron", "wedge", "pyramid", "tetra"};
+constexpr std::array<int, 6> kVtkWedge = {0, 2, 1, 3, 5, 4};
+
+/// The elements of one type.
+struct Block {
+    const ElementBlock* block;
+    ElementType type;
+
+    std::size_t nodes_per_element() const {
+        return static_cast<std::size_t>(kElementNodes[static_cast<std::size_t>(type)]);
+    }
+};
+
+/// The nodes of one type in VTK's order, as a copy.
+py::array_t<NodeId> cell_array(const ElementBlock& block, ElementType type) {
+    const auto count = static_cast<std::size_t>(kElementNodes[static_cast<std::size_t>(type)]);
+    py::array_t<NodeId> array({static_cast<py::ssize_t>(block.size()), static_cast<py::ssize_t>(count)});
+    NodeId* const to = array.mutable_data();
+    for (std::size_t i = 0; i < block.nodes.size(); ++i) {
+        const std::size_t k = i % count;
+        const std::size_t from = type == ElementType::kWedge ? static_cast<std::size_t>(kVtkWedge[k]) : k;
+        to[i] = block.nodes[i - k + from];
+    }
+    return array;
+}
+
+py::dict cells(const Mesh& mesh) {
+    py::dict result;
+    for (std::size_t t = 0; t < kElementTypes; ++t) {
+        if (mesh.elements[t].size() > 0)
+            result[kCellNames[t]] = cell_array(mesh.elements[t], static_cast<ElementType>(t));
+    }
+    return result;
+}
+
+/// mortise.Error, with the exit code that the program would end with; Ctrl-C as KeyboardInterrupt.
+void bind_errors(py::module_& module) {
+    static py::object type = py::reinterpret_steal<py::object>(PyErr_NewExceptionWithDoc(
+        "mortise.Error", "What went wrong, in one line. exit_code: that of the program mortise.",
+        PyExc_RuntimeError, nullptr));
+    module.attr("Error") = type;
+    py::register_exception_translator([](std::exception_ptr thrown) {
+        try {
+            std::rethrow_exception(thrown);
+        } catch (const Error& error) {
+            const py::object instance = type(error.what());
+            instance.attr("exit_code") = static_cast<int>(error.code());
+            PyErr_SetObject(type.ptr(), instance.ptr());
+        }
+    });
+}
+
+void bind_models(py::module_& module) {
+    py::class_<Model>(module, "Model", "A solid: read_model() and parse_model() make it.")
+        .def_readonly("source", &Model::source)
+        .def_readonly("warnings", &Model::warnings)
+        .def_property_readonly("regions", [](const Model& model) {
+            std::vector<std::string> names;
+            for (const Region& region : model.regions) names.push_back(region.name);
+            return names;
+        });
+    const auto options = [](bool exact, double extrude, std::vector<std::string> definitions) {
+        ReadOptions read;
+        read.facets = exact ? Facets::kExact : Facets::kSmooth;
+        read.extrude = extrude;
+        read.definitions = std::move(definitions);
+        return read;
+    };
+    module.def(
+        "read_model",
+        [options](const py::object& path, bool exact, double extrude, std::vector<std::string> definitions) {
+            const auto name = py::cast<std::string>(py::module_::import("os").attr("fspath")(path));
+            const py::gil_scoped_release release;
+            return read_model(name, options(exact, extrude, std::move(definitions)));
+        },
+        "Reads .csg, .scad, .geo, .stl, .obj, .off, .formula, .vm or .frep.", py::arg("path"), py::kw_only(),
+        py::arg("exact_facets") = false, py::arg("extrude") = 0.0,
+        py::arg("definitions") = std::vector<std::string>());
+    module.def(
+        "parse_model",
+        [options](const std::string& text, const std::string& format, const std::string& source, bool exact,
+                  double extrude) { return parse_model(text, format, source, options(exact, extrude, {})); },
+        "The same of a text in memory; format as the extension of a file: 'csg'.", py::arg("text"),
+        py::arg("format"), py::arg("source") = "model", py::kw_only(), py::arg("exact_facets") = false,
+        py::arg("extrude") = 0.0);
+    py::class_<ModelSummary>(module, "ModelSummary")
+        .def_property_readonly("bounds",
+                               [](const ModelSummary& summary) -> py::object {
+                                   if (!summary.bounds) return py::none();
+                                   return py::make_tuple(summary.bounds->min, summary.bounds->max);
+                               })
+        .def_readonly("unbounded", &ModelSummary::unbounded)
+        .def_readonly("surfaces", &ModelSummary::surfaces);
+    module.def("summarize", &summarize, "What a mesh of the model would have, without making one.",
+               py::arg("model"), py::call_guard<py::gil_scoped_release>());
+}
+
+void bind_report(py::module_& module) {
+    py::class_<StageTime>(module, "StageTime")
+        .def_readonly("stage", &StageTime::stage)
+        .def_readonly("wall_seconds", &StageTime::wall_seconds)
+        .def_readonly("cpu_seconds", &StageTime::cpu_seconds)
+        .def_readonly("items", &StageTime::items);
+    py::class_<MissedFeature>(module, "MissedFeature")
+        .def_readonly("position", &MissedFeature::position)
+        .def_readonly("size", &MissedFeature::size)
+        .def_readonly("thickness", &MissedFeature::thickness)
+        .def_readonly("material", &MissedFeature::material)
+        .def_readonly("kept", &MissedFeature::kept);
+    py::class_<LayerFigures>(module, "LayerFigures")
+        .def_readonly("facets", &LayerFigures::facets)
+        .def_readonly("lower", &LayerFigures::lower)
+        .def_readonly("bare", &LayerFigures::bare)
+        .def_readonly("elements", &LayerFigures::elements)
+        .def_readonly("thickness", &LayerFigures::thickness)
+        .def_readonly("first_bare", &LayerFigures::first_bare);
+    py::class_<MeshReport>(module, "MeshReport", "What happened besides the mesh.")
+        .def_readonly("device", &MeshReport::device)
+        .def_readonly("level", &MeshReport::level)
+        .def_readonly("finest_level", &MeshReport::finest_level)
+        .def_readonly("cell_size", &MeshReport::cell_size)
+        .def_readonly("warnings", &MeshReport::warnings)
+        .def_readonly("stages", &MeshReport::stages)
+        .def_readonly("missed", &MeshReport::missed)
+        .def_readonly("layers", &MeshReport::layers)
+        .def_readonly("merged_nodes", &MeshReport::merged_nodes)
+        .def_readonly("loosened_nodes", &MeshReport::loosened_nodes)
+        .def_readonly("below_min_angle", &MeshReport::below_min_angle)
+        .def_readonly("hinge_edges", &MeshReport::hinge_edges)
+        .def_readonly("hinge_nodes", &MeshReport::hinge_nodes)
+        .def_property_readonly(
+            "scaled_jacobians",
+            [](const py::object& self) {
+                return view(py::cast<const MeshReport&>(self).scaled_jacobians, 0, self);
+            },
+            "One per element, in the order of hexahedra, wedges, pyramids, tetrahedra.");
+}
+
+void bind_check(py::module_& module) {
+    py::class_<Defect>(module, "Defect")
+        .def_readonly("what", &Defect::what)
+        .def_readonly("count", &Defect::count)
+        .def_readonly("first", &Defect::first)
+        .def("__repr__", [](const Defect& defect) { return defect.what + ": " + defect.first; });
+    py::class_<CheckReport>(module, "CheckReport", "Figures of a mesh, and what is wrong with it.")
+        .def_property_readonly("valid", &CheckReport::valid)
+        .def_readonly("defects", &CheckReport::defects)
+        .def_readonly("nodes", &CheckReport::nodes)
+        .def_readonly("boundary_facets", &CheckReport::boundary_facets)
+        .def_readonly("interface_facets", &CheckReport::interface_facets)
+        .def_readonly("nonmanifold_edges", &CheckReport::nonmanifold_edges)
+        .def_readonly("nonmanifold_nodes", &CheckReport::nonmanifold_nodes)
+        .def_readonly("euler_characteristic", &CheckReport::euler_characteristic)
+        .def_readonly("components", &CheckReport::components)
+        .def_readonly("volume", &CheckReport::volume)
+        .def_readonly("boundary_area", &CheckReport::boundary_area)
+        .def_readonly("region_volume", &CheckReport::region_volume)
+        .def_readonly("min_scaled_jacobian", &CheckReport::min_scaled_jacobian)
+        .def_readonly("min_dihedral", &CheckReport::min_dihedral)
+        .def_readonly("max_dihedral", &CheckReport::max_dihedral);
+}
+
+/// Arrays of a member's vectors, as properties of the object that has them.
+template <class Class, class Get>
+void bind_array(py::class_<Class>& bound, const char* name, const Get& get, const char* text) {
+    bound.def_property_readonly(
+        name,
+        [get](const py::object& self) {
+            const auto& object = py::cast<const Class&>(self);
+            const auto [values, width] = get(object);
+            return view(*values, width, self);
+        },
+        text);
+}
+
+void bind_meshes(py::module_& module) {
+    py::class_<Block> block(module, "Elements", "All elements of one type, as arrays.");
+    const auto edges = [](const Block& b) {
+        return static_cast<std::size_t>(kElementEdges[static_cast<std::size_t>(b.type)]);
+    };
+    block.def("__len__", [](const Block& b) { return b.block->size(); });
+    bind_array(
+        block, "nodes", [](const Block& b) { return std::make_pair(&b.block->nodes, b.nodes_per_element()); },
+        "(count, nodes of an element): numbers of nodes, in Mortise's order (see Mesh.cells)");
+    bind_array(
+        block, "region", [](const Block& b) { return std::make_pair(&b.block->region, std::size_t{0}); },
+        "(count,): number of the region, from 1");
+    bind_array(
+        block, "kind", [](const Block& b) { return std::make_pair(&b.block->kind, std::size_t{0}); },
+        "(count,): 0 cube inside, 1 template, 2 complex cell, 3 between sizes, 4 layer");
+    bind_array(
+        block, "middles", [edges](const Block& b) { return std::make_pair(&b.block->middles, edges(b)); },
+        "(count, edges of an element): nodes of second order; empty at first order");
+
+    py::class_<FacetBlock> facets(module, "Facets", "Facets of the boundary and between regions, as arrays.");
+    facets.def("__len__", &FacetBlock::size);
+    bind_array(
+        facets, "nodes", [](const FacetBlock& f) { return std::make_pair(&f.nodes, std::size_t{4}); },
+        "(count, 4): numbers of nodes, counter-clockwise seen from outside; triangles repeat the last");
+    bind_array(
+        facets, "surface", [](const FacetBlock& f) { return std::make_pair(&f.surface, std::size_t{0}); },
+        "(count,): place in Mesh.surface_names");
+    bind_array(
+        facets, "inside", [](const FacetBlock& f) { return std::make_pair(&f.inside, std::size_t{0}); },
+        "(count,): region behind the facet, from 1");
+    bind_array(
+        facets, "outside", [](const FacetBlock& f) { return std::make_pair(&f.outside, std::size_t{0}); },
+        "(count,): region in front, 0: none");
+    bind_array(
+        facets, "middles", [](const FacetBlock& f) { return std::make_pair(&f.middles, std::size_t{4}); },
+        "(count, 4): nodes of second order; empty at first order");
+
+    py::class_<ReportedMesh> mesh(module, "Mesh", "A mesh. Arrays are views that cannot be written.");
+    bind_array(
+        mesh, "points", [](const ReportedMesh& m) { return std::make_pair(&m.mesh.points, std::size_t{3}); },
+        "(nodes, 3): x, y, z");
+    bind_array(
+        mesh, "model_dimension",
+        [](const ReportedMesh& m) { return std::make_pair(&m.mesh.model_dimension, std::size_t{0}); },
+        "(nodes,): 0 corner of the model, 1 crease, 2 face, 3 inside");
+    bind_array(
+        mesh, "hanging_nodes",
+        [](const ReportedMesh& m) { return std::make_pair(&m.mesh.hanging.node, std::size_t{0}); },
+        "(hanging,): nodes that hang");
+    bind_array(
+        mesh, "hanging_masters",
+        [](const ReportedMesh& m) { return std::make_pair(&m.mesh.hanging.masters, std::size_t{4}); },
+        "(hanging, 4): the nodes whose mean each takes; of an edge's middle both ends twice");
+    for (std::size_t t = 0; t < kElementTypes; ++t) {
+        mesh.def_property_readonly(
+            kBlockNames[t],
+            [t](const ReportedMesh& m) {
+                return Block{&m.mesh.elements[t], static_cast<ElementType>(t)};
+            },
+            py::keep_alive<0, 1>());
+    }
+    mesh.def_property_readonly(
+            "facets", [](const ReportedMesh& m) { return &m.mesh.facets; },
+            py::return_value_policy::reference_internal)
+        .def_property_readonly("region_names", [](const ReportedMesh& m) { return m.mesh.region_names; })
+        .def_property_readonly("surface_names", [](const ReportedMesh& m) { return m.mesh.surface_names; })
+        .def_property_readonly(
+            "report", [](const ReportedMesh& m) { return &m.report; },
+            py::return_value_policy::reference_internal)
+        .def(
+            "cells", [](const ReportedMesh& m) { return cells(m.mesh); },
+            "Elements by VTK's names, nodes in VTK's order, as copies: meshio.Mesh(mesh.points, "
+            "mesh.cells()).")
+        .def("__repr__",
+             [](const ReportedMesh& m) {
+                 return "<mortise.Mesh: " + std::to_string(m.mesh.element_count()) + " elements, " +
+                        std::to_string(m.mesh.node_count()) + " nodes>";
+             })
+        .def(
+            "check", [](const ReportedMesh& m, int threads) { return check_mesh(m.mesh, threads); },
+            "Validates the mesh.", py::arg("threads") = 0, py::call_guard<py::gil_scoped_release>())
+        .def(
+            "write",
+            [](const ReportedMesh& m, const py::object& path, bool compress) {
+                const auto name = py::cast<std::string>(py::module_::import("os").attr("fspath")(path));
+                MeshFileOptions options;
+                options.compress = compress;
+                const py::gil_scoped_release release;
+                write_mesh(m.mesh, name, m.report.scaled_jacobians, options);
+            },
+            "Writes .vtu, .msh or a folder polyMesh.", py::arg("path"), py::arg("compress") = true)
+        .def(
+            "write_features",
+            [](const ReportedMesh& m, const std::string& path) {
+                write_features(m.mesh, m.report.features, path);
+            },
+            "Writes creases and corners, .vtp.", py::arg("path"))
+        .def(
+            "write_picture",
+            [](const ReportedMesh& m, const std::string& path, int width, int height) {
+                write_picture(m.mesh, path, width, height);
+            },
+            "Draws the mesh, .png.", py::arg("path"), py::arg("width") = 1200, py::arg("height") = 900);
+    module.def(
+        "read_mesh",
+        [](const py::object& path) {
+            const auto name = py::cast<std::string>(py::module_::import("os").attr("fspath")(path));
+            const py::gil_scoped_release release;
+            return std::make_unique<ReportedMesh>(ReportedMesh{read_mesh(name), {}});
+        },
+        "Reads .vtu or .msh.", py::arg("path"));
+}
+
+std::unique_ptr<ReportedMesh> generate(Mesher& mesher, const Model& model, const MeshOptions& options) {
+    auto result = std::make_unique<ReportedMesh>();
+    const py::gil_scoped_release release;
+    result->mesh = mesher.generate(model, options, &result->report);
+    return result;
+}
+
+void bind_mesher(py::module_& module) {
+    py::class_<Mesher>(module, "Mesher", "Meshes one model after another on one device; kernels stay loaded.")
+        .def(py::init<std::string, int>(), py::arg("device") = "", py::arg("work_group_size") = 0)
+        .def(
+            "generate",
+            [](Mesher& mesher, const Model& model, const py::kwargs& arguments) {
+                return generate(mesher, model, options_of(arguments));
+            },
+            "Meshes a model. Options are those of the program, by the names of docs/python.md.",
+            py::arg("model"));
+    module.def(
+        "generate",
+        [](const Model& model, const std::string& device, const py::kwargs& arguments) {
+            Mesher mesher(device);
+            return generate(mesher, model, options_of(arguments));
+        },
+        "Meshes one model. For many, Mesher().generate is faster: it keeps its kernels.", py::arg("model"),
+        py::kw_only(), py::arg("device") = "");
+}
+
+}  // namespace
+}  // namespace mortise::python
+
+PYBIND11_MODULE(mortise, module) {
+    module.doc() = "Volume meshes of CSG solids and implicit functions.";
+    module.attr("__version__") = MORTISE_VERSION;
+    mortise::python::bind_errors(module);
+    mortise::python::bind_models(module);
+    mortise::python::bind_report(module);
+    mortise::python::bind_check(module);
+    mortise::python::bind_meshes(module);
+    mortise::python::bind_mesher(module);
+}
