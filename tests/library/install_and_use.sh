@@ -1,6 +1,6 @@
 #!/bin/bash
 # Installs a build into a scratch folder, then configures, builds and runs a program that uses the library:
-#     install_and_use.sh BUILD_FOLDER PROGRAM_THAT_CHECKS_MESHES
+#     install_and_use.sh BUILD_FOLDER PROGRAM_THAT_CHECKS_MESHES [PYTHON]
 set -euo pipefail
 here="$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)"
 scratch="$(mktemp -d)"
@@ -30,10 +30,10 @@ read -ra flags <<<"$(PKG_CONFIG_PATH="$packages" pkg-config --cflags --libs mort
 for mesh in "$scratch"/plate1.vtu "$scratch"/plate20.vtu "$scratch"/large.vtu; do
     "$2" check "$mesh" >/dev/null
 done
-# The Python module, if it was built, finds the library and its kernels from its own place.
-module="$(find "$scratch/prefix" -name 'mortise.cpython-*.so')"
-if [ -n "$module" ]; then
-    PYTHONPATH="$(dirname "$module")" python3 -c '
+# The Python module finds the library and its kernels from its own place.
+if [ -n "${3:-}" ]; then
+    module="$(find "$scratch/prefix" -name 'mortise.cpython-*.so')"
+    PYTHONPATH="$(dirname "$module")" "$3" -c '
 import mortise
 mesh = mortise.generate(mortise.parse_model("cube([1, 2, 3]);", "csg"), level=3)
 assert abs(mesh.check().volume - 6) < 1e-9'
