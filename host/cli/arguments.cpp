@@ -201,6 +201,19 @@ void read_mesh_words(const Words& words, Arguments& arguments) {
     arguments.file_options.threads = options.threads;
 }
 
+/// Where the picture is cut: x, y or z, or with a place: x=4.5.
+void read_cut(const std::string& word, Arguments& arguments) {
+    if (word.empty()) return;
+    if (arguments.picture.empty()) refuse("--cut: there is no picture; add --picture FILE.png");
+    const std::size_t axis = std::string("xyz").find(word.front());
+    if (axis == std::string::npos || (word.size() > 1 && word[1] != '='))
+        refuse("--cut '" + word + "': expected x, y or z, or a place as in x=4.5");
+    PictureCut cut;
+    cut.axis = static_cast<int>(axis);
+    if (word.size() > 1) cut.at = parse_number("--cut", word.substr(2));
+    arguments.picture_options.cut = cut;
+}
+
 /// A whole number of bytes with a unit: 4G, 800M.
 std::uint64_t parse_bytes(const std::string& option, const std::string& word) {
     char* end = nullptr;
@@ -299,6 +312,7 @@ Arguments parse_arguments(int count, const char* const* values) {
     if (commands.kernels->parsed()) read_device_words(words, arguments);
     if (arguments.command == Command::kMesh) {
         check_files(arguments);
+        read_cut(words.cut, arguments);
         read_memory(words.memory, arguments);
     }
     if (commands.batch->parsed()) read_batch_words(words, arguments);

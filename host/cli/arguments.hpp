@@ -18,8 +18,9 @@ struct Arguments {
     std::string format = "vtu";        ///< of the files of `batch`
     int jobs = 0;                      ///< of `batch`: models meshed at once; 0: as many as cores
     std::string picture;               ///< empty: none
-    std::string report;                ///< empty: none
-    std::string features;              ///< file of creases and corners; empty: none
+    PictureOptions picture_options;
+    std::string report;    ///< empty: none
+    std::string features;  ///< file of creases and corners; empty: none
     bool json = false;
     bool quiet = false;
     bool check = false;

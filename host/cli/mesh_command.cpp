@@ -165,7 +165,8 @@ Outcome mesh_whole(const Arguments& arguments, const Model& model, const MeshOpt
               [&] { write_features(mesh, report.features, arguments.features); });
     }
     if (!arguments.picture.empty()) {
-        timed("picture", stages, mesh.facets.size(), [&] { write_picture(mesh, arguments.picture); });
+        timed("picture", stages, mesh.facets.size(),
+              [&] { write_picture(mesh, arguments.picture, arguments.picture_options); });
     }
     out.below_floor = below_floor(mesh, report.scaled_jacobians, arguments.quality_floor);
     return out;

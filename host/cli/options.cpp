@@ -98,7 +98,8 @@ void add_size_options(CLI::App& app, Arguments& arguments, Words& words) {
     app.add_option("--interior-coarsening", words.coarsening, "cells inside up to N levels larger")
         ->option_text("N");
     app.add_flag("--box-fit", words.box_fit,
-                 "enlarge cells a little so that faces of the model lie on the grid");
+                 "enlarge cells a little so that faces of the model lie on the grid")
+        ->group("");  // few need it; docs/options.md has it
 }
 
 void add_element_options(CLI::App& app, Arguments& arguments, Words& words) {
@@ -157,6 +158,8 @@ void add_output_options(CLI::App& app, Arguments& arguments, Words& words) {
     app.add_flag("--quality", arguments.quality, "report shapes, distance to the model, features");
     app.add_option("--features", arguments.features, "write creases and corners, .vtp")->option_text("FILE");
     app.add_option("--picture", arguments.picture, "draw the mesh, .png")->option_text("FILE");
+    app.add_option("--cut", words.cut, "open it across x, y or z: in the middle, or at x=4.5")
+        ->option_text("AXIS");
     app.add_option("--report", arguments.report, "write figures and times, .json")->option_text("FILE");
     CLI::Option* json = app.add_flag("--json", arguments.json, "print the report on stdout, not the summary");
     app.add_flag("--quiet", arguments.quiet, "no summary and no progress; warnings stay")->excludes(json);

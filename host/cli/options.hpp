@@ -23,7 +23,7 @@ struct Words {
     bool no_improve = false;
     bool no_compress = false;
     std::string smooth, min_angle, merge;
-    std::string layers, first_layer, layer_growth;
+    std::string layers, first_layer, layer_growth, cut;
 };
 
 struct Commands {

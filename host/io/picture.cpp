@@ -1,4 +1,5 @@
-// write_picture: an orthographic view of the outer boundary, seen from the right, front and above.
+// write_picture: an orthographic view of the outer boundary, or of a cut, seen from the right, front and
+// above.
 //
 // Depth is a fraction of the model's extent, kept as float: facets closer to each other than 1e-7 of it may
 // show through.
@@ -10,6 +11,7 @@
 #include <string>
 
 #include "host/common/vec3.hpp"
+#include "host/io/cut_faces.hpp"
 #include "host/io/formats.hpp"
 #include "host/io/raster.hpp"
 #include "mortise/error.hpp"
@@ -48,6 +50,18 @@ Colour surface_colour(std::uint32_t surface) {
     return {base.red * shade, base.green * shade, base.blue * shade};
 }
 
+constexpr float kPale = 0.4f;  ///< how much of a region's colour cut faces have, beside white
+/// By ElementKind: what makes cut faces darker.
+constexpr std::array<float, 5> kKindShades = {1.0f, 0.88f, 0.8f, 0.84f, 0.66f};
+
+Colour colour_of(const io::DrawnFace& face) {
+    if (face.is_facet) return surface_colour(face.surface);
+    const Colour base = surface_colour(face.region - 1u);
+    const float shade = face.kind < kKindShades.size() ? kKindShades[face.kind] : 1.0f;
+    const auto pale = [shade](float part) { return shade * (1 - kPale + kPale * part); };
+    return {pale(base.red), pale(base.green), pale(base.blue)};
+}
+
 Colour lit(const Colour& colour, const Vec3& normal) {
     // Light from one side, a weaker reflection from the ground and the dark.
     const double facing = dot(normal, unit(kTowardsLight));
@@ -62,18 +76,18 @@ Vec3 normal(const std::array<Vec3, 4>& p) {
     return unit(cross(difference(p[2], p[0]), difference(p[3], p[1])));
 }
 
-/// Maps model to picture so that the facets fill it.
+/// Maps model to picture so that the faces fill it.
 class View {
   public:
-    View(const Mesh& mesh, const std::vector<std::size_t>& facets, int width, int height) : mesh_(mesh) {
+    View(const Mesh& mesh, const std::vector<io::DrawnFace>& faces, int width, int height) : mesh_(mesh) {
         eye_ = unit(kTowardsEye);
         right_ = unit(cross({0, 0, 1}, eye_));
         up_ = cross(eye_, right_);
         constexpr double infinity = std::numeric_limits<double>::infinity();
         double low[3] = {infinity, infinity, infinity}, high[3] = {-infinity, -infinity, -infinity};
-        for (const std::size_t facet : facets) {
-            for (std::size_t k = 4 * facet; k < 4 * facet + 4; ++k) {
-                const Vec3 p = point(mesh.facets.nodes[k]);
+        for (const io::DrawnFace& face : faces) {
+            for (const NodeId node : face.node) {
+                const Vec3 p = point(node);
                 const double along[3] = {dot(p, right_), dot(p, up_), dot(p, eye_)};
                 for (int axis = 0; axis < 3; ++axis) {
                     low[axis] = std::min(low[axis], along[axis]);
@@ -126,32 +140,33 @@ void write_png(const std::vector<std::uint8_t>& pixels, int width, int height, c
 
 }  // namespace
 
-void write_picture(const Mesh& mesh, const std::string& path, int width, int height) {
+void write_picture(const Mesh& mesh, const std::string& path, const PictureOptions& options) {
+    const int width = options.width, height = options.height;
     if (width < 1 || height < 1 || width > kMaxSize || height > kMaxSize)
         throw Error(ExitCode::kUsage, "picture size " + std::to_string(width) + " x " +
                                           std::to_string(height) + ": expected 1 to " +
                                           std::to_string(kMaxSize) + " in each direction");
+    if (options.cut && (options.cut->axis < 0 || options.cut->axis > 2))
+        throw Error(ExitCode::kUsage, "picture cut across axis " + std::to_string(options.cut->axis) +
+                                          ": expected 0, 1 or 2 for x, y or z");
     const std::string error = io::find_range_error(mesh);
     if (!error.empty())
         throw Error(ExitCode::kMeshing,
                     "cannot write '" + path + "': invalid mesh: " + error + "; see check_mesh");
-    std::vector<std::size_t> facets;
-    for (std::size_t i = 0; i < mesh.facets.size(); ++i) {
-        if (mesh.facets.outside[i] == 0) facets.push_back(i);
-    }
+    const std::vector<io::DrawnFace> faces =
+        options.cut ? io::faces_behind(mesh, *options.cut) : io::outer_faces(mesh);
     io::Raster raster(width, height, kSamples);
-    if (!facets.empty()) {
-        const View view(mesh, facets, width, height);
-        for (const std::size_t facet : facets) {
-            const NodeId* nodes = mesh.facets.nodes.data() + 4 * facet;
+    if (!faces.empty()) {
+        const View view(mesh, faces, width, height);
+        for (const io::DrawnFace& face : faces) {
             std::array<Vec3, 4> p;
             std::array<ScreenPoint, 4> corners;
             for (std::size_t k = 0; k < 4; ++k) {
-                p[k] = view.point(nodes[k]);
+                p[k] = view.point(face.node[k]);
                 corners[k] = view.screen(p[k]);
             }
-            const Colour colour = lit(surface_colour(mesh.facets.surface[facet]), normal(p));
-            raster.draw(corners.data(), nodes[2] == nodes[3] ? 3 : 4, colour);
+            raster.draw(corners.data(), face.node[2] == face.node[3] ? 3 : 4,
+                        lit(colour_of(face), normal(p)));
         }
     }
     write_png(raster.pixels(), width, height, path);

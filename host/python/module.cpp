@@ -203,6 +203,13 @@ void bind_array(py::class_<Class>& bound, const char* name, const Get& get, cons
         text);
 }
 
+int axis_of(const std::string& name) {
+    const std::size_t axis = std::string("xyz").find(name);
+    if (name.size() != 1 || axis == std::string::npos)
+        throw py::value_error("cut '" + name + "': expected 'x', 'y' or 'z'");
+    return static_cast<int>(axis);
+}
+
 void bind_meshes(py::module_& module) {
     py::class_<Block> block(module, "Elements", "All elements of one type, as arrays.");
     const auto edges = [](const Block& b) {
@@ -302,10 +309,17 @@ void bind_meshes(py::module_& module) {
             "Writes creases and corners, .vtp.", py::arg("path"))
         .def(
             "write_picture",
-            [](const ReportedMesh& m, const std::string& path, int width, int height) {
-                write_picture(m.mesh, path, width, height);
+            [](const ReportedMesh& m, const std::string& path, int width, int height,
+               std::optional<std::string> cut, std::optional<double> at) {
+                PictureOptions options;
+                options.width = width;
+                options.height = height;
+                if (cut) options.cut = PictureCut{axis_of(*cut), at};
+                write_picture(m.mesh, path, options);
             },
-            "Draws the mesh, .png.", py::arg("path"), py::arg("width") = 1200, py::arg("height") = 900);
+            "Draws the mesh, .png; cut: 'x', 'y' or 'z' opens it across that axis, at a place or the middle.",
+            py::arg("path"), py::arg("width") = 1200, py::arg("height") = 900, py::arg("cut") = py::none(),
+            py::arg("at") = py::none());
     module.def(
         "read_mesh",
         [](const py::object& path) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -65,7 +66,19 @@ Mesh read_mesh(const std::string& path);
 /// that the mesh does not have, Error(kFiles) with the cause; the file is whole or not there.
 void write_features(const Mesh& mesh, const Features& features, const std::string& path);
 
-/// Draws the boundary facets (flat shading, element edges, colour by surface) into a PNG picture.
-void write_picture(const Mesh& mesh, const std::string& path, int width = 1200, int height = 900);
+/// Opens a mesh: elements before a plane across an axis are left out, so that those behind it are seen.
+struct PictureCut {
+    int axis = 0;              ///< 0: x, 1: y, 2: z
+    std::optional<double> at;  ///< model units; none: the middle of the mesh
+};
+
+struct PictureOptions {
+    int width = 1200, height = 900;  ///< pixels, 16384 at most
+    std::optional<PictureCut> cut;
+};
+
+/// Draws a mesh into a PNG picture, seen from the right, front and above: flat shading, element edges; facets
+/// coloured by their surface, elements that a cut shows by their region, darker if they are not cubes.
+void write_picture(const Mesh& mesh, const std::string& path, const PictureOptions& options = {});
 
 }  // namespace mortise

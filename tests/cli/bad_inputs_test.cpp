@@ -179,6 +179,10 @@ TEST_CASE("a command line that is not understood") {
                    {model, "-o", out, "--memory", "1G", "--order", "2"});
     expect_failure(scratch, kUsage, "OpenFOAM's meshes have no elements of second order",
                    {model, "-o", scratch.file("out/polyMesh"), "--order", "2"});
+    expect_failure(scratch, kUsage, "--cut: there is no picture", {model, "-o", out, "--cut", "x"});
+    for (const char* cut : {"w", "x4", "x=", "x=low"})
+        expect_failure(scratch, kUsage, "--cut",
+                       {model, "-o", out, "--picture", scratch.file("out/a.png"), "--cut", cut});
     expect_failure(scratch, kUsage, "--layers '0': expected a whole number from 1 to 100",
                    {model, "-o", out, "--layers", "0"});
     expect_failure(scratch, kUsage, "--first-layer: there are no layers; add --layers N",
