@@ -158,7 +158,7 @@ Json mesh_one(Mesher& mesher, const Arguments& arguments, const MeshOptions& opt
         if (arguments.check) refuse_defects(check_mesh(mesh, options.threads));
         make_folder_of(item);
         write_mesh(mesh, item.output, report.scaled_jacobians,
-                   {arguments.file_options.compress, options.threads});
+                   {arguments.file_options.compress, options.threads, {}});
         if (arguments.json) document.update(mesh_document(report, figures));
         document["outputs"] = Json::array({item.output});
         outcome["line"] = item.model + ": " + std::to_string(mesh.element_count()) + " elements, " +

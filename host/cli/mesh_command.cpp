@@ -156,9 +156,11 @@ Outcome mesh_whole(const Arguments& arguments, const Model& model, const MeshOpt
         refuse_defects(out.check);
     }
     progress.show("write", kWriting);
+    MeshFileOptions file_options = arguments.file_options;
+    file_options.walls = report.layers.surfaces;
     timed("write", stages, mesh.element_count(), [&] {
         for (const std::string& path : arguments.outputs)
-            write_mesh(mesh, path, report.scaled_jacobians, arguments.file_options);
+            write_mesh(mesh, path, report.scaled_jacobians, file_options);
     });
     if (!arguments.features.empty()) {
         timed("write features", stages, report.features.curves.size(),

@@ -3,6 +3,7 @@
 // Every surface of the outer boundary is a patch, every region a cell zone; facets between regions are inner
 // faces. Cells are numbered as the mesh lists its elements, inner faces as OpenFOAM wants them ("upper
 // triangular order").
+#include <algorithm>
 #include <charconv>
 #include <cstring>
 #include <set>
@@ -98,15 +99,17 @@ void write_cells(const Mesh& mesh, const PolyhedralFaces& faces, FoamFolder& fol
     neighbour.list(faces.inner_count(), [&](std::size_t i) { neighbour.number(faces.faces()[i].neighbour); });
 }
 
-void write_boundary(const Mesh& mesh, const PolyhedralFaces& faces, FoamFolder& folder) {
+void write_boundary(const Mesh& mesh, const PolyhedralFaces& faces, const std::vector<std::string>& walls,
+                    FoamFolder& folder) {
     FoamFile file(folder, "boundary", "polyBoundaryMesh");
     std::set<std::string> taken;
     file.list(faces.patches().size(), [&](std::size_t i) {
         const PolyhedralFaces::Patch& patch = faces.patches()[i];
-        file.text("    " + foam_word(mesh.surface_names[patch.surface], taken) +
-                  "\n    {\n        type            patch;\n        nFaces          " +
-                  std::to_string(patch.count) + ";\n        startFace       " + std::to_string(patch.first) +
-                  ";\n    }");
+        const std::string& name = mesh.surface_names[patch.surface];
+        const bool is_wall = std::find(walls.begin(), walls.end(), name) != walls.end();
+        file.text("    " + foam_word(name, taken) + "\n    {\n        type            " +
+                  (is_wall ? "wall" : "patch") + ";\n        nFaces          " + std::to_string(patch.count) +
+                  ";\n        startFace       " + std::to_string(patch.first) + ";\n    }");
     });
 }
 
@@ -128,14 +131,14 @@ void write_zones(const Mesh& mesh, FoamFolder& folder) {
 
 }  // namespace
 
-void write_foam(const Mesh& mesh, const std::string& path, int threads) {
-    const PolyhedralFaces faces(mesh, threads);
+void write_foam(const Mesh& mesh, const std::string& path, const MeshFileOptions& options) {
+    const PolyhedralFaces faces(mesh, options.threads);
     FoamFolder folder(path);
     write_points(mesh, folder);
     write_faces(faces, folder);
     write_cells(mesh, faces, folder);
     write_zones(mesh, folder);
-    write_boundary(mesh, faces, folder);
+    write_boundary(mesh, faces, options.walls, folder);
     folder.commit();
 }
 

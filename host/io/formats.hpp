@@ -22,8 +22,8 @@ Mesh read_vtu(const FileReader& file);
 void write_msh(const Mesh& mesh, TemporaryFile& file);
 Mesh read_msh(const FileReader& file);
 
-/// Writes a folder.
-void write_foam(const Mesh& mesh, const std::string& path, int threads);
+/// Writes a folder; MeshFileOptions::compress is not for it.
+void write_foam(const Mesh& mesh, const std::string& path, const MeshFileOptions& options);
 
 /// Reads Gmsh's text formats 4.1 and 2.2, as other programs write them.
 Mesh read_gmsh_text(const FileReader& file);

@@ -98,7 +98,7 @@ void write_mesh(const Mesh& mesh, const std::string& path, const std::vector<flo
     if (!error.empty())
         throw Error(ExitCode::kMeshing,
                     "cannot write '" + path + "': invalid mesh: " + error + "; see check_mesh");
-    if (format == Format::kFoam) return io::write_foam(mesh, path, options.threads);
+    if (format == Format::kFoam) return io::write_foam(mesh, path, options);
     io::TemporaryFile file(path);
     format == Format::kVtu ? io::write_vtu(mesh, jacobians, io::packing_of(options), file)
                            : io::write_msh(mesh, file);

@@ -26,6 +26,13 @@ LayerFigures count(const Mesh& mesh, const Walls& walls, const Fit& fit) {
             ++figures.lower;
         }
     }
+    std::vector<std::uint8_t> is_wall(mesh.surface_names.size(), 0);
+    for (const WallFacet& facet : walls.facets) {
+        if (mesh.facets.outside[facet.facet] == 0) is_wall[mesh.facets.surface[facet.facet]] = 1;
+    }
+    for (std::size_t s = 0; s < is_wall.size(); ++s) {
+        if (is_wall[s] != 0) figures.surfaces.push_back(mesh.surface_names[s]);
+    }
     std::size_t nodes = 0;
     for (std::size_t i = 0; i < walls.nodes.size(); ++i) {
         if (fit.share[i] == 0) continue;

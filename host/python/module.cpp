@@ -143,7 +143,8 @@ void bind_report(py::module_& module) {
         .def_readonly("bare", &LayerFigures::bare)
         .def_readonly("elements", &LayerFigures::elements)
         .def_readonly("thickness", &LayerFigures::thickness)
-        .def_readonly("first_bare", &LayerFigures::first_bare);
+        .def_readonly("first_bare", &LayerFigures::first_bare)
+        .def_readonly("surfaces", &LayerFigures::surfaces);
     py::class_<MeshReport>(module, "MeshReport", "What happened besides the mesh.")
         .def_readonly("device", &MeshReport::device)
         .def_readonly("level", &MeshReport::level)
@@ -297,6 +298,7 @@ void bind_meshes(py::module_& module) {
                 const auto name = py::cast<std::string>(py::module_::import("os").attr("fspath")(path));
                 MeshFileOptions options;
                 options.compress = compress;
+                options.walls = m.report.layers.surfaces;
                 const py::gil_scoped_release release;
                 write_mesh(m.mesh, name, m.report.scaled_jacobians, options);
             },

@@ -15,6 +15,7 @@ namespace mortise {
 struct MeshFileOptions {
     bool compress = true;  ///< arrays of .vtu by zlib; else several times larger files in less time
     int threads = 0;       ///< of the host that pack and write, 0: all cores; the same bytes for any
+    std::vector<std::string> walls = {};  ///< names of surfaces that are OpenFOAM's patches of type `wall`
 };
 
 /// Writes a mesh; the format follows from the extension, in any case of letters: .vtu (VTK XML, appended),

@@ -125,7 +125,8 @@ struct LayerFigures {
     std::uint64_t bare = 0;      ///< without layers
     std::uint64_t elements = 0;  ///< in layers
     double thickness = 0;        ///< of all layers, mean over the walls' nodes that have some; model units
-    std::optional<Vec3> first_bare;  ///< where the first facet without layers is
+    std::optional<Vec3> first_bare;     ///< where the first facet without layers is
+    std::vector<std::string> surfaces;  ///< of the walls' facets on the outer boundary, by their order
 };
 
 /// What happened besides the mesh.

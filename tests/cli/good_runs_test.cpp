@@ -355,6 +355,11 @@ TEST_CASE("layers at walls as .vtu, .msh and for OpenFOAM") {
     const nlohmann::json report = nlohmann::json::parse(text);
     CHECK(report["layers"]["facets"] > 100);
     CHECK(report["layers"]["bare"] == 0);
+    std::ifstream boundary(scratch.file("out/polyMesh/boundary"));
+    const std::string patches((std::istreambuf_iterator<char>(boundary)), std::istreambuf_iterator<char>());
+    std::size_t walls = 0;
+    for (std::size_t at = 0; (at = patches.find(" wall;", at)) != std::string::npos; ++at) ++walls;
+    CHECK(walls == 2);
     CHECK(report["layers"]["first_bare"].is_null());
     CHECK(report["layers"]["elements"] == 3 * report["layers"]["facets"].get<int>());
     CHECK(report["elements_by_kind"]["layer"] == report["layers"]["elements"]);

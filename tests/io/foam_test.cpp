@@ -185,6 +185,20 @@ TEST_CASE("elements of all types as polyhedra") {
     CHECK(holds(foam.zones, "region_2"));
 }
 
+TEST_CASE("patches of type wall, where the caller names them") {
+    const Folder folder;
+    const std::string path = folder.file("polyMesh");
+    Mesh mesh = mixed();
+    mesh.surface_names[0] = "hull";
+    MeshFileOptions options;
+    for (const bool named : {false, true}) {
+        options.walls = {named ? "hull" : "interface_1"};
+        write_mesh(mesh, path, {}, options);
+        CHECK(holds(FoamMesh(path).patches, "wall") == named);
+        CHECK(holds(FoamMesh(path).patches, "patch") == !named);
+    }
+}
+
 TEST_CASE("patches are the outer surfaces, in order, under names that OpenFOAM reads") {
     const Folder folder;
     Mesh mesh = grid(3, 2, 1, 1);
