@@ -72,6 +72,7 @@ Json mesh_document(const MeshReport& report, const MeshFigures& figures) {
             {"bare", report.layers.bare},
             {"elements", report.layers.elements},
             {"thickness", report.layers.thickness},
+            {"asked", report.layers.asked},
             {"first_bare", report.layers.first_bare ? Json(*report.layers.first_bare) : Json(nullptr)}};
     json["cell_size"] = report.cell_size;
     json["root_box"] = {{"min", report.root.min}, {"max", report.root.max}};

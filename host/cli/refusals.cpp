@@ -29,9 +29,13 @@ bool warn_of_slivers(const MeshFigures& figures, const MeshOptions& options, Mes
     const double worst = *std::min_element(lowest.begin(), lowest.end());
     if (!options.improve || !(worst < kVeryLow)) return false;
     const std::string place = figures.worst_place ? ", at " + place_text(*figures.worst_place) : "";
-    report.warnings.push_back("the lowest scaled Jacobian is " + short_number(worst, 2) + place +
-                              ": the model has a wall, gap or angle there that is too thin for these cells; "
-                              "--refine 2 makes them smaller where that helps");
+    const char* const why =
+        report.layers.elements > 0
+            ? ": layers narrow to nothing there, or the model has a wall, gap or angle that "
+              "is too thin for these cells"
+            : ": the model has a wall, gap or angle there that is too thin for these cells; "
+              "--refine 2 makes them smaller where that helps";
+    report.warnings.push_back("the lowest scaled Jacobian is " + short_number(worst, 2) + place + why);
     return true;
 }
 

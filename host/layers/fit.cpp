@@ -17,9 +17,9 @@
 namespace mortise::layers {
 namespace {
 
-/// Heights become lower by this factor, and none below the least share; from node to node they rise by no
-/// more than the slope.
-constexpr double kLower = 0.6, kLeastShare = 0.1, kSlope = 0.15;
+/// Heights become lower by this factor, and end at the least share of the full height, or of an edge of the
+/// wall if that is less; from node to node they rise by no more than the slope.
+constexpr double kLower = 0.6, kLeastShare = 0.05, kSlope = 0.15;
 
 /// Scaled Jacobians: elements may lose some of theirs, or all above what is good; those in layers, and parts
 /// of cut ones, have at least so much; where layers narrow to nothing theirs is their height to their length.
@@ -78,7 +78,12 @@ class Fitting {
     void blame(std::size_t slot) { is_blamed_[slot].store(true, std::memory_order_relaxed); }
     bool is_blamed(std::size_t slot) const { return is_blamed_[slot].load(std::memory_order_relaxed); }
 
-    void set_share(std::size_t place, double share) { fit_.share[place] = share < kLeastShare ? 0 : share; }
+    double least_share(std::size_t place) const {
+        return kLeastShare * std::min(1.0, growth_.edges[place] / growth_.height[place]);
+    }
+    void set_share(std::size_t place, double share) {
+        fit_.share[place] = share < least_share(place) ? 0 : share;
+    }
 
     /// Lowers layers at the walls nearest to blamed nodes, or if none of these has any, freezes the nodes.
     /// Returns what has changed: slots, ascending.
@@ -123,7 +128,7 @@ class Fitting {
                 if (other >= wall_nodes() || fit_.share[other] <= share) continue;
                 const double apart = length(difference(point_of(mesh_, walls_.nodes[other]), at));
                 const double most =
-                    std::max(kLeastShare, share + kSlope * apart / length(growth_.reach[other]));
+                    std::max(least_share(other), share + kSlope * apart / length(growth_.reach[other]));
                 if (fit_.share[other] <= most) continue;
                 set_share(other, most);
                 changed.push_back(other);

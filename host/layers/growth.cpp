@@ -2,16 +2,21 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 #include "host/common/parallel.hpp"
 #include "host/common/small_groups.hpp"
 #include "host/common/vec3.hpp"
+#include "mortise/error.hpp"
 
 namespace mortise::layers {
 namespace {
 
-/// Where heights follow the wall's edges: the last layer's to these, and the most that all reach.
-constexpr double kLastHeight = 0.4, kMostReach = 1;
+/// Where heights follow the wall's edges: the last layer's to these, and the most that all reach; the most
+/// that they reach if somebody asks for more.
+constexpr double kLastHeight = 0.4, kMostReach = 1, kMostAsked = 8;
+/// The thinnest layer, of the mesh's extent.
+constexpr double kThinnest = 1e-9;
 constexpr int kSmoothings = 10;  ///< of the edges' lengths
 
 /// Cosine between the direction and a facet's normal: that of a direction which is good enough, the least at
@@ -169,6 +174,57 @@ std::vector<double> edge_lengths(const Mesh& mesh, const Walls& walls, const Sma
     return lengths;
 }
 
+double extent_of(const Mesh& mesh) {
+    double extent = 0;
+    for (std::size_t j = 0; j < 3; ++j) {
+        double low = mesh.points[j], high = low;
+        for (std::size_t i = j; i < mesh.points.size(); i += 3) {
+            low = std::min(low, mesh.points[i]);
+            high = std::max(high, mesh.points[i]);
+        }
+        extent = std::max(extent, high - low);
+    }
+    return extent;
+}
+
+void check_thinnest(const Mesh& mesh, const Heights& heights, const Growth& growth) {
+    if (growth.height.empty()) return;
+    const double least = *std::min_element(growth.height.begin(), growth.height.end());
+    const double thinnest =
+        least / heights.sum(heights.count) * std::min(1.0, std::pow(heights.growth, heights.count - 1));
+    const double extent = extent_of(mesh);
+    if (thinnest >= kThinnest * extent) return;
+    char text[200];
+    std::snprintf(
+        text, sizeof text,
+        "the thinnest of %d layers would be %.3g high in a mesh that is %.3g long, too little to tell "
+        "its nodes apart; ask for fewer layers, higher ones, or a growth nearer to 1",
+        heights.count, thinnest, extent);
+    throw Error(ExitCode::kUsage, text);
+}
+
+/// Bare ends of rims where the layers' sides would not continue the facet, but cover it, or stand in the
+/// solid.
+void look_at_rims(const Mesh& mesh, Growth& growth, Walls& walls) {
+    std::vector<std::uint32_t> bare;
+    for (const Rim& rim : walls.rims) {
+        const NodeId* const node = mesh.facets.nodes.data() + 4 * std::size_t{rim.facet};
+        const Vec3 normal = unit(cross(difference(point_of(mesh, node[2]), point_of(mesh, node[0])),
+                                       difference(point_of(mesh, node[3]), point_of(mesh, node[1]))));
+        const Vec3 edge = unit(difference(point_of(mesh, rim.b), point_of(mesh, rim.a)));
+        for (const NodeId end : {rim.a, rim.b}) {
+            const Vec3& reach = growth.reach[walls.place[end]];
+            if (squared_length(reach) > 0 && dot(cross(edge, unit(reach)), normal) < kLeastUpright)
+                bare.insert(bare.end(), {walls.place[rim.a], walls.place[rim.b]});
+        }
+    }
+    for (const std::uint32_t place : bare) {
+        walls.is_bare[place] = 1;
+        growth.reach[place] = {};
+        growth.fixed[place] = {{}, 3};
+    }
+}
+
 }  // namespace
 
 double Heights::sum(int layers) const {
@@ -189,11 +245,17 @@ Growth find_growth(const Mesh& mesh, const Slides& slides, const Heights& height
     Growth growth;
     growth.edges = edge_lengths(mesh, walls, facets_at, threads);
     growth.reach.resize(count);
+    growth.height.resize(count);
+    growth.asked.resize(count);
     growth.fixed.resize(count, {{}, 3});
     const double all = heights.sum(heights.count);
     const double last = std::pow(heights.growth, heights.count - 1);
     parallel_chunks(count, kNodeChunk, threads, [&](std::size_t begin, std::size_t end, int) {
         for (std::size_t i = begin; i < end; ++i) {
+            growth.asked[i] = heights.first > 0
+                                  ? heights.first * all
+                                  : growth.edges[i] * std::min(kLastHeight * all / last, kMostReach);
+            growth.height[i] = std::min(growth.asked[i], kMostAsked * growth.edges[i]);
             if (walls.is_bare[i] != 0) continue;
             const NodeId node = walls.nodes[i];
             const Normals normals = normals_at(mesh, walls, node, facets_at[i]);
@@ -202,14 +264,14 @@ Growth find_growth(const Mesh& mesh, const Slides& slides, const Heights& height
                 walls.is_bare[i] = 1;
                 continue;
             }
-            const double thickness = heights.first > 0
-                                         ? heights.first * all
-                                         : growth.edges[i] * std::min(kLastHeight * all / last, kMostReach);
             growth.fixed[i] = heights_across(normals, slides.across(node));
-            const Vec3 reach = scaled(choice.direction, thickness / std::max(choice.upright, kLengthened));
+            const Vec3 reach =
+                scaled(choice.direction, growth.height[i] / std::max(choice.upright, kLengthened));
             growth.reach[i] = difference(reach, growth.fixed[i].free_part(reach));
         }
     });
+    check_thinnest(mesh, heights, growth);
+    look_at_rims(mesh, growth, walls);
     return growth;
 }
 

@@ -23,12 +23,16 @@ struct Heights {
 };
 
 struct Growth {
-    std::vector<Vec3> reach;    ///< by place of the wall node: from it to the layers' other side; bare: zero
-    std::vector<Across> fixed;  ///< likewise: where it must not come farther, or less far; bare: everywhere
-    std::vector<double> edges;  ///< likewise: mean length of the wall's edges around
+    std::vector<Vec3> reach;     ///< by place of the wall node: from it to the layers' other side; bare: zero
+    std::vector<Across> fixed;   ///< likewise: where it must not come farther, or less far; bare: everywhere
+    std::vector<double> height;  ///< likewise: of all layers, at right angles to the wall
+    std::vector<double> asked;   ///< likewise: what it should be, if that is more than there can be room for
+    std::vector<double> edges;   ///< likewise: mean length of the wall's edges around
 };
 
-/// Makes nodes bare from where no direction leads away from all facets, and those that cannot slide.
+/// Makes nodes bare from where no direction leads away from all facets, those that cannot slide, and those at
+/// rims where the facet without layers lies on the other side of the wall's edge, so that layers would leave
+/// it. Throws Error(kUsage) if layers are so thin that their nodes are one.
 Growth find_growth(const Mesh& mesh, const Slides& slides, const Heights& heights, int threads, Walls& walls);
 
 }  // namespace mortise::layers

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "host/common/vec3.hpp"
 #include "host/layers/band.hpp"
 #include "host/layers/fit.hpp"
 #include "host/layers/insert.hpp"
@@ -12,34 +11,48 @@
 namespace mortise::layers {
 namespace {
 
-LayerFigures count(const Mesh& mesh, const Walls& walls, const Fit& fit) {
-    LayerFigures figures;
-    figures.facets = walls.facets.size();
-    for (const WallFacet& facet : walls.facets) {
-        const auto share = [&](NodeId node) { return fit.share[walls.place[node]]; };
-        const auto is = [&](auto&& what) {
-            return [&share, what](NodeId node) { return what(share(node)); };
-        };
-        if (std::all_of(facet.node.begin(), facet.node.end(), is([](double s) { return s == 0; }))) {
-            if (figures.bare++ == 0) figures.first_bare = point_of(mesh, facet.node[0]);
-        } else if (std::any_of(facet.node.begin(), facet.node.end(), is([](double s) { return s < 1; }))) {
-            ++figures.lower;
-        }
-    }
+/// Names of the outer boundary's surfaces that are walls.
+std::vector<std::string> wall_names(const Mesh& mesh, const Walls& walls) {
     std::vector<std::uint8_t> is_wall(mesh.surface_names.size(), 0);
     for (const WallFacet& facet : walls.facets) {
         if (mesh.facets.outside[facet.facet] == 0) is_wall[mesh.facets.surface[facet.facet]] = 1;
     }
+    std::vector<std::string> names;
     for (std::size_t s = 0; s < is_wall.size(); ++s) {
-        if (is_wall[s] != 0) figures.surfaces.push_back(mesh.surface_names[s]);
+        if (is_wall[s] != 0) names.push_back(mesh.surface_names[s]);
     }
-    std::size_t nodes = 0;
+    return names;
+}
+
+LayerFigures count(const Mesh& mesh, const Walls& walls, const Growth& growth, const Fit& fit) {
+    constexpr double kAll = 1 - 1e-9;
+    LayerFigures figures;
+    figures.facets = walls.facets.size();
+    figures.surfaces = wall_names(mesh, walls);
+    figures.unused = walls.unused;
+    const auto height = [&](std::size_t place) { return fit.share[place] * growth.height[place]; };
+    for (const WallFacet& facet : walls.facets) {
+        std::size_t bare = 0, lower = 0;
+        for (const NodeId node : facet.node) {
+            const std::size_t place = walls.place[node];
+            bare += fit.share[place] == 0;
+            lower += height(place) < kAll * growth.asked[place];
+        }
+        if (bare == facet.node.size()) {
+            if (figures.bare++ == 0) figures.first_bare = point_of(mesh, facet.node[0]);
+        } else if (lower > 0) {
+            ++figures.lower;
+        }
+    }
+    const auto count = static_cast<double>(walls.nodes.size());
+    std::size_t covered = 0;
     for (std::size_t i = 0; i < walls.nodes.size(); ++i) {
-        if (fit.share[i] == 0) continue;
-        ++nodes;
-        figures.thickness += length(difference(fit.inner[i], point_of(mesh, walls.nodes[i])));
+        figures.asked += growth.asked[i] / count;
+        figures.edge += growth.edges[i] / count;
+        figures.thickness += height(i);
+        covered += fit.share[i] > 0;
     }
-    if (nodes > 0) figures.thickness /= static_cast<double>(nodes);
+    if (covered > 0) figures.thickness /= static_cast<double>(covered);
     return figures;
 }
 
@@ -49,12 +62,16 @@ LayerFigures add_layers(Mesh& mesh, std::vector<std::uint32_t>& facet_surface, c
                         const LayerOptions& options, int threads) {
     const Heights heights = {options.count, options.first, options.growth};
     Walls walls = find_walls(mesh, options.on, threads);
-    if (walls.facets.empty()) return {};
+    if (walls.facets.empty()) {
+        LayerFigures figures;
+        figures.unused = walls.unused;
+        return figures;
+    }
     const Slides slides(mesh, walls, facet_surface, model, threads);
     const Growth growth = find_growth(mesh, slides, heights, threads, walls);
     const Band band = find_band(mesh, walls, rings_for(growth), threads);
     const Fit fit = fit_layers(mesh, walls, band, slides, growth, heights, threads);
-    LayerFigures figures = count(mesh, walls, fit);
+    LayerFigures figures = count(mesh, walls, growth, fit);
     insert_layers(walls, band, heights, fit, threads, mesh, facet_surface);
     for (const ElementBlock& block : mesh.elements)
         figures.elements += static_cast<std::uint64_t>(

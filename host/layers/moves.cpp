@@ -12,6 +12,10 @@ namespace {
 constexpr double kSmallResidual = 1e-3;
 constexpr int kMostSteps = 60;
 
+/// How far from a crease the wall's nodes give way, in heights of the layers.
+constexpr double kGivingWay = 10;
+constexpr double kMostHeld = 100;  ///< edges in that distance, at most
+
 template <class Work>
 void for_slots(const std::vector<std::uint32_t>& slots, int threads, const Work& work) {
     parallel_chunks(slots.size(), kNodeChunk, threads, [&](std::size_t begin, std::size_t end, int) {
@@ -39,11 +43,18 @@ Moves::Moves(const Band& band, const Slides& slides, const Growth& growth, int t
       slides_(slides),
       growth_(growth),
       threads_(threads),
+      hold_(growth.reach.size()),
       is_frozen_(band.node.size()),
       move_(band.node.size()),
       residual_(band.node.size()),
       step_(band.node.size()),
       image_(band.node.size()) {
+    for (std::size_t i = 0; i < hold_.size(); ++i) {
+        // As if each node were bound to its place by springs, so that moves along the wall fade
+        // exponentially.
+        const double steps = std::min(growth.edges[i] / (kGivingWay * growth.height[i]), kMostHeld);
+        hold_[i] = 0.5 * band.weight[i] * steps * steps;
+    }
     guess();
 }
 
@@ -55,6 +66,15 @@ void Moves::freeze(std::size_t slot) {
 Vec3 Moves::free_part(std::size_t slot, const Vec3& move) const {
     if (is_frozen_[slot] != 0) return {};
     return slot < walls() ? growth_.fixed[slot].free_part(move) : slides_.along(band_.node[slot], move);
+}
+
+Vec3 Moves::force(std::size_t slot, const Vectors& move) const {
+    const Vec3 result = free_part(slot, laplacian(slot, move));
+    return slot < walls() ? sum(result, scaled(free_part(slot, move[slot]), hold_[slot])) : result;
+}
+
+double Moves::stiffness(std::size_t slot) const {
+    return band_.weight[slot] + (slot < walls() ? hold_[slot] : 0);
 }
 
 Vec3 Moves::laplacian(std::size_t slot, const Vectors& move) const {
@@ -91,8 +111,8 @@ Vec3 Moves::mean_of_ring(std::size_t slot, std::size_t ring) const {
     return count > 0 ? scaled(total, 1 / count) : total;
 }
 
-// With L the Laplacian of the band's edges and P what nodes may freely do: P L (fixed part + P v) = 0, by
-// conjugate gradients with the diagonal of L.
+// With L the Laplacian of the band's edges, P what nodes may freely do and H what holds the wall's nodes in
+// place: P L (fixed part + P v) + H P v = 0, by conjugate gradients with the diagonal of L + H.
 void Moves::solve(const std::vector<double>& share, const std::vector<std::uint32_t>& active) {
     for_slots(active, threads_, [&](std::size_t s) {
         if (s < walls())
@@ -106,19 +126,18 @@ void Moves::solve(const std::vector<double>& share, const std::vector<std::uint3
     }
     const auto energy_of = [&] {
         return total(free, threads_,
-                     [&](std::size_t s) { return squared_length(residual_[s]) / band_.weight[s]; });
+                     [&](std::size_t s) { return squared_length(residual_[s]) / stiffness(s); });
     };
     for_slots(free, threads_, [&](std::size_t s) {
-        residual_[s] = scaled(free_part(s, laplacian(s, move_)), -1);
-        step_[s] = scaled(residual_[s], 1 / band_.weight[s]);
+        residual_[s] = scaled(force(s, move_), -1);
+        step_[s] = scaled(residual_[s], 1 / stiffness(s));
     });
     // What shrinks is measured by what would be there if nothing had moved yet.
     const double whole =
         total(free, threads_, [&](std::size_t s) { return band_.weight[s] * squared_length(move_[s]); });
     double energy = energy_of();
-
     for (int i = 0; i < kMostSteps && energy > kSmallResidual * kSmallResidual * whole; ++i) {
-        for_slots(free, threads_, [&](std::size_t s) { image_[s] = free_part(s, laplacian(s, step_)); });
+        for_slots(free, threads_, [&](std::size_t s) { image_[s] = force(s, step_); });
         const double along = total(free, threads_, [&](std::size_t s) { return dot(step_[s], image_[s]); });
         if (!(along > 0)) break;
         const double far = energy / along;
@@ -129,7 +148,7 @@ void Moves::solve(const std::vector<double>& share, const std::vector<std::uint3
         const double before = energy;
         energy = energy_of();
         for_slots(free, threads_, [&](std::size_t s) {
-            step_[s] = sum(scaled(residual_[s], 1 / band_.weight[s]), scaled(step_[s], energy / before));
+            step_[s] = sum(scaled(residual_[s], 1 / stiffness(s)), scaled(step_[s], energy / before));
         });
     }
     for_slots(free, threads_, [&](std::size_t s) { step_[s] = {}; });

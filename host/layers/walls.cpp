@@ -44,10 +44,18 @@ void choose_facets(const Mesh& mesh, const std::vector<std::string>& names, Wall
         wall.facet = static_cast<std::uint32_t>(f);
         wall.region = inside ? facets.inside[f] : facets.outside[f];
         if (!inside) {  // the layers are on the other side
-            std::reverse(wall.node.begin(), wall.node.begin() + static_cast<int>(wall.corners()));
-            if (wall.corners() == 3) wall.node[3] = wall.node[2];
+            const std::size_t corners = wall.corners();
+            std::reverse(wall.node.begin(), wall.node.begin() + static_cast<int>(corners));
+            if (corners == 3) wall.node[3] = wall.node[2];
         }
         walls.facets.push_back(wall);
+    }
+    for (const std::string& name : names) {
+        const auto is_called = [&](const WallFacet& wall) {
+            return name == mesh.region_names[wall.region - 1u] ||
+                   name == mesh.surface_names[facets.surface[wall.facet]];
+        };
+        if (std::none_of(walls.facets.begin(), walls.facets.end(), is_called)) walls.unused.push_back(name);
     }
 }
 

@@ -49,6 +49,7 @@ struct Walls {
     std::vector<std::uint32_t> place;      ///< by node of the mesh: its place in `nodes`, or kNoWallNode
     std::vector<std::uint8_t> is_bare;     ///< by place: no layers can leave the wall here
     std::vector<Rim> rims;
+    std::vector<std::string> unused;  ///< names that no facet of a wall has
 };
 
 /// The walls called by `names`, surfaces or regions: of regions all their boundary, from inside, of surfaces

@@ -208,27 +208,27 @@ void report_hinges(const features::Hinges& hinges, const std::vector<double>& po
     warn_or_refuse(text, options, source, out);
 }
 
-void report_layers(const LayerOptions& layers, const std::string& source, MeshReport& out) {
+void report_layers(const std::string& source, MeshReport& out) {
     const LayerFigures& found = out.layers;
-    if (found.facets == 0) {
-        std::string names;
-        for (const std::string& name : layers.on) names += (names.empty() ? "'" : "', '") + name;
-        out.warnings.push_back(source + ": no layers: no facet of the mesh is a wall called " + names + "'");
-        return;
-    }
+    for (const std::string& name : found.unused)
+        out.warnings.push_back(source + ": no layers on '" + name +
+                               "': none of its facets bounds the regions that get layers; if it lies between "
+                               "two regions, name the one that is to have them, too (--layers-on)");
+    if (found.facets == 0) return;
     const auto percent = [&found](std::uint64_t facets) {
         return number_text(
                    std::ceil(1000.0 * static_cast<double>(facets) / static_cast<double>(found.facets)) / 10) +
                " %";
     };
-    std::string text;
-    if (found.lower > 0)
-        text = "lower than asked on " + percent(found.lower) + " of the walls' facets, for want of room";
-    if (found.bare > 0)
-        text += (text.empty() ? "missing on " : "; missing on ") + percent(found.bare) +
-                (text.empty() ? " of the walls' facets" : "") + ", first near " +
-                place_text(*found.first_bare);
-    if (!text.empty()) out.warnings.push_back(source + ": layers are " + text);
+    if (found.lower + found.bare == 0) return;
+    std::string text = source + ": layers are ";
+    if (found.lower > 0) text += "lower than asked on " + percent(found.lower);
+    if (found.bare > 0) text += (found.lower > 0 ? " and missing on " : "missing on ") + percent(found.bare);
+    text += " of the walls' facets";
+    if (found.bare > 0) text += ", first near " + place_text(*found.first_bare);
+    text += ", for want of room: as asked they are " + number_text(found.asked) +
+            " thick together, on edges of " + number_text(found.edge) + " in the mean";
+    out.warnings.push_back(text);
 }
 
 void warn_of_empty_regions(const std::vector<std::string>& names, const std::vector<bool>& present,

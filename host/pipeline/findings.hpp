@@ -48,7 +48,7 @@ void report_cells(const Prepared& prepared, const Extracted& extracted, const Mo
                   const MeshOptions& options, MeshReport& out);
 
 /// Warns where walls have fewer or lower layers than asked.
-void report_layers(const LayerOptions& layers, const std::string& source, MeshReport& out);
+void report_layers(const std::string& source, MeshReport& out);
 
 /// Where a region has no element, by region: named in the file, but not in the mesh.
 void warn_of_empty_regions(const std::vector<std::string>& names, const std::vector<bool>& present,

@@ -116,7 +116,7 @@ void Finish::add_layers(Mesh& mesh) {
     stages_.begin("layers");
     out_.layers =
         layers::add_layers(mesh, facet_surface_, prepared_.bound, options_.layers, options_.threads);
-    report_layers(options_.layers, model_.source, out_);
+    report_layers(model_.source, out_);
     stages_.end(out_.layers.elements);
 }
 

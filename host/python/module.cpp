@@ -1,4 +1,7 @@
 // The Python module: models, meshes as arrays of numpy, files.
+#include <sys/types.h>
+#include <unistd.h>
+
 #include <array>
 #include <memory>
 #include <string>
@@ -144,7 +147,10 @@ void bind_report(py::module_& module) {
         .def_readonly("elements", &LayerFigures::elements)
         .def_readonly("thickness", &LayerFigures::thickness)
         .def_readonly("first_bare", &LayerFigures::first_bare)
-        .def_readonly("surfaces", &LayerFigures::surfaces);
+        .def_readonly("asked", &LayerFigures::asked)
+        .def_readonly("edge", &LayerFigures::edge)
+        .def_readonly("surfaces", &LayerFigures::surfaces)
+        .def_readonly("unused", &LayerFigures::unused);
     py::class_<MeshReport>(module, "MeshReport", "What happened besides the mesh.")
         .def_readonly("device", &MeshReport::device)
         .def_readonly("level", &MeshReport::level)
@@ -332,7 +338,19 @@ void bind_meshes(py::module_& module) {
         "Reads .vtu or .msh.", py::arg("path"));
 }
 
+/// OpenCL does not live on in a process that is forked from one that has used it: a mesher would wait
+/// forever.
+void refuse_forked() {
+    static const pid_t first = getpid();  // of the first mesh
+    if (getpid() == first) return;
+    throw Error(
+        ExitCode::kUsage,
+        "this process was forked from one that has meshed, which OpenCL does not survive; start processes "
+        "afresh: multiprocessing.get_context('spawn')");
+}
+
 std::unique_ptr<ReportedMesh> generate(Mesher& mesher, const Model& model, const MeshOptions& options) {
+    refuse_forked();
     auto result = std::make_unique<ReportedMesh>();
     const py::gil_scoped_release release;
     result->mesh = mesher.generate(model, options, &result->report);

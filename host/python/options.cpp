@@ -44,12 +44,14 @@ std::vector<std::pair<std::string, double>> named_sizes_of(const py::handle& val
 
 LayerOptions layers_of(const py::handle& value, const std::string& name) {
     LayerOptions layers;
-    if (py::isinstance<py::int_>(value)) {
-        layers.count = value_of<int>(value, name, "a whole number");
+    if (!py::isinstance<py::dict>(value)) {
+        layers.count = value_of<int>(value, name, "a whole number, or a dict");
         return layers;
     }
-    for (const auto& [key, entry] : value_of<py::dict>(value, name, "a number, or a dict")) {
-        const auto member = py::cast<std::string>(key);
+    if (!py::cast<py::dict>(value).contains("count"))
+        throw py::type_error("option 'layers': expected a member 'count', how many there are to be");
+    for (const auto& [key, entry] : py::cast<py::dict>(value)) {
+        const auto member = value_of<std::string>(key, "layers", "names of members");
         if (member == "count") {
             layers.count = value_of<int>(entry, "layers: count", "a whole number");
         } else if (member == "first") {

@@ -125,8 +125,11 @@ struct LayerFigures {
     std::uint64_t bare = 0;      ///< without layers
     std::uint64_t elements = 0;  ///< in layers
     double thickness = 0;        ///< of all layers, mean over the walls' nodes that have some; model units
+    double asked = 0;            ///< the same if there were room, mean over all nodes of the walls
+    double edge = 0;             ///< mean length of the walls' edges
     std::optional<Vec3> first_bare;     ///< where the first facet without layers is
     std::vector<std::string> surfaces;  ///< of the walls' facets on the outer boundary, by their order
+    std::vector<std::string> unused;    ///< names of LayerOptions::on that no facet of a wall has
 };
 
 /// What happened besides the mesh.

@@ -135,8 +135,8 @@ TEST_CASE("heights that nobody gives follow the walls' edges") {
     Mesh mesh = cubes(4, 4, 4, [](int, int, int) { return 1; });
     const LayerFigures figures = layer(mesh, layers_of(1, 0));
     CHECK(figures.lower == 0);
-    CHECK(figures.thickness > 0.4);  // in corners more, along the diagonal
-    CHECK(figures.thickness < 0.4 * std::sqrt(3.0));
+    CHECK(figures.thickness == doctest::Approx(0.4));
+    CHECK(figures.edge == doctest::Approx(1));
 }
 
 TEST_CASE("parts that touch at an edge or a node: layers end there") {

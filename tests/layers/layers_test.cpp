@@ -1,4 +1,5 @@
 // Layers on meshes of models: valid, and the solid and its names as without them.
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
@@ -141,6 +142,112 @@ TEST_CASE("convex and concave creases, and tips") {
             if (first > 0 && model == &plate) CHECK(meshed.report.layers.lower == 0);
         }
     }
+}
+
+TEST_CASE("where a wall ends at a re-entrant edge, layers end too") {
+    // Found with the area of each surface: the sides of the stacks stood in the fluid, as a crack.
+    const char* const kSteps[] = {
+        "difference(){ cube([4,2,2]); multmatrix([[1,0,0,-1],[0,1,0,-1],[0,0,1,-1],[0,0,0,1]]) "
+        "cube([3,4,2]); }",
+        "union(){ multmatrix([[0,0,1,0],[0,1,0,0],[-1,0,0,0],[0,0,0,1]]) cylinder(r1=1,r2=1,h=4,center=true);"
+        " cylinder(r1=0.5,r2=0.5,h=3); }"};
+    for (const char* const text : kSteps) {
+        const Model model = parse_model(text, "csg", "step.csg");
+        MeshOptions options = with_layers(5, 3, 0.02);
+        const Meshed bare = mesh_and_check(model, without_layers(options));
+        const auto expected = areas(bare.mesh);
+        for (const std::string& name : bare.mesh.surface_names) {
+            CAPTURE(name);
+            options.layers.on = {name};
+            const Meshed meshed = mesh_and_check(model, options);
+            CHECK(meshed.defects.empty());
+            CHECK(meshed.check.nonmanifold_edges == 0);
+            CHECK(meshed.report.layers.elements > 0);
+            const auto found = areas(meshed.mesh);
+            for (const auto& [other, area] : expected)
+                CHECK(found.at(other) == doctest::Approx(area).epsilon(3e-3));
+        }
+    }
+}
+
+TEST_CASE("layers in a region of tetrahedra, whichever is named first") {
+    // The facets between have the region behind or in front of them.
+    for (const char* const order : {"tlo a; tlo b;", "tlo b; tlo a;"}) {
+        const Model model = parse_model(
+            "algebraic3d\nsolid box = orthobrick(0,0,0;4,2,2);\n"
+            "solid p = plane(0,0,1;0,0.1,1);\nsolid a = box and p;\n"
+            "solid b = box and not p;\n" +
+                std::string(order) + "\n",
+            "geo", "two.geo");
+        MeshOptions options = with_layers(4, 3, 0.01);
+        options.layers.on = {"a"};
+        const Meshed meshed = mesh_and_check(model, options);
+        CHECK(meshed.defects.empty());
+        CHECK(meshed.report.layers.bare == 0);
+        CHECK(meshed.report.layers.lower == 0);
+    }
+}
+
+TEST_CASE("thin layers do not lean, but at creases") {
+    const Model model = parse_model("cube([4,3,2]);", "csg", "box.csg");
+    const Mesh mesh = generate(model, with_layers(5, 1, 0.002));
+    const ElementBlock& block = mesh.block(ElementType::kHexahedron);
+    double worst = 0;
+    for (std::size_t i = 0; i < block.size(); ++i) {
+        if (block.kind[i] != static_cast<std::uint8_t>(ElementKind::kLayer)) continue;
+        for (std::size_t k = 0; k < 4; ++k) {
+            const double* const inner = mesh.points.data() + 3 * std::size_t{block.nodes[8 * i + k]};
+            const double* const outer = mesh.points.data() + 3 * std::size_t{block.nodes[8 * i + 4 + k]};
+            const std::array<double, 6> depths = {outer[0],     4 - outer[0], outer[1],
+                                                  3 - outer[1], outer[2],     2 - outer[2]};
+            std::array<double, 6> sorted = depths;
+            std::sort(sorted.begin(), sorted.end());
+            if (sorted[1] < 0.25) continue;  // two cells from an edge
+            const Vec3 lean = difference({inner[0], inner[1], inner[2]}, {outer[0], outer[1], outer[2]});
+            worst = std::max(worst, length(lean) / 0.002);
+        }
+    }
+    CHECK(worst > 0.99);
+    CHECK(worst < 1.02);  // 11 degrees
+}
+
+TEST_CASE("much too high layers are as high as there is room, and told of") {
+    const Model plate = parse_model("cube([4,4,0.1]);", "csg", "plate.csg");
+    for (const double first : {0.0, 0.1, 10.0, 1e300}) {
+        CAPTURE(first);
+        const Meshed meshed = mesh_and_check(plate, with_layers(4, 3, first));
+        CHECK(meshed.defects.empty());
+        CHECK(meshed.report.layers.bare < meshed.report.layers.facets / 10);
+        REQUIRE(!meshed.report.warnings.empty());
+        CHECK(meshed.report.warnings.front().find("for want of room: as asked they are") !=
+              std::string::npos);
+    }
+}
+
+TEST_CASE("names without walls are told") {
+    const Model model = parse_model(
+        "algebraic3d\nsolid c = sphere(0,0,0;1) -bcname=core;\n"
+        "solid b = orthobrick(-2,-2,-2;2,2,2) and not c;\ntlo c;\ntlo b;\n",
+        "geo", "core.geo");
+    MeshOptions options = with_layers(4, 2);
+    options.layers.on = {"core"};
+    MeshReport report;
+    generate(model, options, &report);
+    REQUIRE(report.warnings.size() == 1);
+    CHECK(report.warnings.front().find("no layers on 'core'") != std::string::npos);
+    options.layers.on = {"core", "b"};
+    generate(model, options, &report);
+    CHECK(report.layers.facets > 100);
+    CHECK(report.layers.unused.empty());
+}
+
+TEST_CASE("layers too thin to tell their nodes apart are refused") {
+    const Model model = one_solid([](Model& m) { return add_ball(m, {0, 0, 0}, 1); });
+    for (const MeshOptions& options :
+         {with_layers(3, 1, 1e-13), with_layers(3, 60, 0, 0.5), with_layers(3, 40, 0, 3)})
+        CHECK_THROWS_WITH_AS(generate(model, options),
+                             doctest::Contains("too little to tell its nodes apart"), Error);
+    CHECK(mesh_and_check(model, with_layers(3, 1, 1e-8)).defects.empty());
 }
 
 TEST_CASE("random models with layers are valid") {

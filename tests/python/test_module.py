@@ -135,7 +135,11 @@ class Module(unittest.TestCase):
         with self.assertRaisesRegex(TypeError, "option 'level': expected a whole number, not 'six'"):
             self.mesher.generate(self.ball, level="six")
         with self.assertRaisesRegex(TypeError, "option 'layers' has no member 'height'"):
-            self.mesher.generate(self.ball, layers={"height": 3})
+            self.mesher.generate(self.ball, layers={"count": 1, "height": 3})
+        for layers, said in ((2.5, "expected a whole number, or a dict"), ("3", "expected a whole number"),
+                             ({3: 4, "count": 1}, "names of members"), ({"first": 0.1}, "a member 'count'")):
+            with self.assertRaisesRegex(TypeError, "option 'layers': " + ".*" + said):
+                self.mesher.generate(self.ball, layers=layers)
         with self.assertRaisesRegex(TypeError, "option 'progress'"):
             self.mesher.generate(self.ball, progress=3)
 
@@ -155,6 +159,21 @@ class Module(unittest.TestCase):
             self.mesher.generate(self.ball, level=4, progress=fail)
         # After all that the mesher works.
         self.assertTrue(self.mesher.generate(self.ball, level=3).check().valid)
+
+    def test_numbers_of_numpy(self):
+        mesh = self.mesher.generate(self.ball, level=numpy.int64(4), layers=numpy.int32(2))
+        self.assertEqual(mesh.report.layers.elements, 2 * mesh.report.layers.facets)
+
+    def test_fork(self):
+        self.mesher.generate(self.ball, level=3)
+        child = os.fork()
+        if child == 0:
+            try:
+                mortise.generate(self.ball, level=3)
+            except mortise.Error as error:
+                os._exit(7 if "forked" in str(error) else 8)
+            os._exit(0)
+        self.assertEqual(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), 7)
 
     def test_interrupt(self):
         gyroid = mortise.parse_model("sin(x)*cos(y) + sin(y)*cos(z) + sin(z)*cos(x)", "formula")
