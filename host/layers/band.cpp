@@ -37,7 +37,7 @@ struct ElementNodes {
 };
 
 ElementNodes nodes_of(const Mesh& mesh, ElementType type, std::size_t i) {
-    const auto count = static_cast<std::size_t>(kElementNodes[static_cast<std::size_t>(type)]);
+    const auto count = nodes_per(type);
     const NodeId* const first = mesh.block(type).nodes.data() + count * i;
     return {first, first + count};
 }

@@ -1,6 +1,7 @@
 #include "host/layers/cuts.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "host/common/parallel.hpp"
 #include "host/layers/stack.hpp"
@@ -23,9 +24,7 @@ std::vector<CutFace> find_cut_faces(const Walls& walls, const std::vector<std::u
     std::vector<CutFace> faces;
     for (std::size_t f = 0; f < walls.facets.size(); ++f) {
         const WallFacet& facet = walls.facets[f];
-        BareCorners bare{};
-        for (std::size_t k = 0; k < 4; ++k) bare[k] = is_bare[walls.place[facet.node[k]]] != 0;
-        const std::optional<std::size_t> cut = cut_of(facet, bare);
+        const std::optional<std::size_t> cut = cut_of(facet, bare_corners(facet, walls.place, is_bare));
         if (!cut) continue;
         CutFace face;
         face.key = facet.node;
@@ -38,13 +37,55 @@ std::vector<CutFace> find_cut_faces(const Walls& walls, const std::vector<std::u
     return faces;
 }
 
+std::vector<std::uint32_t> find_folded_cuts(const Mesh& mesh, const Walls& walls,
+                                            const std::vector<CutFace>& faces) {
+    // Facets that share three nodes with some cut one, by these.
+    std::vector<std::uint8_t> is_cut(mesh.node_count(), 0);
+    for (const CutFace& face : faces) {
+        for (const NodeId node : face.key) is_cut[node] = 1;
+    }
+    using Triple = std::array<NodeId, 3>;
+    const auto sorted = [](Triple nodes) {
+        std::sort(nodes.begin(), nodes.end());
+        return nodes;
+    };
+    std::vector<std::pair<Triple, std::uint32_t>> triples;
+    for (std::size_t f = 0; f < mesh.facets.size() && !faces.empty(); ++f) {
+        const NodeId* const node = mesh.facets.nodes.data() + 4 * f;
+        const std::size_t corners = node[2] == node[3] ? 3 : 4;
+        for (std::size_t left = 0; left < (corners == 3 ? 1u : 4u); ++left) {
+            const Triple nodes =
+                sorted({node[corners == 3 ? 0 : (left + 1) % 4], node[corners == 3 ? 1 : (left + 2) % 4],
+                        node[corners == 3 ? 2 : (left + 3) % 4]});
+            if (is_cut[nodes[0]] + is_cut[nodes[1]] + is_cut[nodes[2]] == 3)
+                triples.emplace_back(nodes, static_cast<std::uint32_t>(f));
+        }
+    }
+    std::sort(triples.begin(), triples.end());
+    std::vector<std::uint32_t> folded;
+    for (const CutFace& face : faces) {
+        bool is_alone = true;
+        for (const NodeId third : face.key) {
+            if (third == face.diagonal[0] || third == face.diagonal[1]) continue;
+            const Triple nodes = sorted({face.diagonal[0], face.diagonal[1], third});
+            const auto last = triples.end();
+            for (auto other =
+                     std::lower_bound(triples.begin(), last, std::make_pair(nodes, std::uint32_t{0}));
+                 other != last && other->first == nodes; ++other)
+                is_alone = is_alone && other->second == walls.facets[face.wall].facet;
+        }
+        if (!is_alone) folded.push_back(face.wall);
+    }
+    return folded;
+}
+
 std::vector<CutElement> find_cut_elements(const Mesh& mesh, const std::vector<CutFace>& faces, int threads) {
     std::vector<CutElement> elements;
     if (faces.empty()) return elements;
     for (const ElementType type : {ElementType::kHexahedron, ElementType::kWedge, ElementType::kPyramid}) {
         const ElementBlock& block = mesh.block(type);
         const LocalFaces local = local_faces(type);
-        const auto nodes = static_cast<std::size_t>(kElementNodes[static_cast<std::size_t>(type)]);
+        const auto nodes = nodes_per(type);
         std::vector<std::vector<CutElement>> parts(chunk_count(block.size(), kElementChunk));
         parallel_numbered(
             block.size(), kElementChunk, threads, [&](std::size_t chunk, std::size_t begin, std::size_t end) {

@@ -22,6 +22,11 @@ struct CutFace {
 /// All quadrilaterals that bare nodes cut, sorted. `is_bare`: by place of the wall node.
 std::vector<CutFace> find_cut_faces(const Walls& walls, const std::vector<std::uint8_t>& is_bare);
 
+/// Of these the wall facets of which a triangle would have three nodes of another facet, too: neighbours that
+/// share two edges, as they may where a solid is thinner than its cells.
+std::vector<std::uint32_t> find_folded_cuts(const Mesh& mesh, const Walls& walls,
+                                            const std::vector<CutFace>& faces);
+
 /// An element with such faces.
 struct CutElement {
     ElementType type = ElementType::kHexahedron;

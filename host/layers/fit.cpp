@@ -45,6 +45,7 @@ class Fitting {
         }
         for (const NodeId node : band.node) fit_.inner.push_back(point_of(mesh, node));
         fit_.between.resize(wall_nodes() * levels());
+        for (int k = 1; k < heights.count; ++k) part_.push_back(heights.share(k));
         clear_blame();
     }
 
@@ -63,6 +64,7 @@ class Fitting {
                 look_at_cuts();
                 changed = lower(0);
             }
+            if (changed.empty()) changed = look_at_all();
         }
         return std::move(fit_);
     }
@@ -111,6 +113,9 @@ class Fitting {
                 moves_.freeze(s);
                 changed.push_back(s);
             }
+        } else {
+            // Walls far from some of these may be all that was lowered; they are looked at again, too.
+            changed.insert(changed.end(), behind.begin(), behind.end());
         }
         clear_blame();
         return changed;
@@ -165,8 +170,8 @@ class Fitting {
                 const Vec3& move = moves_.all()[s];
                 bool found = slides_.place(node, move, fit_.inner[s]);
                 for (std::size_t k = 0; s < wall_nodes() && k < levels(); ++k) {
-                    const double share = heights_.share(static_cast<int>(k) + 1);
-                    found = slides_.place(node, scaled(move, share), fit_.between[levels() * s + k]) && found;
+                    const Vec3 part = scaled(move, part_[k]);
+                    found = slides_.place(node, part, fit_.between[levels() * s + k]) && found;
                 }
                 if (!found) blame(s);
             }
@@ -181,7 +186,7 @@ class Fitting {
     void look_at_elements() {
         for (std::size_t t = 0; t < kElementTypes; ++t) {
             const auto type = static_cast<ElementType>(t);
-            const auto count = static_cast<std::size_t>(kElementNodes[t]);
+            const auto count = nodes_per(type);
             const std::vector<std::uint32_t>& list = band_.elements[t];
             parallel_chunks(
                 list.size(), kElementChunk, threads_, [&](std::size_t begin, std::size_t end, int) {
@@ -191,17 +196,26 @@ class Fitting {
         }
     }
 
+    /// Nothing may have been forgotten.
+    std::vector<std::uint32_t> look_at_all() {
+        std::fill(is_active_.begin(), is_active_.end(), std::uint8_t{1});
+        look_at_elements();
+        look_at_stacks();
+        return lower(kLower);
+    }
+
     void look_at_element(ElementType type, const NodeId* node, std::size_t count) {
         const auto moves = [&](NodeId n) {
             const std::uint32_t slot = band_.slot[n];
             return slot != kNoSlot && is_active_[slot] != 0;
         };
         if (std::none_of(node, node + count, moves)) return;
-        std::array<Vec3, 8> before, after;
+        std::array<Vec3, 8> before{}, after{};
         for (std::size_t k = 0; k < count; ++k) {
             before[k] = point_of(mesh_, node[k]);
             after[k] = inner_point(node[k]);
         }
+        if (after == before) return;  // valid, whatever bounds say
         const double least = least_scaled_jacobian(type, after.data());
         if (least >= kGood && least_straight_jacobian(type, after.data()) > 0) return;
         const double wanted = std::min(kGood, kKept * least_scaled_jacobian(type, before.data()));
@@ -211,13 +225,14 @@ class Fitting {
         }
     }
 
-    BareCorners bare_corners(const WallFacet& facet) const {
-        BareCorners bare{};
-        for (std::size_t k = 0; k < 4; ++k) bare[k] = fit_.share[walls_.place[facet.node[k]]] == 0;
-        return bare;
+    std::vector<std::uint8_t> bare_nodes() const {
+        std::vector<std::uint8_t> is_bare(wall_nodes());
+        for (std::size_t i = 0; i < is_bare.size(); ++i) is_bare[i] = fit_.share[i] == 0;
+        return is_bare;
     }
 
     void look_at_stacks() {
+        const std::vector<std::uint8_t> is_bare = bare_nodes();
         const auto point = [&](const WallFacet& facet, const StackNode& node) {
             const std::size_t place = walls_.place[facet.node[node.corner]];
             if (node.layer == 0) return point_of(mesh_, facet.node[node.corner]);
@@ -231,13 +246,12 @@ class Fitting {
                     const WallFacet& facet = walls_.facets[f];
                     const auto changes = [&](NodeId n) { return is_active_[walls_.place[n]] != 0; };
                     if (std::none_of(facet.node.begin(), facet.node.end(), changes)) continue;
-                    const BareCorners bare = bare_corners(facet);
+                    const BareCorners bare = bare_corners(facet, walls_.place, is_bare);
                     const double least = bare == BareCorners{} ? kLeastInLayer : kLeastNarrow;
                     bool is_valid = true;
                     for_stack(facet, bare, heights_.count, [&](ElementType type, const StackNodes& nodes) {
                         std::array<Vec3, 8> points;
-                        const auto count =
-                            static_cast<std::size_t>(kElementNodes[static_cast<std::size_t>(type)]);
+                        const auto count = nodes_per(type);
                         for (std::size_t k = 0; k < count; ++k) points[k] = point(facet, nodes[k]);
                         is_valid = is_valid && is_good_enough(type, points.data(), least);
                     });
@@ -253,13 +267,13 @@ class Fitting {
 
     /// Blames the nodes of faces that cannot be cut.
     void look_at_cuts() {
-        std::vector<std::uint8_t> is_bare(wall_nodes());
-        for (std::size_t i = 0; i < is_bare.size(); ++i) is_bare[i] = fit_.share[i] == 0;
-        const std::vector<CutFace> faces = find_cut_faces(walls_, is_bare);
+        const std::vector<CutFace> faces = find_cut_faces(walls_, bare_nodes());
+        for (const std::uint32_t facet : find_folded_cuts(mesh_, walls_, faces)) {
+            for (const NodeId node : walls_.facets[facet].node) blame(walls_.place[node]);
+        }
         for (const CutElement& element : find_cut_elements(mesh_, faces, threads_)) {
             const ElementBlock& block = mesh_.block(element.type);
-            const auto count =
-                static_cast<std::size_t>(kElementNodes[static_cast<std::size_t>(element.type)]);
+            const auto count = nodes_per(element.type);
             const NodeId* const node = block.nodes.data() + count * element.index;
             const bool moves = walls_.has_layers[block.region[element.index]] != 0;
             std::array<Vec3, 8> corner;
@@ -291,6 +305,7 @@ class Fitting {
     const Growth& growth_;
     const Heights& heights_;
     const int threads_;
+    std::vector<double> part_;  ///< of all layers' height, after each but the last
     Moves moves_;
     Fit fit_;
     std::unique_ptr<std::atomic<bool>[]> is_blamed_;  ///< by slot

@@ -2,21 +2,15 @@
 
 #include <algorithm>
 #include <array>
-#include <limits>
-#include <string>
 
+#include "host/common/element_block.hpp"
 #include "host/common/large_array.hpp"
 #include "host/common/parallel.hpp"
 #include "host/layers/cuts.hpp"
 #include "host/layers/stack.hpp"
-#include "mortise/error.hpp"
 
 namespace mortise::layers {
 namespace {
-
-std::size_t nodes_per(ElementType type) {
-    return static_cast<std::size_t>(kElementNodes[static_cast<std::size_t>(type)]);
-}
 
 class Insertion {
   public:
@@ -69,10 +63,6 @@ class Insertion {
             first_new_[i] = static_cast<NodeId>(next);
             if (is_bare_[i] == 0) next += static_cast<std::size_t>(layers_);
         }
-        if (next >= std::numeric_limits<NodeId>::max())
-            throw Error(ExitCode::kMeshing, "layers make " + std::to_string(next) +
-                                                " nodes, more than a mesh can number; use larger cells or "
-                                                "fewer layers");
         nodes_ = next;
     }
 
@@ -151,7 +141,12 @@ class Insertion {
             }
             gone[static_cast<std::size_t>(element.type)].push_back(element.index);
         }
-        for (std::size_t t = 0; t < kElementTypes; ++t) remove(static_cast<ElementType>(t), gone[t]);
+        for (std::size_t t = 0; t < kElementTypes; ++t) {
+            if (gone[t].empty()) continue;
+            keep_elements(mesh_.elements[t], nodes_per(static_cast<ElementType>(t)), [&](std::size_t i) {
+                return !std::binary_search(gone[t].begin(), gone[t].end(), i);
+            });
+        }
     }
 
     void add_centre(const NodeId* node, std::size_t count) {
@@ -163,41 +158,16 @@ class Insertion {
         mesh_.points.insert(mesh_.points.end(), middle.begin(), middle.end());
     }
 
-    /// `gone`: ascending.
-    void remove(ElementType type, const std::vector<std::uint32_t>& gone) {
-        if (gone.empty()) return;
-        ElementBlock& block = mesh_.block(type);
-        const std::size_t count = nodes_per(type);
-        std::size_t to = 0, next = 0;
-        for (std::size_t from = 0; from < block.size(); ++from) {
-            if (next < gone.size() && gone[next] == from) {
-                ++next;
-                continue;
-            }
-            std::copy_n(block.nodes.begin() + static_cast<std::ptrdiff_t>(count * from), count,
-                        block.nodes.begin() + static_cast<std::ptrdiff_t>(count * to));
-            block.region[to] = block.region[from];
-            block.kind[to++] = block.kind[from];
-        }
-        block.nodes.resize(count * to);
-        block.region.resize(to);
-        block.kind.resize(to);
-    }
-
-    BareCorners bare_corners(const WallFacet& facet) const {
-        BareCorners bare{};
-        for (std::size_t k = 0; k < 4; ++k) bare[k] = is_bare_[walls_.place[facet.node[k]]] != 0;
-        return bare;
-    }
-
     void add_stacks() {
         for (const WallFacet& facet : walls_.facets) {
-            for_stack(facet, bare_corners(facet), layers_, [&](ElementType type, const StackNodes& nodes) {
-                std::array<NodeId, 8> node{};
-                for (std::size_t k = 0; k < nodes_per(type); ++k)
-                    node[k] = number(walls_.place[facet.node[nodes[k].corner]], nodes[k].layer);
-                add_element(type, node.data(), facet.region, static_cast<std::uint8_t>(ElementKind::kLayer));
-            });
+            for_stack(facet, bare_corners(facet, walls_.place, is_bare_), layers_,
+                      [&](ElementType type, const StackNodes& nodes) {
+                          std::array<NodeId, 8> node{};
+                          for (std::size_t k = 0; k < nodes_per(type); ++k)
+                              node[k] = number(walls_.place[facet.node[nodes[k].corner]], nodes[k].layer);
+                          add_element(type, node.data(), facet.region,
+                                      static_cast<std::uint8_t>(ElementKind::kLayer));
+                      });
         }
     }
 

@@ -1,12 +1,15 @@
 #include "host/layers/layers.hpp"
 
 #include <algorithm>
+#include <limits>
 
 #include "host/layers/band.hpp"
 #include "host/layers/fit.hpp"
+#include "host/layers/growth.hpp"
 #include "host/layers/insert.hpp"
 #include "host/layers/slides.hpp"
 #include "host/layers/walls.hpp"
+#include "mortise/error.hpp"
 
 namespace mortise::layers {
 namespace {
@@ -67,6 +70,12 @@ LayerFigures add_layers(Mesh& mesh, std::vector<std::uint32_t>& facet_surface, c
         figures.unused = walls.unused;
         return figures;
     }
+    const std::uint64_t nodes =
+        mesh.node_count() + walls.nodes.size() * static_cast<std::uint64_t>(options.count);
+    if (nodes > std::numeric_limits<NodeId>::max() / 2)
+        throw Error(ExitCode::kMeshing,
+                    "layers make " + std::to_string(nodes) +
+                        " nodes, more than a mesh can number; use larger cells or fewer layers");
     const Slides slides(mesh, walls, facet_surface, model, threads);
     const Growth growth = find_growth(mesh, slides, heights, threads, walls);
     const Band band = find_band(mesh, walls, rings_for(growth), threads);

@@ -14,10 +14,8 @@
 #pragma once
 
 #include <cstdint>
-#include <string>
 #include <vector>
 
-#include "host/layers/growth.hpp"
 #include "host/tape/compile.hpp"
 #include "mortise/mesh.hpp"
 #include "mortise/mesher.hpp"

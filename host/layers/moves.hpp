@@ -27,7 +27,6 @@ class Moves {
 
     /// A node that does not move at all from now on.
     void freeze(std::size_t slot);
-    bool is_frozen(std::size_t slot) const { return is_frozen_[slot] != 0; }
 
   private:
     using Vectors = std::vector<Vec3>;
@@ -48,7 +47,7 @@ class Moves {
     std::vector<double> hold_;  ///< by place of the wall node: what holds it at its place along the wall
     std::vector<std::uint8_t> is_frozen_;
     Vectors move_;
-    // By slot; of conjugate gradients, zero where nothing is active.
+    // By slot; of conjugate gradients. Between solutions step_ is zero; the others are of no use then.
     Vectors residual_, step_, image_;
 };
 

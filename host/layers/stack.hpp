@@ -9,6 +9,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "host/layers/walls.hpp"
 #include "mortise/mesh.hpp"
@@ -23,6 +24,14 @@ struct StackNode {
 using StackNodes = std::array<StackNode, 8>;
 
 using BareCorners = std::array<bool, 4>;
+
+/// `is_bare`: by place of the wall node, which `place` tells of a node.
+inline BareCorners bare_corners(const WallFacet& facet, const std::vector<std::uint32_t>& place,
+                                const std::vector<std::uint8_t>& is_bare) {
+    BareCorners bare{};
+    for (std::size_t k = 0; k < bare.size(); ++k) bare[k] = is_bare[place[facet.node[k]]] != 0;
+    return bare;
+}
 
 /// Where a quadrilateral is cut: from this corner to the one opposite.
 inline std::optional<std::size_t> cut_of(const WallFacet& facet, const BareCorners& bare) {

@@ -85,8 +85,20 @@ struct FacetEdge {
     bool joins(const FacetEdge& other) const { return low == other.low && high == other.high; }
 };
 
-/// All edges between wall nodes, and bare nodes of facets beside regions without layers.
-std::vector<FacetEdge> list_edges(const Mesh& mesh, Walls& walls, int threads) {
+/// Nodes of facets towards regions without layers are bare.
+void look_at_closed(const Mesh& mesh, Walls& walls) {
+    const FacetBlock& facets = mesh.facets;
+    for (std::size_t f = 0; f < facets.size(); ++f) {
+        if (walls.role[f] != FacetRole::kClosed) continue;
+        for (std::size_t k = 0; k < 4; ++k) {
+            const std::uint32_t place = walls.place[facets.nodes[4 * f + k]];
+            if (place != kNoWallNode) walls.is_bare[place] = 1;
+        }
+    }
+}
+
+/// All edges between wall nodes.
+std::vector<FacetEdge> list_edges(const Mesh& mesh, const Walls& walls, int threads) {
     const FacetBlock& facets = mesh.facets;
     std::vector<std::vector<FacetEdge>> parts(chunk_count(facets.size(), kElementChunk));
     parallel_chunks(facets.size(), kElementChunk, threads, [&](std::size_t begin, std::size_t end, int) {
@@ -106,13 +118,6 @@ std::vector<FacetEdge> list_edges(const Mesh& mesh, Walls& walls, int threads) {
     std::vector<FacetEdge> edges;
     for (const auto& part : parts) edges.insert(edges.end(), part.begin(), part.end());
     parallel_sort(edges, threads);
-    for (std::size_t f = 0; f < facets.size(); ++f) {
-        if (walls.role[f] != FacetRole::kClosed) continue;
-        for (std::size_t k = 0; k < 4; ++k) {
-            const std::uint32_t place = walls.place[facets.nodes[4 * f + k]];
-            if (place != kNoWallNode) walls.is_bare[place] = 1;
-        }
-    }
     return edges;
 }
 
@@ -189,6 +194,7 @@ Walls find_walls(const Mesh& mesh, const std::vector<std::string>& names, int th
     Walls walls;
     choose_facets(mesh, names, walls);
     number_nodes(mesh.node_count(), walls);
+    look_at_closed(mesh, walls);
     look_at_edges(list_edges(mesh, walls, threads), walls);
     look_at_fans(mesh, threads, walls);
     return walls;

@@ -70,7 +70,8 @@ class Finish {
     const std::vector<std::uint8_t> held_;  ///< surfaces that stay as they are
     improve::Options improve_options_;
     improve::Counters counters_;
-    IndexRuns moved_cubes_;        ///< hexahedra of kind kIn, but for these, are boxes along the axes
+    IndexRuns moved_cubes_;        ///< hexahedra of kind kIn, but for these, are boxes along the axes; before
+                                   ///< add_layers(), which moves others
     IndexRuns sixths_;             ///< tetrahedra that are sixths of such boxes
     std::vector<NodeId> copy_of_;  ///< of periodic planes
     std::vector<std::uint32_t> facet_surface_;  ///< by facet, the bound model's: known from name() on

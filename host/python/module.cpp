@@ -34,6 +34,11 @@ constexpr std::array<const char*, kElementTypes> kBlockNames = {"hexahedra", "we
 constexpr std::array<const char*, kElementTypes> kCellNames = {"hexahedron", "wedge", "pyramid", "tetra"};
 constexpr std::array<int, 6> kVtkWedge = {0, 2, 1, 3, 5, 4};
 
+/// A path as str, bytes or pathlib has it.
+std::string path_of(const py::object& path) {
+    return py::cast<std::string>(py::module_::import("os").attr("fsencode")(path));
+}
+
 /// The elements of one type.
 struct Block {
     const ElementBlock* block;
@@ -58,6 +63,10 @@ py::array_t<NodeId> cell_array(const ElementBlock& block, ElementType type) {
 }
 
 py::dict cells(const Mesh& mesh) {
+    if (mesh.is_second_order() || mesh.hanging.size() > 0)
+        throw Error(
+            ExitCode::kUsage,
+            "cells() is of elements of first order without hanging nodes; write() has formats for others");
     py::dict result;
     for (std::size_t t = 0; t < kElementTypes; ++t) {
         if (mesh.elements[t].size() > 0)
@@ -68,17 +77,18 @@ py::dict cells(const Mesh& mesh) {
 
 /// mortise.Error, with the exit code that the program would end with; Ctrl-C as KeyboardInterrupt.
 void bind_errors(py::module_& module) {
-    static py::object type = py::reinterpret_steal<py::object>(PyErr_NewExceptionWithDoc(
+    // Of the interpreter's whole life; nothing is left to release it at the end.
+    static PyObject* const type = PyErr_NewExceptionWithDoc(
         "mortise.Error", "What went wrong, in one line. exit_code: that of the program mortise.",
-        PyExc_RuntimeError, nullptr));
-    module.attr("Error") = type;
-    py::register_exception_translator([](std::exception_ptr thrown) {
+        PyExc_RuntimeError, nullptr);
+    module.attr("Error") = py::handle(type);
+    py::register_local_exception_translator([](std::exception_ptr thrown) {
         try {
             std::rethrow_exception(thrown);
         } catch (const Error& error) {
-            const py::object instance = type(error.what());
+            const py::object instance = py::handle(type)(error.what());
             instance.attr("exit_code") = static_cast<int>(error.code());
-            PyErr_SetObject(type.ptr(), instance.ptr());
+            PyErr_SetObject(type, instance.ptr());
         }
     });
 }
@@ -102,7 +112,7 @@ void bind_models(py::module_& module) {
     module.def(
         "read_model",
         [options](const py::object& path, bool exact, double extrude, std::vector<std::string> definitions) {
-            const auto name = py::cast<std::string>(py::module_::import("os").attr("fspath")(path));
+            const std::string name = path_of(path);
             const py::gil_scoped_release release;
             return read_model(name, options(exact, extrude, std::move(definitions)));
         },
@@ -271,12 +281,12 @@ void bind_meshes(py::module_& module) {
         [](const ReportedMesh& m) { return std::make_pair(&m.mesh.hanging.masters, std::size_t{4}); },
         "(hanging, 4): the nodes whose mean each takes; of an edge's middle both ends twice");
     for (std::size_t t = 0; t < kElementTypes; ++t) {
-        mesh.def_property_readonly(
-            kBlockNames[t],
-            [t](const ReportedMesh& m) {
-                return Block{&m.mesh.elements[t], static_cast<ElementType>(t)};
-            },
-            py::keep_alive<0, 1>());
+        mesh.def_property_readonly(kBlockNames[t],
+                                   py::cpp_function(
+                                       [t](const ReportedMesh& m) {
+                                           return Block{&m.mesh.elements[t], static_cast<ElementType>(t)};
+                                       },
+                                       py::keep_alive<0, 1>()));
     }
     mesh.def_property_readonly(
             "facets", [](const ReportedMesh& m) { return &m.mesh.facets; },
@@ -301,7 +311,7 @@ void bind_meshes(py::module_& module) {
         .def(
             "write",
             [](const ReportedMesh& m, const py::object& path, bool compress) {
-                const auto name = py::cast<std::string>(py::module_::import("os").attr("fspath")(path));
+                const std::string name = path_of(path);
                 MeshFileOptions options;
                 options.compress = compress;
                 options.walls = m.report.layers.surfaces;
@@ -311,19 +321,26 @@ void bind_meshes(py::module_& module) {
             "Writes .vtu, .msh or a folder polyMesh.", py::arg("path"), py::arg("compress") = true)
         .def(
             "write_features",
-            [](const ReportedMesh& m, const std::string& path) {
-                write_features(m.mesh, m.report.features, path);
+            [](const ReportedMesh& m, const py::object& path) {
+                const std::string name = path_of(path);
+                if (m.report.features.model_dimension.empty())
+                    throw Error(ExitCode::kUsage,
+                                "a mesh from a file has no features; only one that was made has");
+                const py::gil_scoped_release release;
+                write_features(m.mesh, m.report.features, name);
             },
             "Writes creases and corners, .vtp.", py::arg("path"))
         .def(
             "write_picture",
-            [](const ReportedMesh& m, const std::string& path, int width, int height,
+            [](const ReportedMesh& m, const py::object& path, int width, int height,
                std::optional<std::string> cut, std::optional<double> at) {
                 PictureOptions options;
                 options.width = width;
                 options.height = height;
                 if (cut) options.cut = PictureCut{axis_of(*cut), at};
-                write_picture(m.mesh, path, options);
+                const std::string name = path_of(path);
+                const py::gil_scoped_release release;
+                write_picture(m.mesh, name, options);
             },
             "Draws the mesh, .png; cut: 'x', 'y' or 'z' opens it across that axis, at a place or the middle.",
             py::arg("path"), py::arg("width") = 1200, py::arg("height") = 900, py::arg("cut") = py::none(),
@@ -331,7 +348,7 @@ void bind_meshes(py::module_& module) {
     module.def(
         "read_mesh",
         [](const py::object& path) {
-            const auto name = py::cast<std::string>(py::module_::import("os").attr("fspath")(path));
+            const std::string name = path_of(path);
             const py::gil_scoped_release release;
             return std::make_unique<ReportedMesh>(ReportedMesh{read_mesh(name), {}});
         },

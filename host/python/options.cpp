@@ -115,7 +115,6 @@ const std::vector<Option>& all_options() {
         plain("hanging", &MeshOptions::hanging, kFlag),
         plain("second_order", &MeshOptions::second_order, kFlag),
         converted("layers", &MeshOptions::layers, layers_of),
-        plain("quality", &MeshOptions::quality, kFlag),
         plain("strict", &MeshOptions::strict, kFlag),
         plain("threads", &MeshOptions::threads, kWhole),
     };
@@ -132,11 +131,11 @@ const std::vector<Option>& all_options() {
 
 MeshOptions options_of(const py::kwargs& arguments) {
     MeshOptions options;
-    py::object progress = py::none();
+    py::handle progress = py::none();
     for (const auto& [key, value] : arguments) {
         const auto name = py::cast<std::string>(key);
         if (name == "progress") {
-            progress = py::reinterpret_borrow<py::object>(value);
+            progress = value;
             if (!progress.is_none() && !PyCallable_Check(progress.ptr()))
                 throw py::type_error("option 'progress': expected a function of a stage and a share");
             continue;
@@ -149,6 +148,7 @@ MeshOptions options_of(const py::kwargs& arguments) {
         }
         if (!found) refuse(name);
     }
+    // A handle, for the library copies options without Python's lock; the arguments outlive the call.
     options.progress = [progress](const char* stage, double share) {
         const py::gil_scoped_acquire acquire;
         if (PyErr_CheckSignals() != 0) throw py::error_already_set();

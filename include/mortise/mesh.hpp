@@ -17,6 +17,10 @@ inline constexpr int kElementTypes = 4;
 inline constexpr std::array<int, kElementTypes> kElementNodes = {8, 6, 5, 4};
 inline constexpr std::array<int, kElementTypes> kElementEdges = {12, 9, 8, 6};
 
+inline constexpr std::size_t nodes_per(ElementType type) {
+    return static_cast<std::size_t>(kElementNodes[static_cast<std::size_t>(type)]);
+}
+
 /// How an element was made: the cell array `kind` of output files. Append-only.
 enum class ElementKind : std::uint8_t {
     kIn = 0,          ///< an IN cell
@@ -26,7 +30,8 @@ enum class ElementKind : std::uint8_t {
     kLayer = 4,       ///< in a layer at a wall
 };
 
-/// All elements of one type. Order: Morton order of the leaf that made them.
+/// All elements of one type. Order: Morton order of the leaf that made them; those in layers, and what layers
+/// cut, come last.
 struct ElementBlock {
     std::vector<NodeId> nodes;          ///< length: count × kElementNodes[type]; node order below
     std::vector<std::uint16_t> region;  ///< length: count; 1-based index: region_names[region - 1]

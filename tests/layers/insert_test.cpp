@@ -140,9 +140,7 @@ TEST_CASE("heights that nobody gives follow the walls' edges") {
 }
 
 TEST_CASE("parts that touch at an edge or a node: layers end there") {
-    const auto at_edge = [](int i, int j, int k) {
-        return k >= 0 && ((i < 2 && j < 2) || (i >= 2 && j >= 2)) ? 1 : 0;
-    };
+    const auto at_edge = [](int i, int j, int) { return (i < 2 && j < 2) || (i >= 2 && j >= 2) ? 1 : 0; };
     const auto at_node = [](int i, int j, int k) {
         return (i < 2 && j < 2 && k < 2) || (i >= 2 && j >= 2 && k >= 2) ? 1 : 0;
     };
@@ -190,6 +188,21 @@ TEST_CASE("layers on the interface alone, on one side") {
     LayerOptions options = layers_of(2, 0.05);
     options.on = {"region 1", "to 1", "to 2"};  // as the facets' order has it
     CHECK(layer(mesh, options).facets == 6 * 2 * 2);
+}
+
+TEST_CASE("an interface between two regions with layers goes on to the wall") {
+    Mesh mesh = cubes(6, 3, 3, [](int i, int, int) { return i < 3 ? 1 : 2; });
+    const std::size_t facets = mesh.facets.size();
+    const LayerFigures figures = layer(mesh, layers_of(2, 0.05));
+    CHECK(figures.lower + figures.bare == 0);
+    CHECK(figures.facets == 2 * 9 + 4 * 18);
+    // Four sides of three cubes, two layers each.
+    REQUIRE(mesh.facets.size() == facets + 4 * 3 * 2);
+    for (std::size_t f = facets; f < mesh.facets.size(); ++f) {
+        CHECK(mesh.facets.inside[f] + mesh.facets.outside[f] == 3);
+        for (std::size_t k = 0; k < 4; ++k)
+            CHECK(mesh.points[3 * std::size_t{mesh.facets.nodes[4 * f + k]}] == 3);
+    }
 }
 
 TEST_CASE("a wall that meets a region without layers ends bare there") {

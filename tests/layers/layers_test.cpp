@@ -188,6 +188,24 @@ TEST_CASE("layers in a region of tetrahedra, whichever is named first") {
     }
 }
 
+TEST_CASE("a cut facet does not fold onto its neighbour") {
+    // Two facets of the mesh share two edges: a triangle of the one would have three nodes of the other.
+    const Model model = parse_model(
+        "algebraic3d\n"
+        "solid A0 = orthobrick(0,0,0; 4,2,2);\n"
+        "solid c0 = sphere(1.9131060095594337,1.124043903940472,0.9191593617737066; 0.4335805902855404);\n"
+        "solid c1 = orthobrick(3.042349992994145,1.5027532577692033,0.39315403094648604;"
+        " 3.875151804192786,1.6423708067565395,0.6383716424966068);\n"
+        "solid b = sphere(2.0870319383844027,-0.42780764646297265,0.6662545125406572; 0.7995064078789137);\n"
+        "solid fluid = A0 and not b and not c0 and not c1;\n"
+        "solid core = b and A0 and not c0 and not c1;\n"
+        "tlo fluid;\ntlo core;\n",
+        "geo", "thin.geo");
+    MeshOptions options = with_layers(4, 2, 0, 1.9081429095762288);
+    options.layers.on = {"fluid"};
+    CHECK(mesh_and_check(model, options).defects.empty());
+}
+
 TEST_CASE("thin layers do not lean, but at creases") {
     const Model model = parse_model("cube([4,3,2]);", "csg", "box.csg");
     const Mesh mesh = generate(model, with_layers(5, 1, 0.002));
@@ -260,6 +278,7 @@ TEST_CASE("random models with layers are valid") {
         MeshOptions options = with_layers(4, 1 + static_cast<int>(seed % 4), 0, seed % 2 == 0 ? 1.2 : 2);
         options.tetrahedra = seed % 3 == 0;
         options.refine = seed % 4 == 0 ? 1 : 0;
+        options.improve = seed % 5 != 0;
         Mesh bare, mesh;
         try {
             bare = generate(random.model, without_layers(options));
@@ -270,18 +289,24 @@ TEST_CASE("random models with layers are valid") {
         }
         const CheckReport before = check_mesh(bare), after = check_mesh(mesh);
         for (const Defect& defect : after.defects) FAIL_CHECK(defect.what << ": " << defect.first);
-        // A warped facet that is cut into two triangles bounds a little more or less.
-        CHECK(after.boundary_area == doctest::Approx(before.boundary_area).epsilon(1e-6));
-        CHECK(after.volume == doctest::Approx(before.volume).epsilon(1e-6));
+        // A warped facet that is cut into two triangles bounds a little more or less; improvement leaves few.
+        const double warped = options.improve ? 1e-6 : 1e-3;
+        CHECK(after.boundary_area == doctest::Approx(before.boundary_area).epsilon(warped));
+        CHECK(after.volume == doctest::Approx(before.volume).epsilon(warped));
         CHECK(after.nonmanifold_edges == before.nonmanifold_edges);
         CHECK(after.components == before.components);
     }
 }
 
 TEST_CASE("layers are the same bytes for any threads and pieces") {
-    const Model model = make_random_model(12).model;
+    const Model model = one_solid([](Model& m) {
+        return unite(m, {add_ball(m, {0, 0, 0}, 1), add_frustum(m, 0.9, 0, 0, 2.5),
+                         add_box(m, {-1, -1, -2}, {0.2, 1, 0})});
+    });
     MeshOptions options = with_layers(5, 3);
-    const Mesh whole = generate(model, options);
+    MeshReport report;
+    const Mesh whole = generate(model, options, &report);
+    REQUIRE(report.layers.lower > 0);
     options.threads = 1;
     CHECK(is_same_mesh(whole, generate(model, options)));
     options.pieces = 5;

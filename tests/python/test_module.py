@@ -9,6 +9,7 @@ import tempfile
 import threading
 import time
 import unittest
+import weakref
 
 import numpy
 
@@ -63,6 +64,15 @@ class Module(unittest.TestCase):
 
     def test_arrays_outlive_the_mesh(self):
         mesh = self.mesher.generate(self.ball, level=4)
+        for get in (lambda m: m.hexahedra.nodes, lambda m: m.facets.nodes, lambda m: m.report.scaled_jacobians,
+                    lambda m: m.points):
+            other = self.mesher.generate(self.ball, level=3)
+            alive = weakref.ref(other)
+            array = get(other)
+            del other
+            self.assertIsNotNone(alive())
+            del array
+            self.assertIsNone(alive())
         points, nodes = mesh.points, mesh.tetrahedra.nodes
         total, highest = points.sum(), nodes.max()
         del mesh
@@ -94,8 +104,13 @@ class Module(unittest.TestCase):
             again = mortise.read_mesh(ours)
             self.assertTrue((again.points == mesh.points).all())
             self.assertEqual(again.surface_names, mesh.surface_names)
-            mesh.write_picture(str(pathlib.Path(folder, "a.png")), 300, 200)
-            mesh.write_features(str(pathlib.Path(folder, "a.vtp")))
+            mesh.write_picture(pathlib.Path(folder, "a.png"), 300, 200)
+            mesh.write_picture(pathlib.Path(folder, "b.png"), cut="z", at=0.5)
+            mesh.write_features(pathlib.Path(folder, "a.vtp"))
+            with self.assertRaisesRegex(mortise.Error, "has no features"):
+                again.write_features(pathlib.Path(folder, "b.vtp"))
+            with self.assertRaisesRegex(ValueError, "expected 'x', 'y' or 'z'"):
+                mesh.write_picture(pathlib.Path(folder, "c.png"), cut="w")
             self.assertGreater(pathlib.Path(folder, "a.png").stat().st_size, 1000)
 
     def test_options(self):
@@ -112,6 +127,8 @@ class Module(unittest.TestCase):
         self.assertEqual(layered.report.layers.bare, 0)
         second = self.mesher.generate(box, level=3, second_order=True)
         self.assertEqual(second.hexahedra.middles.shape, (len(second.hexahedra), 12))
+        with self.assertRaisesRegex(mortise.Error, "first order"):
+            second.cells()
 
     def test_summary(self):
         summary = mortise.summarize(mortise.read_model(str(BRACKET)))
