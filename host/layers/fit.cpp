@@ -64,7 +64,7 @@ class Fitting {
                 look_at_cuts();
                 changed = lower(0);
             }
-            if (changed.empty()) changed = look_at_all();
+            if (changed.empty() && active.size() < band_.node.size()) changed = look_at_all();
         }
         return std::move(fit_);
     }
