@@ -51,12 +51,9 @@ std::vector<std::uint32_t> find_folded_cuts(const Mesh& mesh, const Walls& walls
     };
     std::vector<std::pair<Triple, std::uint32_t>> triples;
     for (std::size_t f = 0; f < mesh.facets.size() && !faces.empty(); ++f) {
-        const NodeId* const node = mesh.facets.nodes.data() + 4 * f;
-        const std::size_t corners = node[2] == node[3] ? 3 : 4;
-        for (std::size_t left = 0; left < (corners == 3 ? 1u : 4u); ++left) {
-            const Triple nodes =
-                sorted({node[corners == 3 ? 0 : (left + 1) % 4], node[corners == 3 ? 1 : (left + 2) % 4],
-                        node[corners == 3 ? 2 : (left + 3) % 4]});
+        const FacetNodes node(mesh.facets, f);
+        for (std::size_t k = 0; k < (node.size() == 3 ? 1u : 4u); ++k) {
+            const Triple nodes = sorted({node.before(k), node[k], node.after(k)});
             if (is_cut[nodes[0]] + is_cut[nodes[1]] + is_cut[nodes[2]] == 3)
                 triples.emplace_back(nodes, static_cast<std::uint32_t>(f));
         }

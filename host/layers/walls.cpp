@@ -105,10 +105,9 @@ std::vector<FacetEdge> list_edges(const Mesh& mesh, const Walls& walls, int thre
         std::vector<FacetEdge>& part = parts[begin / kElementChunk];
         for (std::size_t f = begin; f < end; ++f) {
             if (walls.role[f] == FacetRole::kAway) continue;
-            const NodeId* const node = facets.nodes.data() + 4 * f;
-            const std::size_t corners = node[2] == node[3] ? 3 : 4;
-            for (std::size_t k = 0; k < corners; ++k) {
-                const NodeId a = node[k], b = node[(k + 1) % corners];
+            const FacetNodes node(facets, f);
+            for (std::size_t k = 0; k < node.size(); ++k) {
+                const NodeId a = node[k], b = node.after(k);
                 if (walls.place[a] == kNoWallNode || walls.place[b] == kNoWallNode) continue;
                 part.push_back(
                     {std::min(a, b), std::max(a, b), static_cast<std::uint32_t>(f), walls.role[f], a < b});
@@ -153,9 +152,8 @@ void look_at_fans(const Mesh& mesh, int threads, Walls& walls) {
     const auto visit = [&](const auto& found) {
         for (std::size_t f = 0; f < facets.size(); ++f) {
             if (walls.role[f] == FacetRole::kAway || walls.role[f] == FacetRole::kInner) continue;
-            const NodeId* const node = facets.nodes.data() + 4 * f;
-            for (std::size_t k = 0; k < (node[2] == node[3] ? 3u : 4u); ++k) {
-                if (walls.place[node[k]] != kNoWallNode) found(walls.place[node[k]], f);
+            for (const NodeId node : FacetNodes(facets, f)) {
+                if (walls.place[node] != kNoWallNode) found(walls.place[node], f);
             }
         }
     };
@@ -166,11 +164,10 @@ void look_at_fans(const Mesh& mesh, int threads, Walls& walls) {
             // Of each facet the two neighbours of the node; chained by common ones, all must be one ring.
             open.clear();
             for (const std::uint32_t f : at[i]) {
-                const NodeId* const node = facets.nodes.data() + 4 * std::size_t{f};
-                const std::size_t corners = node[2] == node[3] ? 3 : 4;
-                const std::size_t k =
-                    static_cast<std::size_t>(std::find(node, node + corners, walls.nodes[i]) - node);
-                open.push_back({node[(k + corners - 1) % corners], node[(k + 1) % corners]});
+                const FacetNodes node(facets, f);
+                const auto k = static_cast<std::size_t>(std::find(node.begin(), node.end(), walls.nodes[i]) -
+                                                        node.begin());
+                open.push_back({node.before(k), node.after(k)});
             }
             const NodeId first = open.back()[0];
             NodeId next = open.back()[1];
