@@ -19,7 +19,7 @@ double mean_edge_length(const Mesh& mesh) {
         for (std::size_t e = 0; e < block.size(); ++e) {
             for (int f = 0; f < faces.count; ++f) {
                 const LocalFace& face = faces.faces[f];
-                const std::size_t corners = face[3] < 0 ? 3 : 4;
+                const std::size_t corners = corner_count(face);
                 for (std::size_t i = 0; i < corners; ++i) {
                     const int from = face[i];
                     const int to = face[(i + 1) % corners];

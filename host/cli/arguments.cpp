@@ -262,8 +262,8 @@ void read_batch_words(const Words& words, Arguments& arguments) {
     if (arguments.file.empty()) refuse("no list given; use: mortise batch LIST -o FOLDER");
     if (arguments.outputs.size() != 1) refuse("batch: expected one folder for the meshes; add -o FOLDER");
     const std::string format = lower_case(arguments.format);
-    if (format != "vtu" && format != "msh") {
-        refuse("--format '" + arguments.format + "': expected vtu or msh");
+    if (format != "vtu" && format != "msh" && format != "inp") {
+        refuse("--format '" + arguments.format + "': expected vtu, msh or inp");
     }
     arguments.format = format;
     if (!words.jobs.empty()) arguments.jobs = parse_integer("--jobs", words.jobs, 1);

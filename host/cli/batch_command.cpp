@@ -253,7 +253,7 @@ class Teller {
 ExitCode batch_command(const Arguments& arguments) {
     const auto start = Clock::now();
     const std::vector<Item> items = read_list(arguments);
-    check_mesh_format(items.front().output, arguments.options.hanging, arguments.options.second_order);
+    check_mesh_format(items.front().output, traits_of(arguments.options));
     make_folder_of(items.front());
     check_mesh_output(items.front().output);
 

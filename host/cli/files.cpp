@@ -9,7 +9,6 @@
 #include "host/common/lower_case.hpp"
 #include "host/io/temporary_file.hpp"
 #include "mortise/error.hpp"
-#include "mortise/io.hpp"
 
 namespace mortise::cli {
 namespace {
@@ -18,6 +17,10 @@ namespace {
 void try_folder(const std::string& path) { const io::TemporaryFile attempt(path); }
 
 }  // namespace
+
+MeshTraits traits_of(const MeshOptions& options) {
+    return {options.hanging, options.second_order, !options.tetrahedra};
+}
 
 void check_mesh_output(const std::string& path) {
     check_writable(path);

@@ -3,7 +3,13 @@
 
 #include <string>
 
+#include "mortise/io.hpp"
+#include "mortise/mesher.hpp"
+
 namespace mortise::cli {
+
+/// What of a mesh made so not every format can hold.
+MeshTraits traits_of(const MeshOptions& options);
 
 /// Throws what writing a mesh of that name would throw, as far as that can be known before the work starts.
 void check_mesh_output(const std::string& path);

@@ -120,7 +120,7 @@ std::string summary(const Arguments& arguments, const MeshReport& report, const 
 
 void check_outputs(const Arguments& arguments) {
     for (const std::string& path : arguments.outputs) {
-        check_mesh_format(path, arguments.options.hanging, arguments.options.second_order);
+        check_mesh_format(path, traits_of(arguments.options));
         check_mesh_output(path);
     }
     if (!arguments.picture.empty()) check_other_output("--picture", arguments.picture, ".png");

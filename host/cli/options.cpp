@@ -58,7 +58,7 @@ void add_model_options(CLI::App& app, Arguments& arguments, Words& words) {
     app.add_option("MODEL", arguments.file,
                    "model file: .csg, .scad, .geo, .stl, .obj, .off, .formula, .vm or .frep");
     app.add_option("-o,--output", arguments.outputs,
-                   ".vtu, .msh, or OpenFOAM's folder polyMesh; may be given several times")
+                   ".vtu, .msh, .inp, or OpenFOAM's folder polyMesh; may be given several times")
         ->option_text("FILE")
         ->allow_extra_args(false);
     add_shape_options(app, arguments, words);
@@ -193,8 +193,8 @@ CLI::App* add_batch(CLI::App& app, Arguments& arguments, Words& words) {
     batch->add_option("LIST", arguments.file);
     batch->add_option("-o,--output", arguments.outputs, "folder for one mesh file per model")
         ->option_text("FOLDER");
-    batch->add_option("--format", arguments.format, "of the mesh files: vtu (default) or msh")
-        ->option_text("vtu|msh");
+    batch->add_option("--format", arguments.format, "of the mesh files: vtu (default), msh or inp")
+        ->option_text("vtu|msh|inp");
     batch->add_option("--jobs", words.jobs, "models meshed at once, default all cores")->option_text("COUNT");
     add_shape_options(*batch, arguments, words);
     add_size_options(*batch, arguments, words);

@@ -72,10 +72,9 @@ class EdgeFinder {
         }
         std::vector<EdgeOfFacet> edges;
         for (std::size_t f = 0; f < facets.size(); ++f) {
-            const NodeId* n = facets.nodes.data() + 4 * f;
-            const int count = n[2] == n[3] ? 3 : 4;
-            for (int k = 0; k < count; ++k) {
-                const NodeId a = n[k], b = n[(k + 1) % count];
+            const FacetNodes n = facets.facet(f);
+            for (std::size_t k = 0; k < n.size(); ++k) {
+                const NodeId a = n[k], b = n.after(k);
                 if (!mixed.holds(a) || !mixed.holds(b)) continue;
                 edges.push_back({std::min(a, b), std::max(a, b), static_cast<std::uint32_t>(f), a < b});
             }
@@ -87,11 +86,10 @@ class EdgeFinder {
     }
 
     Vector centre(std::uint32_t facet) const {
-        const NodeId* n = mesh_.facets.nodes.data() + 4 * std::size_t{facet};
-        const int count = n[2] == n[3] ? 3 : 4;
+        const FacetNodes nodes = mesh_.facets.facet(facet);
         Vector sum;
-        for (int k = 0; k < count; ++k) sum = sum + point_of(mesh_, n[k]);
-        return (1.0 / count) * sum;
+        for (const NodeId node : nodes) sum = sum + point_of(mesh_, node);
+        return (1.0 / static_cast<double>(nodes.size())) * sum;
     }
 
     enum class Meeting { kOneSurface, kSmooth, kCrease };

@@ -28,10 +28,8 @@ Corners list_corners(const FacetBlock& facets, std::size_t nodes) {
     const auto for_corners = [&facets](const auto& visit) {
         for (std::size_t f = 0; f < facets.size(); ++f) {
             if (facets.outside[f] != 0) continue;
-            const NodeId* n = facets.nodes.data() + 4 * f;
-            const std::size_t count = n[2] == n[3] ? 3 : 4;
-            for (std::size_t k = 0; k < count; ++k)
-                visit(n[k], Corner{n[(k + count - 1) % count], n[(k + 1) % count]});
+            const FacetNodes n = facets.facet(f);
+            for (std::size_t k = 0; k < n.size(); ++k) visit(n[k], Corner{n.before(k), n.after(k)});
         }
     };
     for_corners([&](NodeId node, const Corner&) { outer.insert(node); });

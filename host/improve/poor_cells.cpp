@@ -52,7 +52,7 @@ bool is_flat(const Mesh& mesh, const CellFrame& frame, const Places& places, con
     const LocalFaces faces = local_faces(e.type);
     for (int f = 0; f < faces.count; ++f) {
         const LocalFace& face = faces.faces[f];
-        const std::size_t count = face[3] < 0 ? 3 : 4;
+        const std::size_t count = corner_count(face);
         for (std::size_t k = 0; k < count; ++k) {
             const NodeId a = e.node[face[k]], b = e.node[face[(k + 1) % count]];
             const Point edge = in_cells(mesh, frame, a) - in_cells(mesh, frame, b);

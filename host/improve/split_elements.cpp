@@ -81,7 +81,7 @@ class Splitter {
         const LocalFaces faces = local_faces(e.type);
         for (int f = 0; f < faces.count; ++f) {
             const LocalFace& face = faces.faces[f];
-            const std::size_t count = face[3] < 0 ? 3 : 4;
+            const std::size_t count = corner_count(face);
             NodeId node[4] = {};
             bool holds = false;
             for (std::size_t k = 0; k < count; ++k) {

@@ -9,6 +9,7 @@
 #include <set>
 #include <string>
 
+#include "host/io/facet_groups.hpp"
 #include "host/io/foam_folder.hpp"
 #include "host/io/formats.hpp"
 #include "host/io/polyhedral_faces.hpp"
@@ -58,9 +59,7 @@ std::string foam_word(const std::string& name, std::set<std::string>& taken) {
         const auto byte = static_cast<unsigned char>(c);
         if (byte <= ' ' || byte >= 127 || std::strchr("\"'/;{}()$#", c) != nullptr) c = '_';
     }
-    std::string unique = word;
-    for (int i = 2; !taken.insert(unique).second; ++i) unique = word + "_" + std::to_string(i);
-    return unique;
+    return unique_name(word, taken);
 }
 
 void write_points(const Mesh& mesh, FoamFolder& folder) {

@@ -22,6 +22,9 @@ Mesh read_vtu(const FileReader& file);
 void write_msh(const Mesh& mesh, TemporaryFile& file);
 Mesh read_msh(const FileReader& file);
 
+/// Throws Error(kMeshing) if a facet is no face of an element.
+void write_inp(const Mesh& mesh, int threads, TemporaryFile& file);
+
 /// Writes a folder; MeshFileOptions::compress is not for it.
 void write_foam(const Mesh& mesh, const std::string& path, const MeshFileOptions& options);
 

@@ -237,7 +237,7 @@ class GmshTextReader {
     /// Nodes in the middles of a face's edges; a triangle repeats its last one.
     static std::array<NodeId, 4> middles_of(const ElementBlock& block, ElementType type, std::size_t element,
                                             const LocalFace& face) {
-        const std::size_t corners = face[3] < 0 ? 3 : 4;
+        const std::size_t corners = corner_count(face);
         const auto edges = static_cast<std::size_t>(local_edges(type).count);
         std::array<NodeId, 4> middles{};
         for (std::size_t k = 0; k < 4; ++k) {

@@ -17,7 +17,7 @@
 namespace mortise {
 namespace {
 
-enum class Format { kVtu, kMsh, kFoam };
+enum class Format { kVtu, kMsh, kInp, kFoam };
 
 Format format_of(const std::string& path) {
     if (is_mesh_folder(path)) return Format::kFoam;
@@ -29,8 +29,9 @@ Format format_of(const std::string& path) {
     const std::string small = lower_case(extension);
     if (small == ".vtu") return Format::kVtu;
     if (small == ".msh") return Format::kMsh;
+    if (small == ".inp") return Format::kInp;
     throw Error(ExitCode::kUsage, "'" + path + "': unknown mesh format '" + extension +
-                                      "', expected .vtu, .msh, or a folder polyMesh (OpenFOAM)");
+                                      "', expected .vtu, .msh, .inp, or a folder polyMesh (OpenFOAM)");
 }
 
 [[noreturn]] void refuse(const std::string& path, const std::string& cause) {
@@ -90,7 +91,8 @@ std::string io::find_range_error(const Mesh& mesh) {
 
 void write_mesh(const Mesh& mesh, const std::string& path, const std::vector<float>& jacobians,
                 const MeshFileOptions& options) {
-    check_mesh_format(path, mesh.hanging.size() > 0, mesh.is_second_order());
+    check_mesh_format(path, {mesh.hanging.size() > 0, mesh.is_second_order(),
+                             mesh.block(ElementType::kPyramid).size() > 0});
     const Format format = format_of(path);
     std::string error = io::find_range_error(mesh);
     if (error.empty() && !jacobians.empty() && jacobians.size() != mesh.element_count())
@@ -100,8 +102,9 @@ void write_mesh(const Mesh& mesh, const std::string& path, const std::vector<flo
                     "cannot write '" + path + "': invalid mesh: " + error + "; see check_mesh");
     if (format == Format::kFoam) return io::write_foam(mesh, path, options);
     io::TemporaryFile file(path);
-    format == Format::kVtu ? io::write_vtu(mesh, jacobians, io::packing_of(options), file)
-                           : io::write_msh(mesh, file);
+    if (format == Format::kVtu) io::write_vtu(mesh, jacobians, io::packing_of(options), file);
+    if (format == Format::kMsh) io::write_msh(mesh, file);
+    if (format == Format::kInp) io::write_inp(mesh, options.threads, file);
     file.commit();
 }
 
@@ -112,12 +115,17 @@ bool is_mesh_folder(const std::string& path) {
     return end == name.size() || path[end - name.size() - 1] == '/';
 }
 
-void check_mesh_format(const std::string& path, bool hanging, bool second_order) {
+void check_mesh_format(const std::string& path, const MeshTraits& mesh) {
     const Format format = format_of(path);
     const std::string what = "cannot write '" + path + "': ";
-    if (format == Format::kMsh && hanging)
-        throw Error(ExitCode::kUsage, what + ".msh files have no place for hanging nodes; use .vtu");
-    if (format == Format::kFoam && second_order)
+    if ((format == Format::kMsh || format == Format::kInp) && mesh.hanging_nodes)
+        throw Error(ExitCode::kUsage, what + (format == Format::kMsh ? ".msh" : ".inp") +
+                                          " files have no place for hanging nodes; use .vtu");
+    if (format == Format::kInp && mesh.second_order && mesh.pyramids)
+        throw Error(ExitCode::kUsage, what +
+                                          ".inp files have no pyramids of second order; use --elements tet "
+                                          "(C3D10), or leave --order 2 away");
+    if (format == Format::kFoam && mesh.second_order)
         throw Error(ExitCode::kUsage,
                     what + "OpenFOAM's meshes have no elements of second order; leave --order 2 away");
 }
@@ -145,6 +153,9 @@ Mesh read_mesh(const std::string& path) {
         throw Error(
             ExitCode::kUsage,
             "'" + path + "': OpenFOAM's meshes are written only, not read; its checkMesh tells of them");
+    if (format == Format::kInp)
+        throw Error(ExitCode::kUsage,
+                    "'" + path + "': .inp files are written only, not read; use .vtu or .msh");
     try {
         const io::FileReader file(path);
         Mesh mesh = format == Format::kVtu ? io::read_vtu(file) : io::read_msh(file);

@@ -14,13 +14,6 @@ inline constexpr const char* kMshSignature = "mortise mesh 1";
 inline constexpr const char* kMshCounts = "counts";
 inline constexpr const char* kMshSecondCounts = "counts_of_second_order";
 
-/// Facets that Gmsh sees as one surface entity.
-struct FacetGroup {
-    std::uint32_t surface = 0;
-    std::uint16_t inside = 0;
-    std::uint16_t outside = 0;
-};
-
 /// Names may hold any byte, lines of text may not: what is not printable ASCII becomes %XX.
 inline std::string encode_name(const std::string& name) {
     constexpr char digits[] = "0123456789ABCDEF";

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "host/io/element_table.hpp"
+#include "host/io/facet_groups.hpp"
 #include "host/io/formats.hpp"
 #include "host/io/msh_format.hpp"
 

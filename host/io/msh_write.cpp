@@ -12,14 +12,14 @@
 // second order throughout, facets included.
 #include <algorithm>
 #include <limits>
-#include <map>
 #include <numeric>
 #include <set>
 #include <string>
-#include <tuple>
+#include <utility>
 #include <vector>
 
 #include "host/io/element_table.hpp"
+#include "host/io/facet_groups.hpp"
 #include "host/io/formats.hpp"
 #include "host/io/msh_format.hpp"
 
@@ -69,20 +69,15 @@ class MshWriter {
 
     void group_facets() {
         const FacetBlock& facets = mesh_.facets;
-        std::map<std::tuple<std::uint32_t, std::uint16_t, std::uint16_t>, int> entities;
-        for (std::size_t i = 0; i < facets.size(); ++i)
-            entities[{facets.surface[i], facets.inside[i], facets.outside[i]}] = 0;
-        for (auto& [key, entity] : entities) {
-            groups_.push_back({std::get<0>(key), std::get<1>(key), std::get<2>(key)});
-            entity = static_cast<int>(groups_.size());
+        FacetGroups grouped = io::group_facets(facets);
+        groups_ = std::move(grouped.groups);
+        for (int entity = 1; entity <= static_cast<int>(groups_.size()); ++entity) {
             blocks_.push_back({2, entity, second_order_ ? kGmshSecondTriangle : kGmshTriangle, {}});
             blocks_.push_back({2, entity, second_order_ ? kGmshSecondQuadrilateral : kGmshQuadrilateral, {}});
         }
-        for (std::size_t i = 0; i < facets.size(); ++i) {
-            const int entity = entities[{facets.surface[i], facets.inside[i], facets.outside[i]}];
-            const bool triangle = facets.nodes[4 * i + 2] == facets.nodes[4 * i + 3];
-            blocks_[2 * static_cast<std::size_t>(entity - 1) + (triangle ? 0 : 1)].items.push_back(i);
-        }
+        for (std::size_t i = 0; i < facets.size(); ++i)
+            blocks_[2 * std::size_t{grouped.of[i]} + (facets.facet(i).size() == 3 ? 0 : 1)].items.push_back(
+                i);
     }
 
     void write_comments() {
@@ -102,35 +97,24 @@ class MshWriter {
     }
 
     /// The name without what would end it early in a file, made unique by a number.
-    static std::string physical_name(std::string name, std::set<std::string>& used) {
+    static std::string physical_name(std::string name, std::set<std::string>& taken) {
         for (char& c : name) {
             if (c == '"' || static_cast<unsigned char>(c) < 0x20) c = '_';
         }
-        std::string unique = name;
-        for (int number = 2; !used.insert(unique).second; ++number)
-            unique = name + "_" + std::to_string(number);
-        return unique;
+        return unique_name(name, taken);
     }
 
     void write_physical_names() {
-        std::vector<int> groups_of_surface(mesh_.surface_names.size(), 0);
-        for (const FacetGroup& group : groups_) ++groups_of_surface[group.surface];
         std::string text =
             "$PhysicalNames\n" + std::to_string(groups_.size() + mesh_.region_names.size()) + "\n";
-        std::set<std::string> used;
-        for (std::size_t i = 0; i < groups_.size(); ++i) {
-            const FacetGroup& group = groups_[i];
-            std::string name = mesh_.surface_names[group.surface];
-            if (groups_of_surface[group.surface] > 1) {
-                name += ":" + mesh_.region_names[group.inside - 1u];
-                if (group.outside != 0) name += "|" + mesh_.region_names[group.outside - 1u];
-            }
-            text += "2 " + std::to_string(i + 1) + " \"" + physical_name(name, used) + "\"\n";
-        }
-        used.clear();
+        std::set<std::string> taken;
+        const std::vector<std::string> names = group_names(mesh_, groups_);
+        for (std::size_t i = 0; i < names.size(); ++i)
+            text += "2 " + std::to_string(i + 1) + " \"" + physical_name(names[i], taken) + "\"\n";
+        taken.clear();
         for (std::size_t i = 0; i < mesh_.region_names.size(); ++i)
             text +=
-                "3 " + std::to_string(i + 1) + " \"" + physical_name(mesh_.region_names[i], used) + "\"\n";
+                "3 " + std::to_string(i + 1) + " \"" + physical_name(mesh_.region_names[i], taken) + "\"\n";
         file_.write(text + "$EndPhysicalNames\n");
     }
 

@@ -140,9 +140,9 @@ std::vector<PolyhedralFaces::Entry> PolyhedralFaces::add_hanging(const std::vect
 void PolyhedralFaces::add_outer(const std::vector<Entry>& unmatched) {
     KeyTable surfaces;
     for (std::size_t i = 0; i < mesh_.facets.size(); ++i) {
-        const NodeId* nodes = mesh_.facets.nodes.data() + 4 * i;
+        const FacetNodes nodes = mesh_.facets.facet(i);
         if (mesh_.facets.outside[i] == 0)
-            surfaces.emplace_back(key_of(nodes, nodes[2] == nodes[3] ? 3 : 4), mesh_.facets.surface[i]);
+            surfaces.emplace_back(key_of(nodes.begin(), nodes.size()), mesh_.facets.surface[i]);
     }
     parallel_sort(surfaces, 0);
     std::vector<std::pair<std::uint32_t, Face>> outer;

@@ -51,7 +51,7 @@ std::vector<std::uint32_t> find_folded_cuts(const Mesh& mesh, const Walls& walls
     };
     std::vector<std::pair<Triple, std::uint32_t>> triples;
     for (std::size_t f = 0; f < mesh.facets.size() && !faces.empty(); ++f) {
-        const FacetNodes node(mesh.facets, f);
+        const FacetNodes node = mesh.facets.facet(f);
         for (std::size_t k = 0; k < (node.size() == 3 ? 1u : 4u); ++k) {
             const Triple nodes = sorted({node.before(k), node[k], node.after(k)});
             if (is_cut[nodes[0]] + is_cut[nodes[1]] + is_cut[nodes[2]] == 3)

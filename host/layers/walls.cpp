@@ -105,7 +105,7 @@ std::vector<FacetEdge> list_edges(const Mesh& mesh, const Walls& walls, int thre
         std::vector<FacetEdge>& part = parts[begin / kElementChunk];
         for (std::size_t f = begin; f < end; ++f) {
             if (walls.role[f] == FacetRole::kAway) continue;
-            const FacetNodes node(facets, f);
+            const FacetNodes node = facets.facet(f);
             for (std::size_t k = 0; k < node.size(); ++k) {
                 const NodeId a = node[k], b = node.after(k);
                 if (walls.place[a] == kNoWallNode || walls.place[b] == kNoWallNode) continue;
@@ -152,7 +152,7 @@ void look_at_fans(const Mesh& mesh, int threads, Walls& walls) {
     const auto visit = [&](const auto& found) {
         for (std::size_t f = 0; f < facets.size(); ++f) {
             if (walls.role[f] == FacetRole::kAway || walls.role[f] == FacetRole::kInner) continue;
-            for (const NodeId node : FacetNodes(facets, f)) {
+            for (const NodeId node : facets.facet(f)) {
                 if (walls.place[node] != kNoWallNode) found(walls.place[node], f);
             }
         }
@@ -164,7 +164,7 @@ void look_at_fans(const Mesh& mesh, int threads, Walls& walls) {
             // Of each facet the two neighbours of the node; chained by common ones, all must be one ring.
             open.clear();
             for (const std::uint32_t f : at[i]) {
-                const FacetNodes node(facets, f);
+                const FacetNodes node = facets.facet(f);
                 const auto k = static_cast<std::size_t>(std::find(node.begin(), node.end(), walls.nodes[i]) -
                                                         node.begin());
                 open.push_back({node.before(k), node.after(k)});

@@ -14,22 +14,6 @@ namespace mortise::layers {
 /// What a thread takes at a time, of elements and facets, and of nodes.
 inline constexpr std::size_t kElementChunk = 8192, kNodeChunk = 4096;
 
-/// The nodes of a facet of a mesh, three or four.
-struct FacetNodes {
-    const NodeId* first;
-    std::size_t count;
-
-    FacetNodes(const FacetBlock& facets, std::size_t facet)
-        : first(facets.nodes.data() + 4 * facet), count(first[2] == first[3] ? 3 : 4) {}
-    const NodeId* begin() const { return first; }
-    const NodeId* end() const { return first + count; }
-    std::size_t size() const { return count; }
-    NodeId operator[](std::size_t k) const { return first[k]; }
-    /// The one after the k-th, round about.
-    NodeId after(std::size_t k) const { return first[(k + 1) % count]; }
-    NodeId before(std::size_t k) const { return first[(k + count - 1) % count]; }
-};
-
 /// A facet that gets layers, counter-clockwise seen from beyond the wall; a triangle repeats its last node.
 struct WallFacet {
     std::array<NodeId, 4> node{};

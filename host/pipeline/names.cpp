@@ -11,18 +11,17 @@ namespace {
 
 constexpr std::size_t kFacetChunk = 4096;
 
-Vec3 middle_of(const Mesh& mesh, std::size_t facet) {
-    const NodeId* const node = mesh.facets.nodes.data() + 4 * facet;
-    const std::size_t count = node[2] == node[3] ? 3 : 4;
+}  // namespace
+
+Vec3 facet_middle(const Mesh& mesh, std::size_t facet) {
+    const FacetNodes nodes = mesh.facets.facet(facet);
     Vec3 middle{};
-    for (std::size_t k = 0; k < count; ++k) {
-        const double* const p = mesh.points.data() + 3 * std::size_t{node[k]};
-        for (std::size_t j = 0; j < 3; ++j) middle[j] += p[j] / static_cast<double>(count);
+    for (const NodeId node : nodes) {
+        const double* const p = mesh.points.data() + 3 * std::size_t{node};
+        for (std::size_t j = 0; j < 3; ++j) middle[j] += p[j] / static_cast<double>(nodes.size());
     }
     return middle;
 }
-
-}  // namespace
 
 void name_surfaces(const tape::CompiledModel& compiled, const tape::BoundModel& model, int threads,
                    Mesh& mesh) {
@@ -31,7 +30,7 @@ void name_surfaces(const tape::CompiledModel& compiled, const tape::BoundModel& 
     parallel_chunks(surface.size(), kFacetChunk, threads, [&](std::size_t begin, std::size_t end, int) {
         for (std::size_t f = begin; f < end; ++f) {
             // Only where several solids have a surface does the place tell.
-            const Vec3 middle = model.namesakes.empty() ? Vec3{} : middle_of(mesh, f);
+            const Vec3 middle = model.namesakes.empty() ? Vec3{} : facet_middle(mesh, f);
             surface[f] = names.name(surface[f], mesh.facets.inside[f], middle);
         }
     });

@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "host/pipeline/message_text.hpp"
+#include "host/pipeline/names.hpp"
 #include "host/tape/reference.hpp"
 
 namespace mortise::pipeline {
@@ -93,17 +94,6 @@ class Matcher {
     }
 
     const std::vector<NodeId>& partners() const { return partner_; }
-
-    Vec3 centre(std::uint32_t facet) const {
-        const NodeId* node = mesh_.facets.nodes.data() + 4 * std::size_t{facet};
-        const std::size_t count = node[2] == node[3] ? 3 : 4;
-        Vec3 sum{};
-        for (std::size_t k = 0; k < count; ++k) {
-            for (std::size_t j = 0; j < 3; ++j)
-                sum[j] += mesh_.points[3 * std::size_t{node[k]} + j] / static_cast<double>(count);
-        }
-        return sum;
-    }
 
     /// Region at the inner side of a plane at this place.
     std::int32_t region_inside(Vec3 x, std::size_t side) const {
@@ -268,9 +258,9 @@ std::vector<NodeId> match_planes(const std::vector<PeriodicAxis>& axes, const Mo
         const std::string text = start_of(model, model.periodic[axis.pair]) +
                                  std::to_string(unmatched.size()) +
                                  " facets have no image on the other plane";
-        std::string reason = "; the first is at " + place_text(matcher.centre(unmatched[0].facet));
+        std::string reason = "; the first is at " + place_text(facet_middle(mesh, unmatched[0].facet));
         for (const Matcher::Unmatched& u : unmatched) {
-            const Vec3 x = matcher.centre(u.facet);
+            const Vec3 x = facet_middle(mesh, u.facet);
             const std::int32_t here = matcher.region_inside(x, u.side);
             const std::int32_t there = matcher.region_inside(x, 1 - u.side);
             if (here == there) continue;

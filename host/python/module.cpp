@@ -318,7 +318,7 @@ void bind_meshes(py::module_& module) {
                 const py::gil_scoped_release release;
                 write_mesh(m.mesh, name, m.report.scaled_jacobians, options);
             },
-            "Writes .vtu, .msh or a folder polyMesh.", py::arg("path"), py::arg("compress") = true)
+            "Writes .vtu, .msh, .inp or a folder polyMesh.", py::arg("path"), py::arg("compress") = true)
         .def(
             "write_features",
             [](const ReportedMesh& m, const py::object& path) {

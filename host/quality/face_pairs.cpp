@@ -101,7 +101,7 @@ FaceSum sum_one_by_one(ElementType type, const NodeId* nodes, std::size_t count)
     for (const NodeId* element = nodes; element != nodes + per_element * count; element += per_element) {
         for (int f = 0; f < faces.count; ++f) {
             const LocalFace& face = faces.faces[f];
-            const int corners = face[3] < 0 ? 3 : 4;
+            const int corners = static_cast<int>(corner_count(face));
             NodeId node[4];
             for (int k = 0; k < corners; ++k) node[k] = element[face[static_cast<std::size_t>(k)]];
             sum += signed_hash(node, corners);
@@ -223,8 +223,8 @@ FaceSum sum_of_outer_facets(const FacetBlock& facets, int threads) {
         FaceSum sum;
         for (std::size_t i = begin; i < end; ++i) {
             if (facets.outside[i] != 0) continue;
-            const NodeId* node = facets.nodes.data() + 4 * i;
-            sum += signed_hash(node, node[2] == node[3] ? 3 : 4);
+            const FacetNodes node = facets.facet(i);
+            sum += signed_hash(node.begin(), static_cast<int>(node.size()));
         }
         return sum;
     });

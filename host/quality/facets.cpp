@@ -147,7 +147,7 @@ class FacetMatcher {
                                     const NodeId* nodes = element_nodes({type, i});
                                     for (int f = 0; f < faces.count; ++f) {
                                         const LocalFace& face = faces.faces[f];
-                                        const int count = face[3] < 0 ? 3 : 4;
+                                        const int count = static_cast<int>(corner_count(face));
                                         NodeId facet[4];
                                         for (int k = 0; k < count; ++k)
                                             facet[k] = nodes[face[static_cast<std::size_t>(k)]];
@@ -175,9 +175,9 @@ class FacetMatcher {
             }
         }
         for (std::size_t i = 0; i < mesh_.facets.size(); ++i) {
-            const NodeId* nodes = mesh_.facets.nodes.data() + 4 * i;
+            const FacetNodes nodes = mesh_.facets.facet(i);
             Entry entry;
-            const NodeId smallest = make_entry(nodes, nodes[2] == nodes[3] ? 3 : 4, entry);
+            const NodeId smallest = make_entry(nodes.begin(), static_cast<int>(nodes.size()), entry);
             entry.owner = static_cast<std::uint32_t>(i);
             entry.face = 0;
             entry.listed = true;

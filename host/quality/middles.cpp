@@ -63,13 +63,11 @@ class Ends {
     void check_facets(DefectLog& log) const {
         const FacetBlock& facets = mesh_.facets;
         for (std::size_t f = 0; f < facets.size(); ++f) {
-            const NodeId* const node = facets.nodes.data() + 4 * f;
-            const std::size_t count = node[2] == node[3] ? 3 : 4;
-            for (std::size_t k = 0; k < count; ++k) {
-                if (of_node_[facets.middles[4 * f + k]] == edge_ends(node[k], node[(k + 1) % count]))
-                    continue;
+            const FacetNodes node = facets.facet(f);
+            for (std::size_t k = 0; k < node.size(); ++k) {
+                if (of_node_[facets.middles[4 * f + k]] == edge_ends(node[k], node.after(k))) continue;
                 log.add(DefectKind::kListedMiddle,
-                        [&] { return facet_text(mesh_, node, static_cast<int>(count)); });
+                        [&] { return facet_text(mesh_, node.begin(), static_cast<int>(node.size())); });
                 break;
             }
         }

@@ -34,10 +34,9 @@ class Components {
         };
         std::vector<Edge> edges;
         for (std::size_t f = 0; f < sets_.size(); ++f) {
-            const NodeId* n = mesh_.facets.nodes.data() + 4 * f;
-            const int count = n[2] == n[3] ? 3 : 4;
-            for (int k = 0; k < count; ++k) {
-                const NodeId a = n[k], b = n[(k + 1) % count];
+            const FacetNodes n = mesh_.facets.facet(f);
+            for (std::size_t k = 0; k < n.size(); ++k) {
+                const NodeId a = n[k], b = n.after(k);
                 edges.push_back({std::min(a, b), std::max(a, b), static_cast<std::uint32_t>(f)});
             }
         }

@@ -120,16 +120,15 @@ class Gatherer {
     void add_facets() {
         const FacetBlock& facets = mesh_.facets;
         for (std::size_t i = 0; i < facets.size(); ++i) {
-            const NodeId* const node = facets.nodes.data() + 4 * i;
-            const bool is_triangle = node[2] == node[3];
-            for (std::size_t k = 0; k < (is_triangle ? 3u : 4u); ++k) {
-                if (!movable_.holds(node[k])) continue;
-                std::uint32_t& surface = surface_[place(node[k])];
+            const FacetNodes nodes = facets.facet(i);
+            for (const NodeId node : nodes) {
+                if (!movable_.holds(node)) continue;
+                std::uint32_t& surface = surface_[place(node)];
                 const bool is_held = options_.held != nullptr && (*options_.held)[facets.surface[i]] != 0;
                 surface = !is_held && (surface == kFreeNode || surface == facets.surface[i])
                               ? facets.surface[i]
                               : kStays;
-                incidences_.push_back({place(node[k]), is_triangle ? kStarTriangle : kStarQuadrilateral,
+                incidences_.push_back({place(node), nodes.size() == 3 ? kStarTriangle : kStarQuadrilateral,
                                        static_cast<std::uint32_t>(i)});
             }
         }

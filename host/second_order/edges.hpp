@@ -36,11 +36,10 @@ class Edges {
 /// triangle comes twice.
 template <class Visit>
 void for_sides(const FacetBlock& facets, std::size_t facet, const Visit& visit) {
-    const NodeId* const node = facets.nodes.data() + 4 * facet;
-    const std::size_t corners = node[2] == node[3] ? 3 : 4;
+    const FacetNodes node = facets.facet(facet);
     for (std::size_t k = 0; k < 4; ++k) {
-        const std::size_t side = std::min(k, corners - 1);
-        visit(k, node[side], node[(side + 1) % corners]);
+        const std::size_t side = std::min(k, node.size() - 1);
+        visit(k, node[side], node.after(side));
     }
 }
 

@@ -109,7 +109,7 @@ class Candidates {
         for (int f = 0; f < faces.count; ++f) {
             const LocalFace& face = faces.faces[f];
             std::uint8_t at[4];
-            const std::size_t size = face[3] < 0 ? 3 : 4;
+            const std::size_t size = corner_count(face);
             for (std::size_t i = 0; i < size; ++i)
                 at[i] = candidate.element.node[static_cast<std::size_t>(face[i])];
             candidate.sides.push_back(side_of(at, size));

@@ -72,7 +72,7 @@ ConeTable make_table(ElementType type) {
             const LocalFace& face = faces.faces[f];
             if (std::find(face.begin(), face.end(), apex) != face.end()) continue;
             FaceRow& out = table.faces[row][table.count[row]++];
-            out.count = face[3] < 0 ? 3 : 4;
+            out.count = corner_count(face);
             for (std::size_t k = 0; k < out.count; ++k) out.node[k] = static_cast<std::uint8_t>(face[k]);
             table.pieces[row] = static_cast<std::uint8_t>(table.pieces[row] + out.count - 2);
         }
@@ -236,8 +236,8 @@ FacetBlock split_facets(const FacetBlock& facets, const Order& order, int thread
     parallel_chunks(facets.size(), kChunk, threads, [&](std::size_t begin, std::size_t end, int) {
         FacetBlock& out = parts[begin / kChunk];
         for (std::size_t i = begin; i < end; ++i) {
-            const NodeId* const node = facets.nodes.data() + 4 * i;
-            const std::size_t count = node[3] == node[2] ? 3 : 4;
+            const FacetNodes node = facets.facet(i);
+            const std::size_t count = node.size();
             std::array<std::uint64_t, 4> key{};
             for (std::size_t k = 0; k < 4; ++k) key[k] = order.key(node[k]);
             const std::size_t low = count == 4 ? lowest(key.data(), 4) : 0;

@@ -19,11 +19,12 @@ struct MeshFileOptions {
 };
 
 /// Writes a mesh; the format follows from the extension, in any case of letters: .vtu (VTK XML, appended),
-/// .msh (Gmsh 4.1, binary), or from the name polyMesh: OpenFOAM's folder, a patch for each surface of the
-/// outer boundary and a cell zone for each region. Written to a temporary name beside `path` and renamed at
-/// the end, so a file of that name is always whole. Hanging nodes: not in .msh; second order: not in
-/// polyMesh. Throws Error(kUsage) for an unknown extension and for these, Error(kMeshing) for arrays whose
-/// lengths or indices do not fit, Error(kFiles) with the cause.
+/// .msh (Gmsh 4.1, binary), .inp (input deck of Abaqus and CalculiX), or from the name polyMesh: OpenFOAM's
+/// folder, a patch for each surface of the outer boundary and a cell zone for each region. Written to a
+/// temporary name beside `path` and renamed at the end, so a file of that name is always whole. Hanging
+/// nodes: not in .msh and .inp; second order: not in polyMesh, nor in .inp with pyramids. Throws
+/// Error(kUsage) for an unknown extension and for these, Error(kMeshing) for arrays whose lengths or indices
+/// do not fit, Error(kFiles) with the cause.
 ///
 /// `jacobians`: what scaled_jacobians(mesh) gives (mortise/check.hpp), if it is known already.
 void write_mesh(const Mesh& mesh, const std::string& path, const std::vector<float>& jacobians = {},
@@ -50,8 +51,15 @@ class MeshFileStream : public MeshSink {
 /// Whether write_mesh makes a folder of that name: its last part is polyMesh.
 bool is_mesh_folder(const std::string& path);
 
+/// What a mesh has that not every format can hold.
+struct MeshTraits {
+    bool hanging_nodes = false;
+    bool second_order = false;
+    bool pyramids = false;
+};
+
 /// Throws Error(kUsage) if the format that the name tells is unknown, or cannot hold what the mesh has.
-void check_mesh_format(const std::string& path, bool hanging, bool second_order = false);
+void check_mesh_format(const std::string& path, const MeshTraits& mesh);
 
 /// Throws what write_mesh(mesh, path) would throw for the name alone: unknown extension, missing or
 /// unwritable folder. Called before the work starts.

@@ -42,6 +42,20 @@ struct ElementBlock {
     std::size_t size() const { return region.size(); }
 };
 
+/// The nodes of a facet, three or four, as they stand in the mesh.
+struct FacetNodes {
+    const NodeId* first;
+    std::size_t count;
+
+    const NodeId* begin() const { return first; }
+    const NodeId* end() const { return first + count; }
+    std::size_t size() const { return count; }
+    NodeId operator[](std::size_t k) const { return first[k]; }
+    /// The one after the k-th, round about.
+    NodeId after(std::size_t k) const { return first[k + 1 == count ? 0 : k + 1]; }
+    NodeId before(std::size_t k) const { return first[k == 0 ? count - 1 : k - 1]; }
+};
+
 /// Boundary and interface facets: three or four nodes each.
 ///
 /// A facet is listed once. Seen from `outside`, its nodes run counter-clockwise, that is, the normal by
@@ -55,6 +69,11 @@ struct FacetBlock {
     /// triangle repeats its last one. First order: empty.
     std::vector<NodeId> middles;
     std::size_t size() const { return surface.size(); }
+    /// Valid until `nodes` changes.
+    FacetNodes facet(std::size_t i) const {
+        const NodeId* const first = nodes.data() + 4 * i;
+        return {first, first[2] == first[3] ? std::size_t{3} : std::size_t{4}};
+    }
 };
 
 /// Nodes in the middles of edges and faces of larger hexahedra (MeshOptions::hanging): a field that is
@@ -122,6 +141,8 @@ inline constexpr std::array<LocalFace, 5> kPyramidFaces = {
     {{0, 3, 2, 1}, {0, 1, 4, -1}, {1, 2, 4, -1}, {2, 3, 4, -1}, {3, 0, 4, -1}}};
 inline constexpr std::array<LocalFace, 4> kTetrahedronFaces = {
     {{0, 2, 1, -1}, {0, 1, 3, -1}, {1, 2, 3, -1}, {2, 0, 3, -1}}};
+
+inline constexpr std::size_t corner_count(const LocalFace& face) { return face[3] < 0 ? 3 : 4; }
 
 /// Local edges of each element type, in VTK's order of the nodes in their middles (but for its wedge).
 using LocalEdge = std::array<int, 2>;

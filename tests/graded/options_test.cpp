@@ -44,7 +44,7 @@ double longest_edge_near(const Mesh& mesh, const Vec3& at, double reach) {
             const LocalFaces faces = local_faces(type);
             for (int f = 0; f < faces.count; ++f) {
                 const LocalFace& face = faces.faces[f];
-                const std::size_t corners = face[3] < 0 ? 3 : 4;
+                const std::size_t corners = corner_count(face);
                 for (std::size_t k = 0; k < corners; ++k) {
                     const auto a = static_cast<std::size_t>(face[k]);
                     const auto b = static_cast<std::size_t>(face[(k + 1) % corners]);

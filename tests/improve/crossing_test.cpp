@@ -168,11 +168,10 @@ TEST_CASE("facets stay near a torus that is two cells wide") {
         if (name.find("cube") == 0) continue;
         // Seen from the torus: its axis is x.
         double x[3] = {0, 0, 0};
-        const NodeId* n = m.mesh.facets.nodes.data() + 4 * f;
-        const std::size_t count = n[3] == n[2] ? 3 : 4;
-        for (std::size_t k = 0; k < count; ++k) {
+        const FacetNodes nodes = m.mesh.facets.facet(f);
+        for (const NodeId node : nodes) {
             for (std::size_t j = 0; j < 3; ++j)
-                x[j] += m.mesh.points[3 * n[k] + j] / static_cast<double>(count);
+                x[j] += m.mesh.points[3 * std::size_t{node} + j] / static_cast<double>(nodes.size());
         }
         const double around = std::hypot(x[1] + 1, x[2] - 2) - 5;
         worst = std::max(worst, std::fabs(std::hypot(around, x[0] - 15) - 3));

@@ -158,7 +158,7 @@ FacetBlock facets_of(ElementType type, const std::vector<NodeId>& nodes, std::mt
     for (std::size_t i = 0; i < nodes.size(); i += each) {
         for (int f = 0; f < faces.count; ++f) {
             const LocalFace& face = faces.faces[f];
-            const std::size_t count = face[3] < 0 ? 3 : 4;
+            const std::size_t count = corner_count(face);
             const auto turn = random() % count;
             for (std::size_t k = 0; k < 4; ++k) {
                 const std::size_t at = (std::min(k, count - 1) + turn) % count;

@@ -155,11 +155,10 @@ inline Mesh with_middles(Mesh mesh) {
         }
     }
     for (std::size_t f = 0; f < mesh.facets.size(); ++f) {
-        const NodeId* const node = mesh.facets.nodes.data() + 4 * f;
-        const std::size_t count = node[2] == node[3] ? 3 : 4;
-        for (std::size_t k = 0; k < count; ++k)
-            mesh.facets.middles.push_back(middle(node[k], node[(k + 1) % count]));
-        if (count == 3) mesh.facets.middles.push_back(mesh.facets.middles.back());
+        const FacetNodes node = mesh.facets.facet(f);
+        for (std::size_t k = 0; k < node.size(); ++k)
+            mesh.facets.middles.push_back(middle(node[k], node.after(k)));
+        if (node.size() == 3) mesh.facets.middles.push_back(mesh.facets.middles.back());
     }
     mesh.model_dimension.clear();
     return mesh;

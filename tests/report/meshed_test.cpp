@@ -152,12 +152,11 @@ TEST_CASE("distances of the ball's mesh are those of its radius") {
     const Assessed sphere = assess(one_solid([](Model& m) { return add_ball(m, {0, 0, 0}, 1); }), 5);
     double largest = 0;
     for (std::size_t f = 0; f < sphere.mesh.facets.size(); ++f) {
-        const NodeId* n = sphere.mesh.facets.nodes.data() + 4 * f;
-        const int count = n[2] == n[3] ? 3 : 4;
+        const FacetNodes nodes = sphere.mesh.facets.facet(f);
         double mean[3] = {0, 0, 0};
-        for (int k = 0; k < count; ++k) {
+        for (const NodeId node : nodes) {
             for (std::size_t j = 0; j < 3; ++j)
-                mean[j] += sphere.mesh.points[3 * std::size_t{n[k]} + j] / count;
+                mean[j] += sphere.mesh.points[3 * std::size_t{node} + j] / static_cast<double>(nodes.size());
         }
         largest = std::max(largest, std::fabs(1 - std::hypot(mean[0], mean[1], mean[2])));
     }
