@@ -177,6 +177,11 @@ void read_mesh_words(const Words& words, Arguments& arguments) {
     options.snap = !words.no_snap;
     options.improve = !words.no_improve;
     arguments.file_options.compress = !words.no_compress;
+    if (!words.scale.empty()) {
+        arguments.file_options.scale = parse_length("--scale", words.scale);
+        if (!(arguments.file_options.scale >= kLeastScale && arguments.file_options.scale <= kMostScale))
+            refuse("--scale '" + words.scale + "': expected 1e-12 to 1e12");
+    }
     if (!words.smooth.empty()) options.smooth = parse_integer("--smooth", words.smooth, 0, kMostSmooth);
     if (!words.min_angle.empty()) {
         options.min_angle = parse_number("--min-angle", words.min_angle);

@@ -157,8 +157,9 @@ Json mesh_one(Mesher& mesher, const Arguments& arguments, const MeshOptions& opt
         document["warnings"] = report.warnings;
         if (arguments.check) refuse_defects(check_mesh(mesh, options.threads));
         make_folder_of(item);
-        write_mesh(mesh, item.output, report.scaled_jacobians,
-                   {arguments.file_options.compress, options.threads, {}});
+        MeshFileOptions file_options = arguments.file_options;
+        file_options.threads = options.threads;
+        write_mesh(mesh, item.output, report.scaled_jacobians, file_options);
         if (arguments.json) document.update(mesh_document(report, figures));
         document["outputs"] = Json::array({item.output});
         outcome["line"] = item.model + ": " + std::to_string(mesh.element_count()) + " elements, " +

@@ -164,7 +164,7 @@ Outcome mesh_whole(const Arguments& arguments, const Model& model, const MeshOpt
     });
     if (!arguments.features.empty()) {
         timed("write features", stages, report.features.curves.size(),
-              [&] { write_features(mesh, report.features, arguments.features); });
+              [&] { write_features(mesh, report.features, arguments.features, file_options); });
     }
     if (!arguments.picture.empty()) {
         timed("picture", stages, mesh.facets.size(),

@@ -127,7 +127,8 @@ void add_element_options(CLI::App& app, Arguments& arguments, Words& words) {
     app.add_option("--merge", words.merge,
                    "instead of slivers, nodes may merge within X cells, or move 3 X (0.05)")
         ->option_text("X");
-    app.add_flag("--no-improve", words.no_improve, "leave elements as templates and certificate make them");
+    app.add_flag("--no-improve", words.no_improve, "leave elements as templates and certificate make them")
+        ->group("");  // for developers
     // For developers; docs/options.md has them.
     app.add_flag("--no-snap", words.no_snap, "do not move grid vertices onto the surface")->group("");
     app.add_flag("--no-templates", words.no_templates, "mesh simple surface cells like complex ones")
@@ -150,6 +151,7 @@ void add_device_options(CLI::App& app, Arguments& arguments, Words& words) {
 void add_file_options(CLI::App& app, Words& words) {
     app.add_flag("--no-compress", words.no_compress,
                  "plain arrays in .vtu: written faster, 4 times as large");
+    app.add_option("--scale", words.scale, "coordinates in files times X: 0.001, mm to m")->option_text("X");
 }
 
 void add_output_options(CLI::App& app, Arguments& arguments, Words& words) {

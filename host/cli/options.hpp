@@ -22,6 +22,7 @@ struct Words {
     bool hanging = false;
     bool no_improve = false;
     bool no_compress = false;
+    std::string scale;
     std::string smooth, min_angle, merge;
     std::string layers, first_layer, layer_growth, cut;
 };

@@ -9,6 +9,7 @@
 #include <set>
 #include <string>
 
+#include "host/io/coordinates.hpp"
 #include "host/io/facet_groups.hpp"
 #include "host/io/foam_folder.hpp"
 #include "host/io/formats.hpp"
@@ -62,12 +63,13 @@ std::string foam_word(const std::string& name, std::set<std::string>& taken) {
     return unique_name(word, taken);
 }
 
-void write_points(const Mesh& mesh, FoamFolder& folder) {
+void write_points(const Mesh& mesh, double scale, FoamFolder& folder) {
+    const Coordinates points(mesh.points, scale);
     FoamFile file(folder, "points", "vectorField");
     file.list(mesh.node_count(), [&](std::size_t i) {
         for (std::size_t j = 0; j < 3; ++j) {
             file.text(j == 0 ? "(" : " ");
-            file.number(mesh.points[3 * i + j]);
+            file.number(points[3 * i + j]);
         }
         file.text(")");
     });
@@ -133,7 +135,7 @@ void write_zones(const Mesh& mesh, FoamFolder& folder) {
 void write_foam(const Mesh& mesh, const std::string& path, const MeshFileOptions& options) {
     const PolyhedralFaces faces(mesh, options.threads);
     FoamFolder folder(path);
-    write_points(mesh, folder);
+    write_points(mesh, options.scale, folder);
     write_faces(faces, folder);
     write_cells(mesh, faces, folder);
     write_zones(mesh, folder);

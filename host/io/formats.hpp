@@ -16,14 +16,15 @@ inline Packing packing_of(const MeshFileOptions& options) {
 }
 
 /// `jacobians`: scaled_jacobians(mesh), or empty: they are computed.
-void write_vtu(const Mesh& mesh, const std::vector<float>& jacobians, Packing packing, TemporaryFile& file);
+void write_vtu(const Mesh& mesh, const std::vector<float>& jacobians, const MeshFileOptions& options,
+               TemporaryFile& file);
 Mesh read_vtu(const FileReader& file);
 
-void write_msh(const Mesh& mesh, TemporaryFile& file);
+void write_msh(const Mesh& mesh, const MeshFileOptions& options, TemporaryFile& file);
 Mesh read_msh(const FileReader& file);
 
 /// Throws Error(kMeshing) if a facet is no face of an element.
-void write_inp(const Mesh& mesh, int threads, TemporaryFile& file);
+void write_inp(const Mesh& mesh, const MeshFileOptions& options, TemporaryFile& file);
 
 /// Writes a folder; MeshFileOptions::compress is not for it.
 void write_foam(const Mesh& mesh, const std::string& path, const MeshFileOptions& options);

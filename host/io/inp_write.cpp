@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "host/common/parallel.hpp"
+#include "host/io/coordinates.hpp"
 #include "host/io/element_table.hpp"
 #include "host/io/facet_groups.hpp"
 #include "host/io/facet_sides.hpp"
@@ -113,8 +114,12 @@ std::string quoted(const std::string& name) {
 
 class InpWriter {
   public:
-    InpWriter(const Mesh& mesh, int threads, TemporaryFile& file)
-        : mesh_(mesh), threads_(threads), file_(file), second_order_(mesh.is_second_order()) {}
+    InpWriter(const Mesh& mesh, const MeshFileOptions& options, TemporaryFile& file)
+        : mesh_(mesh),
+          points_(mesh.points, options.scale),
+          threads_(options.threads),
+          file_(file),
+          second_order_(mesh.is_second_order()) {}
 
     void write() {
         file_.write("** Made by Mortise: " + std::to_string(mesh_.node_count()) + " nodes, " +
@@ -146,7 +151,7 @@ class InpWriter {
             add_number(text, i + 1);
             for (std::size_t j = 0; j < 3; ++j) {
                 text += ", ";
-                add_coordinate(text, mesh_.points[3 * i + j]);
+                add_coordinate(text, points_[3 * i + j]);
             }
             text += "\n";
         });
@@ -250,6 +255,7 @@ class InpWriter {
     }
 
     const Mesh& mesh_;
+    const Coordinates points_;
     const int threads_;
     TemporaryFile& file_;
     const bool second_order_;
@@ -258,6 +264,8 @@ class InpWriter {
 
 }  // namespace
 
-void write_inp(const Mesh& mesh, int threads, TemporaryFile& file) { InpWriter(mesh, threads, file).write(); }
+void write_inp(const Mesh& mesh, const MeshFileOptions& options, TemporaryFile& file) {
+    InpWriter(mesh, options, file).write();
+}
 
 }  // namespace mortise::io

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "host/common/lower_case.hpp"
+#include "host/io/coordinates.hpp"
 #include "host/io/element_table.hpp"
 #include "host/io/formats.hpp"
 #include "mortise/error.hpp"
@@ -100,11 +101,12 @@ void write_mesh(const Mesh& mesh, const std::string& path, const std::vector<flo
     if (!error.empty())
         throw Error(ExitCode::kMeshing,
                     "cannot write '" + path + "': invalid mesh: " + error + "; see check_mesh");
+    io::check_scale(options.scale, path);
     if (format == Format::kFoam) return io::write_foam(mesh, path, options);
     io::TemporaryFile file(path);
-    if (format == Format::kVtu) io::write_vtu(mesh, jacobians, io::packing_of(options), file);
-    if (format == Format::kMsh) io::write_msh(mesh, file);
-    if (format == Format::kInp) io::write_inp(mesh, options.threads, file);
+    if (format == Format::kVtu) io::write_vtu(mesh, jacobians, options, file);
+    if (format == Format::kMsh) io::write_msh(mesh, options, file);
+    if (format == Format::kInp) io::write_inp(mesh, options, file);
     file.commit();
 }
 

@@ -5,6 +5,7 @@
 
 #include "host/common/lower_case.hpp"
 #include "host/io/block_spool.hpp"
+#include "host/io/coordinates.hpp"
 #include "host/io/element_table.hpp"
 #include "host/io/formats.hpp"
 #include "host/io/vtu_layout.hpp"
@@ -30,7 +31,8 @@ io::ArrayWriter joined(SpooledArray& array) {
 }  // namespace
 
 struct MeshFileStream::Implementation {
-    Implementation(const std::string& path, io::Packing pack) : name(path), spool(path), packing(pack) {
+    Implementation(const std::string& path, const MeshFileOptions& options)
+        : name(path), spool(path), packing(io::packing_of(options)), scale(options.scale) {
         file.emplace(path);
     }
 
@@ -95,6 +97,7 @@ struct MeshFileStream::Implementation {
     std::optional<io::TemporaryFile> file;
     io::Spool spool;
     io::Packing packing;
+    double scale;
     MeshTotals totals, added;
     Mesh outline;
     std::optional<Arrays> arrays;
@@ -102,13 +105,14 @@ struct MeshFileStream::Implementation {
 
 MeshFileStream::MeshFileStream(const std::string& path, const MeshFileOptions& options) {
     check_writable(path);
+    io::check_scale(options.scale, path);
     constexpr const char* kExtension = ".vtu";
     const std::size_t length = std::string(kExtension).size();
     if (path.size() < length || lower_case(path.substr(path.size() - length)) != kExtension) {
         throw Error(ExitCode::kUsage,
                     "'" + path + "': a mesh in parts (--memory) can be written as .vtu only");
     }
-    implementation_ = std::make_unique<Implementation>(path, io::packing_of(options));
+    implementation_ = std::make_unique<Implementation>(path, options);
 }
 
 MeshFileStream::~MeshFileStream() = default;
@@ -126,7 +130,8 @@ void MeshFileStream::add(const Mesh& part, const std::vector<float>& scaled_jaco
     implementation_->count(part, scaled_jacobians);
     Implementation::Arrays& arrays = *implementation_->arrays;
     const bool is_wide = io::index_bytes(implementation_->totals, false) == sizeof(std::int64_t);
-    arrays.points.add(0, part.points.size() * sizeof(double), io::memory_source(part.points.data()));
+    arrays.points.add(0, part.points.size() * sizeof(double),
+                      io::Coordinates(part.points, implementation_->scale).source());
     arrays.model_dimension.add(0, part.model_dimension.size(),
                                io::memory_source(part.model_dimension.data()));
     const float* jacobian = scaled_jacobians.data();

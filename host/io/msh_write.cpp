@@ -18,6 +18,8 @@
 #include <utility>
 #include <vector>
 
+#include "host/common/vec3.hpp"
+#include "host/io/coordinates.hpp"
 #include "host/io/element_table.hpp"
 #include "host/io/facet_groups.hpp"
 #include "host/io/formats.hpp"
@@ -38,8 +40,8 @@ struct Box {
     double low[3] = {0, 0, 0};
     double high[3] = {0, 0, 0};
     bool empty = true;
-    void add(const double* p) {
-        for (int axis = 0; axis < 3; ++axis) {
+    void add(const Vec3& p) {
+        for (std::size_t axis = 0; axis < 3; ++axis) {
             low[axis] = empty ? p[axis] : std::min(low[axis], p[axis]);
             high[axis] = empty ? p[axis] : std::max(high[axis], p[axis]);
         }
@@ -49,8 +51,11 @@ struct Box {
 
 class MshWriter {
   public:
-    MshWriter(const Mesh& mesh, TemporaryFile& file)
-        : mesh_(mesh), file_(file), second_order_(mesh.is_second_order()) {}
+    MshWriter(const Mesh& mesh, const MeshFileOptions& options, TemporaryFile& file)
+        : mesh_(mesh),
+          points_(mesh.points, options.scale),
+          file_(file),
+          second_order_(mesh.is_second_order()) {}
 
     void write() {
         group_facets();
@@ -128,8 +133,9 @@ class MshWriter {
         file_.write(bounding.data(), bounding.size() * sizeof(int));
     }
 
-    const double* point(NodeId node) const {
-        return mesh_.points.data() + 3 * static_cast<std::size_t>(node);
+    Vec3 point(NodeId node) const {
+        const std::size_t first = 3 * std::size_t{node};
+        return {points_[first], points_[first + 1], points_[first + 2]};
     }
 
     void write_entities() {
@@ -174,7 +180,7 @@ class MshWriter {
             file_.put<int>(0);  // no parameters
             file_.put(count);
             for (std::uint64_t tag = 1; tag <= count; ++tag) file_.put(tag);
-            file_.write(mesh_.points.data(), mesh_.points.size() * sizeof(double));
+            points_.write(file_);
         }
         file_.write("\n$EndNodes\n");
     }
@@ -268,6 +274,7 @@ class MshWriter {
     }
 
     const Mesh& mesh_;
+    const Coordinates points_;
     TemporaryFile& file_;
     const bool second_order_;
     std::vector<FacetGroup> groups_;  ///< surface entity i + 1
@@ -276,6 +283,8 @@ class MshWriter {
 
 }  // namespace
 
-void write_msh(const Mesh& mesh, TemporaryFile& file) { MshWriter(mesh, file).write(); }
+void write_msh(const Mesh& mesh, const MeshFileOptions& options, TemporaryFile& file) {
+    MshWriter(mesh, options, file).write();
+}
 
 }  // namespace mortise::io

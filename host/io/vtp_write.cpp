@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "host/io/coordinates.hpp"
 #include "host/io/vtk_xml.hpp"
 #include "mortise/error.hpp"
 #include "mortise/io.hpp"
@@ -30,22 +31,23 @@ struct FeatureArrays {
     std::vector<std::int64_t> corner_surface_ends;
 };
 
-void add_points(const Mesh& mesh, const Features& features, FeatureArrays& out) {
+void add_points(const Mesh& mesh, const Features& features, double scale, FeatureArrays& out) {
     for (const FeatureCorner& corner : features.corners) out.node.push_back(corner.node);
     for (const FeatureCurve& curve : features.curves) {
         out.node.insert(out.node.end(), curve.nodes.begin(), curve.nodes.end());
     }
     std::sort(out.node.begin(), out.node.end());
     out.node.erase(std::unique(out.node.begin(), out.node.end()), out.node.end());
+    const io::Coordinates points(mesh.points, scale);
     for (const std::int64_t node : out.node) {
-        const double* p = mesh.points.data() + 3 * static_cast<std::size_t>(node);
-        out.points.insert(out.points.end(), p, p + 3);
+        for (std::size_t j = 0; j < 3; ++j)
+            out.points.push_back(points[3 * static_cast<std::size_t>(node) + j]);
     }
 }
 
-FeatureArrays arrays_of(const Mesh& mesh, const Features& features) {
+FeatureArrays arrays_of(const Mesh& mesh, const Features& features, double scale) {
     FeatureArrays out;
-    add_points(mesh, features, out);
+    add_points(mesh, features, scale, out);
     const auto place = [&out](NodeId node) {
         return std::lower_bound(out.node.begin(), out.node.end(), std::int64_t{node}) - out.node.begin();
     };
@@ -74,7 +76,7 @@ FeatureArrays arrays_of(const Mesh& mesh, const Features& features) {
         out.curve.push_back(static_cast<std::int32_t>(out.curve_names.size()));
         out.surface_a.push_back(static_cast<std::int32_t>(curve.surfaces[0]));
         out.surface_b.push_back(static_cast<std::int32_t>(curve.surfaces[1]));
-        out.length.push_back(curve.length);
+        out.length.push_back(curve.length * scale);
         out.model_angle.push_back(curve.model_angle);
         out.curve_names.push_back(curve.name);
     }
@@ -116,11 +118,13 @@ std::string find_range_error(const Mesh& mesh, const Features& features) {
 
 }  // namespace
 
-void write_features(const Mesh& mesh, const Features& features, const std::string& path) {
+void write_features(const Mesh& mesh, const Features& features, const std::string& path,
+                    const MeshFileOptions& options) {
+    io::check_scale(options.scale, path);
     const std::string error = find_range_error(mesh, features);
     if (!error.empty())
         throw Error(ExitCode::kMeshing, "cannot write '" + path + "': features of another mesh: " + error);
-    const FeatureArrays arrays = arrays_of(mesh, features);
+    const FeatureArrays arrays = arrays_of(mesh, features, options.scale);
     io::TemporaryFile file(path);
     io::VtkXmlWriter writer(file, "PolyData", io::Packing{});
     writer.text("<PolyData>");

@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "host/io/coordinates.hpp"
 #include "host/io/formats.hpp"
 #include "host/io/vtu_layout.hpp"
 #include "mortise/check.hpp"
@@ -149,7 +150,9 @@ void write_vtu_file(const MeshTotals& totals, const Mesh& outline, const VtuArra
     writer.finish();
 }
 
-void write_vtu(const Mesh& mesh, const std::vector<float>& jacobians, Packing packing, TemporaryFile& file) {
+void write_vtu(const Mesh& mesh, const std::vector<float>& jacobians, const MeshFileOptions& options,
+               TemporaryFile& file) {
+    const Packing packing = packing_of(options);
     MeshTotals totals;
     totals.nodes = mesh.node_count();
     for (std::size_t t = 0; t < kElementTypes; ++t) totals.elements[t] = mesh.elements[t].size();
@@ -163,7 +166,8 @@ void write_vtu(const Mesh& mesh, const std::vector<float>& jacobians, Packing pa
         return stored(size, source, packing);
     };
     VtuArrays arrays;
-    arrays.points = store(mesh.points.size() * sizeof(double), memory_source(mesh.points.data()));
+    arrays.points =
+        store(mesh.points.size() * sizeof(double), Coordinates(mesh.points, options.scale).source());
     if (!mesh.model_dimension.empty()) {
         arrays.model_dimension =
             store(mesh.model_dimension.size(), memory_source(mesh.model_dimension.data()));

@@ -310,26 +310,31 @@ void bind_meshes(py::module_& module) {
             "Validates the mesh.", py::arg("threads") = 0, py::call_guard<py::gil_scoped_release>())
         .def(
             "write",
-            [](const ReportedMesh& m, const py::object& path, bool compress) {
+            [](const ReportedMesh& m, const py::object& path, bool compress, double scale) {
                 const std::string name = path_of(path);
                 MeshFileOptions options;
                 options.compress = compress;
+                options.scale = scale;
                 options.walls = m.report.layers.surfaces;
                 const py::gil_scoped_release release;
                 write_mesh(m.mesh, name, m.report.scaled_jacobians, options);
             },
-            "Writes .vtu, .msh, .inp or a folder polyMesh.", py::arg("path"), py::arg("compress") = true)
+            "Writes .vtu, .msh, .inp or a folder polyMesh; coordinates times `scale`.", py::arg("path"),
+            py::arg("compress") = true, py::arg("scale") = 1.0)
         .def(
             "write_features",
-            [](const ReportedMesh& m, const py::object& path) {
+            [](const ReportedMesh& m, const py::object& path, double scale) {
                 const std::string name = path_of(path);
                 if (m.report.features.model_dimension.empty())
                     throw Error(ExitCode::kUsage,
                                 "a mesh from a file has no features; only one that was made has");
+                MeshFileOptions options;
+                options.scale = scale;
                 const py::gil_scoped_release release;
-                write_features(m.mesh, m.report.features, name);
+                write_features(m.mesh, m.report.features, name, options);
             },
-            "Writes creases and corners, .vtp.", py::arg("path"))
+            "Writes creases and corners, .vtp; coordinates times `scale`.", py::arg("path"),
+            py::arg("scale") = 1.0)
         .def(
             "write_picture",
             [](const ReportedMesh& m, const py::object& path, int width, int height,

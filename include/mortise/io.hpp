@@ -12,10 +12,15 @@
 
 namespace mortise {
 
+/// Bounds of MeshFileOptions::scale.
+inline constexpr double kLeastScale = 1e-12, kMostScale = 1e12;
+
 struct MeshFileOptions {
     bool compress = true;  ///< arrays of .vtu by zlib; else several times larger files in less time
     int threads = 0;       ///< of the host that pack and write, 0: all cores; the same bytes for any
     std::vector<std::string> walls = {};  ///< names of surfaces that are OpenFOAM's patches of type `wall`
+    /// What coordinates are multiplied by: 0.001 makes metres of millimetres; kLeastScale to kMostScale.
+    double scale = 1;
 };
 
 /// Writes a mesh; the format follows from the extension, in any case of letters: .vtu (VTK XML, appended),
@@ -72,8 +77,10 @@ void check_writable(const std::string& path);
 Mesh read_mesh(const std::string& path);
 
 /// Writes crease curves and corners as VTK XML PolyData (.vtp). Throws Error(kMeshing) for nodes or surfaces
-/// that the mesh does not have, Error(kFiles) with the cause; the file is whole or not there.
-void write_features(const Mesh& mesh, const Features& features, const std::string& path);
+/// that the mesh does not have, Error(kFiles) with the cause; the file is whole or not there. Of the options
+/// only `scale` is for it.
+void write_features(const Mesh& mesh, const Features& features, const std::string& path,
+                    const MeshFileOptions& options = {});
 
 /// Opens a mesh: elements before a plane across an axis are left out, so that those behind it are seen.
 struct PictureCut {

@@ -384,6 +384,25 @@ TEST_CASE("a signal leaves the old file of that name untouched") {
     CHECK(read_file(out) == "old");
 }
 
+TEST_CASE("--scale: files in other units, reports in the model's") {
+    const ScratchFolder scratch;
+    scratch.names("out");
+    const std::string model = scratch.write("box.csg", "cube([3, 2, 1]);");
+    const std::string vtu = scratch.file("out/box.vtu"), parts = scratch.file("out/parts.vtu");
+    const Outcome outcome = run({model, "--level", "3", "-o", vtu, "--scale", "0.001", "--json"});
+    REQUIRE(outcome.code == 0);
+    CHECK(Json::parse(outcome.out)["cell_size"].get<double>() > 0.1);
+    const Json checked = Json::parse(run({"check", vtu, "--json"}).out);
+    CHECK(checked["volume"].get<double>() == doctest::Approx(6e-9));
+    REQUIRE(run({model, "--level", "3", "-o", parts, "--scale", "0.001", "--memory", "1G"}).code == 0);
+    CHECK((read_file(vtu) == read_file(parts)));
+    for (const char* bad : {"0", "-1", "1e13", "mm"}) {
+        const Outcome refused = run({model, "-o", vtu, "--scale", bad});
+        CHECK(refused.code == 1);
+        CHECK(is_one_line(refused.err, std::string("mortise: --scale '") + bad + "'"));
+    }
+}
+
 TEST_CASE("--memory writes the same file, and tells how much it took") {
     const ScratchFolder scratch;
     scratch.names("out");
