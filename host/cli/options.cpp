@@ -58,7 +58,7 @@ void add_model_options(CLI::App& app, Arguments& arguments, Words& words) {
     app.add_option("MODEL", arguments.file,
                    "model file: .csg, .scad, .geo, .stl, .obj, .off, .formula, .vm or .frep");
     app.add_option("-o,--output", arguments.outputs,
-                   ".vtu, .msh, .inp, or OpenFOAM's folder polyMesh; may be given several times")
+                   ".vtu, .msh, .inp, or OpenFOAM's folder polyMesh; repeatable")
         ->option_text("FILE")
         ->allow_extra_args(false);
     add_shape_options(app, arguments, words);

@@ -228,7 +228,7 @@ TEST_CASE("unknown extensions are usage errors") {
              {error_of([&] { write_mesh(mixed(), path); }), error_of([&] { check_writable(path); }),
               error_of([&] { read_mesh(path); })}) {
             CHECK(error.code() == ExitCode::kUsage);
-            CHECK(std::string(error.what()).find("expected .vtu, .msh, or a folder polyMesh") !=
+            CHECK(std::string(error.what()).find("expected .vtu, .msh, .inp, or a folder polyMesh") !=
                   std::string::npos);
         }
     }
