@@ -250,10 +250,24 @@ void read_memory(const std::string& word, Arguments& arguments) {
     }
 }
 
+/// What needs a mesh that is made.
+void read_dry_run(bool is_dry, Arguments& arguments) {
+    if (!is_dry) return;
+    arguments.command = Command::kEstimate;
+    const std::pair<bool, const char*> wrong[] = {{arguments.check, "--check"},
+                                                  {arguments.quality, "--quality"},
+                                                  {arguments.quality_floor >= 0, "--quality-floor"},
+                                                  {!arguments.features.empty(), "--features"},
+                                                  {!arguments.picture.empty(), "--picture"}};
+    for (const auto& [is_given, option] : wrong) {
+        if (is_given) refuse(std::string(option) + ": a dry run makes no mesh; leave it or --dry-run away");
+    }
+}
+
 void check_files(const Arguments& arguments) {
     if (arguments.file.empty())
         refuse("no model given; use: mortise MODEL -o FILE.vtu, or see mortise --help");
-    if (arguments.outputs.empty()) {
+    if (arguments.outputs.empty() && arguments.command == Command::kMesh) {
         refuse("no output given for '" + arguments.file + "'; add -o FILE.vtu or -o FILE.msh");
     }
     for (auto path = arguments.outputs.begin(); path != arguments.outputs.end(); ++path) {
@@ -316,6 +330,7 @@ Arguments parse_arguments(int count, const char* const* values) {
     if (arguments.command == Command::kMesh || commands.batch->parsed()) read_mesh_words(words, arguments);
     if (commands.kernels->parsed()) read_device_words(words, arguments);
     if (arguments.command == Command::kMesh) {
+        read_dry_run(words.dry_run, arguments);
         check_files(arguments);
         read_cut(words.cut, arguments);
         read_memory(words.memory, arguments);

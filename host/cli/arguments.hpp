@@ -9,7 +9,7 @@
 
 namespace mortise::cli {
 
-enum class Command { kMesh, kBatch, kCheck, kDevices, kDoctor, kInfo, kKernels, kPrint };
+enum class Command { kMesh, kBatch, kCheck, kEstimate, kDevices, kDoctor, kInfo, kKernels, kPrint };
 
 struct Arguments {
     Command command = Command::kMesh;

@@ -7,6 +7,7 @@
 namespace mortise::cli {
 
 ExitCode mesh_command(const Arguments& arguments);
+ExitCode estimate_command(const Arguments& arguments);
 ExitCode batch_command(const Arguments& arguments);
 ExitCode check_command(const Arguments& arguments);
 ExitCode devices_command(const Arguments& arguments);

@@ -16,6 +16,7 @@ ExitCode run(int count, const char* const* values) {
     const Arguments arguments = parse_arguments(count, values);
     switch (arguments.command) {
         case Command::kMesh: return mesh_command(arguments);
+        case Command::kEstimate: return estimate_command(arguments);
         case Command::kBatch: return batch_command(arguments);
         case Command::kCheck: return check_command(arguments);
         case Command::kDevices: return devices_command(arguments);

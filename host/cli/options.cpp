@@ -123,7 +123,8 @@ void add_element_options(CLI::App& app, Arguments& arguments, Words& words) {
     app.add_option("--min-angle", words.min_angle, "smallest dihedral angle that elements get, 18 to 44 (18)")
         ->option_text("ANGLE");
     app.add_option("--smooth", words.smooth, "rounds of moving nodes to better places, 0 to 100 (4)")
-        ->option_text("ROUNDS");
+        ->option_text("ROUNDS")
+        ->group("");  // more than the default is hardly ever better
     app.add_option("--merge", words.merge,
                    "instead of slivers, nodes may merge within X cells, or move 3 X (0.05)")
         ->option_text("X");
@@ -156,6 +157,7 @@ void add_file_options(CLI::App& app, Words& words) {
 
 void add_output_options(CLI::App& app, Arguments& arguments, Words& words) {
     app.option_defaults()->group("Reports and running");
+    app.add_flag("--dry-run", words.dry_run, "tell elements, memory and time roughly; make no mesh");
     app.add_flag("--check", arguments.check, "validate the mesh first; write nothing if it has defects");
     app.add_flag("--quality", arguments.quality, "report shapes, distance to the model, features");
     app.add_option("--features", arguments.features, "write creases and corners, .vtp")->option_text("FILE");

@@ -23,6 +23,7 @@ struct Words {
     bool no_improve = false;
     bool no_compress = false;
     std::string scale;
+    bool dry_run = false;
     std::string smooth, min_angle, merge;
     std::string layers, first_layer, layer_growth, cut;
 };

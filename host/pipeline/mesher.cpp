@@ -7,6 +7,7 @@
 #include "host/common/watch.hpp"
 #include "host/jacobian/jacobian.hpp"
 #include "host/pipeline/check_options.hpp"
+#include "host/pipeline/estimate.hpp"
 #include "host/pipeline/findings.hpp"
 #include "host/pipeline/finish.hpp"
 #include "host/pipeline/piece.hpp"
@@ -70,6 +71,8 @@ struct Mesher::Implementation {
         }
     }
 
+    Mesh generate(const Model& model, const MeshOptions& asked, MeshReport* report);
+
     /// For a run that reports its progress, or not.
     device::Device& open(const MeshOptions& options) {
         if (!device) {
@@ -128,33 +131,31 @@ void Mesher::recycle(Mesh&& mesh) {
     mesh = {};
 }
 
-Mesh Mesher::generate(const Model& model, const MeshOptions& asked, MeshReport* report) {
-    refuse_moved(implementation_ == nullptr);
-    const Work work(implementation_->is_busy);
+Mesh Mesher::Implementation::generate(const Model& model, const MeshOptions& asked, MeshReport* report) {
     MeshOptions options = asked;
     options.memory = 0;  // what there is
     MeshReport local;
     MeshReport& out = report != nullptr ? *report : local;
     std::vector<float> jacobians = std::move(out.scaled_jacobians);
     out = MeshReport{};
-    assembly::Arena local_arena = std::move(implementation_->arena);  // gone if the run fails
-    implementation_->arena = {};
-    assembly::Arena* const arena = implementation_->recycles ? &local_arena : nullptr;
+    assembly::Arena local_arena = std::move(arena);  // gone if the run fails
+    arena = {};
+    assembly::Arena* const kept = recycles ? &local_arena : nullptr;
     pipeline::check_options(options);
     const std::optional<jacobian::Method> jacobian_method = jacobian::wanted_method();
     Stages stages(options, out);
-    const auto open = [&]() -> device::Device& { return implementation_->open(options); };
-    Prepared prepared = pipeline::prepare(open, model, options, stages, out);
-    device::Device& device = open();
+    const auto opened = [&]() -> device::Device& { return open(options); };
+    Prepared prepared = pipeline::prepare(opened, model, options, stages, out);
+    device::Device& opened_device = opened();
     Mesh mesh;
-    const Extracted extracted = mesh_pieces(device, options, prepared, stages, arena, &mesh);
+    const Extracted extracted = mesh_pieces(opened_device, options, prepared, stages, kept, &mesh);
     if (!options.tetrahedra) local_arena.mesh = {};
-    pipeline::Finish finish(device, model, options, prepared, stages, out);
+    pipeline::Finish finish(opened_device, model, options, prepared, stages, out);
     if (options.improve) finish.improve(mesh);
     if (mesh.element_count() == 0) pipeline::refuse_empty(model.source);
     mesh.region_names = prepared.compiled.region_names;
     if (!prepared.periodic.empty()) finish.match_planes(mesh);
-    if (options.tetrahedra) finish.split(mesh, arena != nullptr ? &arena->mesh : nullptr);
+    if (options.tetrahedra) finish.split(mesh, kept != nullptr ? &kept->mesh : nullptr);
     if (finish.raises()) finish.raise(mesh);
     if (options.hanging) finish.restore_cells(mesh);
     finish.name(mesh);
@@ -164,8 +165,24 @@ Mesh Mesher::generate(const Model& model, const MeshOptions& asked, MeshReport* 
     if (report != nullptr) finish.measure(mesh, jacobian_method, std::move(jacobians));
     if (options.second_order) finish.raise_order(mesh);
     pipeline::report_cells(prepared, extracted, model, options, out);
-    implementation_->arena = std::move(local_arena);
+    arena = std::move(local_arena);
     return mesh;
+}
+
+Mesh Mesher::generate(const Model& model, const MeshOptions& options, MeshReport* report) {
+    refuse_moved(implementation_ == nullptr);
+    const Work work(implementation_->is_busy);
+    return implementation_->generate(model, options, report);
+}
+
+MeshEstimate Mesher::estimate(const Model& model, const MeshOptions& options) {
+    refuse_moved(implementation_ == nullptr);
+    const Work work(implementation_->is_busy);
+    return pipeline::estimate([&]() -> device::Device& { return implementation_->open(options); }, model,
+                              options,
+                              [&](const MeshOptions& trial, MeshReport& report) {
+                                  return implementation_->generate(model, trial, &report);
+                              });
 }
 
 void Mesher::stream(const Model& model, const MeshOptions& options, MeshSink& sink, MeshReport* report) {

@@ -181,7 +181,41 @@ void classify(device::Device& device, const MeshOptions& options, std::vector<st
     }
 }
 
+/// Leaves inside that lie beside smaller ones.
+std::uint64_t inner_transitions(const octree::Octree& tree) {
+    return static_cast<std::uint64_t>(
+        std::count_if(tree.transitions.begin(), tree.transitions.end(),
+                      [&tree](std::uint32_t leaf) { return tree.nio[leaf].tape_length == 0; }));
+}
+
 }  // namespace
+
+CellCounts count_cells(const std::function<device::Device&()>& open_device, const Model& model,
+                       const MeshOptions& options, int most_levels, Stages& stages, MeshReport& out) {
+    Prepared prepared;
+    tape::BoundModel& bound = prepared.bound;
+    stages.begin("compile");
+    const Sizes sizes = bind_model(model, options, prepared, out);
+    CellCounts counts;
+    counts.level = sizes.levels.base;
+    counts.finest_level = sizes.levels.finest();
+    counts.cell_size = prepared.root.cell();
+    counts.is_uniform = sizes.levels.is_uniform();
+    if (counts.is_uniform && counts.level > most_levels) return counts;
+    if (!bound.polyhedra.empty()) divide_polyhedra(model, options, sizes.levels, stages, bound, out);
+    stages.begin("device");
+    device::Device& device = open_device();
+    stages.begin("octree");
+    const octree::Octree tree =
+        build_tree(device, options, bound, sizes, prepared.periodic, &prepared.on_device);
+    stages.end(tree.cells_evaluated);
+    counts.finest_level = tree.level;
+    counts.is_counted = true;
+    counts.in = static_cast<double>(tree.in_count);
+    counts.transitions = static_cast<double>(inner_transitions(tree));
+    counts.nio = static_cast<double>(tree.nio.size()) - counts.transitions;
+    return counts;
+}
 
 Prepared prepare(const std::function<device::Device&()>& open_device, const Model& model,
                  const MeshOptions& options, Stages& stages, MeshReport& out) {
@@ -224,9 +258,7 @@ Prepared prepare(const std::function<device::Device&()>& open_device, const Mode
     stages.begin("classify");
     out.in_cells = tree.in_count;
     out.nio_cells = tree.nio.size();
-    result.transition_cells = static_cast<std::uint64_t>(
-        std::count_if(tree.transitions.begin(), tree.transitions.end(),
-                      [&tree](std::uint32_t leaf) { return tree.nio[leaf].tape_length == 0; }));
+    result.transition_cells = inner_transitions(tree);
     std::vector<std::uint32_t> complex = probed.leaves;
     for (const octree::LeafPole& pole : tree.leaf_poles) complex.push_back(tree.nio_index(pole.morton));
     complex.insert(complex.end(), tree.transitions.begin(), tree.transitions.end());

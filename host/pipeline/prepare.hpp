@@ -46,6 +46,20 @@ struct Extracted {
 Prepared prepare(const std::function<device::Device&()>& open_device, const Model& model,
                  const MeshOptions& options, Stages& stages, MeshReport& out);
 
+/// Leaves of the tree that a run would build.
+struct CellCounts {
+    int level = 0, finest_level = 0;
+    double cell_size = 0;  ///< of `level`, model units
+    bool is_uniform = true;
+    bool is_counted = false;
+    double in = 0, nio = 0;
+    double transitions = 0;  ///< inside, beside smaller ones; not among the others
+};
+/// The stages from "compile" to "octree". Where cells of one size would be of a higher level than this, they
+/// are not counted.
+CellCounts count_cells(const std::function<device::Device&()>& open_device, const Model& model,
+                       const MeshOptions& options, int most_levels, Stages& stages, MeshReport& out);
+
 /// For all meshes of a run; whoever improves a part of one adds what is open.
 improve::Options improvement_options(const Prepared& prepared, const MeshOptions& options);
 /// The stage "reposition", of a mesh or of what is near its poor elements. `held`: see reposition::Options.

@@ -380,6 +380,18 @@ std::unique_ptr<ReportedMesh> generate(Mesher& mesher, const Model& model, const
 }
 
 void bind_mesher(py::module_& module) {
+    py::class_<MeshEstimate>(module, "MeshEstimate")
+        .def_readonly("level", &MeshEstimate::level)
+        .def_readonly("finest_level", &MeshEstimate::finest_level)
+        .def_readonly("cell_size", &MeshEstimate::cell_size)
+        .def_readonly("in_cells", &MeshEstimate::in_cells)
+        .def_readonly("nio_cells", &MeshEstimate::nio_cells)
+        .def_readonly("elements", &MeshEstimate::elements)
+        .def_readonly("nodes", &MeshEstimate::nodes)
+        .def_readonly("memory_bytes", &MeshEstimate::memory_bytes)
+        .def_readonly("file_bytes", &MeshEstimate::file_bytes)
+        .def_readonly("seconds", &MeshEstimate::seconds)
+        .def_readonly("is_exact", &MeshEstimate::is_exact);
     py::class_<Mesher>(module, "Mesher", "Meshes one model after another on one device; kernels stay loaded.")
         .def(py::init<std::string, int>(), py::arg("device") = "", py::arg("work_group_size") = 0)
         .def(
@@ -388,7 +400,16 @@ void bind_mesher(py::module_& module) {
                 return generate(mesher, model, options_of(arguments));
             },
             "Meshes a model. Options are those of the program, by the names of docs/python.md.",
-            py::arg("model"));
+            py::arg("model"))
+        .def(
+            "estimate",
+            [](Mesher& mesher, const Model& model, const py::kwargs& arguments) {
+                refuse_forked();
+                const MeshOptions options = options_of(arguments);
+                const py::gil_scoped_release release;
+                return mesher.estimate(model, options);
+            },
+            "What a mesh would have and take, roughly, without making it.", py::arg("model"));
     module.def(
         "generate",
         [](const Model& model, const std::string& device, const py::kwargs& arguments) {

@@ -384,6 +384,27 @@ TEST_CASE("a signal leaves the old file of that name untouched") {
     CHECK(read_file(out) == "old");
 }
 
+TEST_CASE("--dry-run tells what a run would make, and makes nothing") {
+    const ScratchFolder scratch;
+    scratch.names("out");
+    const std::string vtu = scratch.file("out/a.vtu");
+    const Outcome text = run({asset("bracket.csg"), "--level", "5", "-o", vtu, "--dry-run"});
+    CHECK(text.code == 0);
+    CHECK(contains(text.out, " elements, "));
+    CHECK(contains(text.out, "  memory     about "));
+    CHECK(scratch.names("out").empty());
+    const Outcome told = run({asset("bracket.csg"), "--level", "5", "--dry-run", "--json"});
+    const Outcome made = run({asset("bracket.csg"), "--level", "5", "-o", vtu, "--json"});
+    REQUIRE((told.code == 0 && made.code == 0));
+    const Json guess = Json::parse(told.out), mesh = Json::parse(made.out);
+    CHECK(guess["is_exact"] == true);
+    CHECK(guess["nodes"] == mesh["nodes"]);
+    CHECK(guess["cells"]["nio"] == mesh["cells"]["nio"]);
+    const Outcome refused = run({asset("bracket.csg"), "--dry-run", "--check"});
+    CHECK(refused.code == 1);
+    CHECK(is_one_line(refused.err, "mortise: --check: a dry run makes no mesh"));
+}
+
 TEST_CASE("--scale: files in other units, reports in the model's") {
     const ScratchFolder scratch;
     scratch.names("out");

@@ -39,6 +39,11 @@ class Module(unittest.TestCase):
         cls.mesher = mortise.Mesher()
         cls.ball = mortise.parse_model(BALL, "csg", "ball.csg")
 
+    def test_estimate(self):
+        guess = self.mesher.estimate(self.ball, level=5)
+        self.assertTrue(guess.is_exact)
+        self.assertEqual(guess.nodes, len(self.mesher.generate(self.ball, level=5).points))
+
     def test_arrays(self):
         mesh = self.mesher.generate(self.ball, level=5)
         self.assertEqual(mesh.points.shape[1], 3)

@@ -1,0 +1,99 @@
+// Mesher::estimate beside the meshes that it tells of.
+#include <doctest/doctest.h>
+
+#include "mortise/error.hpp"
+#include "mortise/mesher.hpp"
+#include "tests/mesher/meshed.hpp"
+
+namespace mortise::test {
+namespace {
+
+Model parsed(const char* text) { return parse_model(text, "csg", "model.csg"); }
+
+constexpr const char* kBall = "sphere(r = 1);";
+constexpr const char* kTee =
+    "union() { cylinder(h = 4, r1 = 1, r2 = 1, center = true); multmatrix([[0,0,1,0],[0,1,0,0],[-1,0,0,0],"
+    "[0,0,0,1]]) cylinder(h = 3, r1 = 0.6, r2 = 0.6); }";
+
+/// What the estimate is to what was made.
+struct Ratio {
+    double elements, nodes;
+};
+Ratio compare(const char* text, const MeshOptions& options, bool is_exact) {
+    Mesher mesher;
+    const Model model = parsed(text);
+    const MeshEstimate estimate = mesher.estimate(model, options);
+    CHECK(estimate.is_exact == is_exact);
+    MeshReport report;
+    const Mesh mesh = mesher.generate(model, options, &report);
+    CHECK(estimate.level == report.level);
+    CHECK(estimate.cell_size == report.cell_size);
+    CHECK(estimate.nio_cells == report.nio_cells);
+    CHECK(estimate.in_cells == report.in_cells);
+    CHECK(estimate.seconds > 0);
+    return {static_cast<double>(estimate.elements) / static_cast<double>(mesh.element_count()),
+            static_cast<double>(estimate.nodes) / static_cast<double>(mesh.node_count())};
+}
+
+}  // namespace
+
+TEST_CASE("an estimate of a model with few cells at its boundary is exact") {
+    MeshOptions options;
+    options.level = 5;
+    const Ratio uniform = compare(kTee, options, true);
+    CHECK(uniform.elements == 1);
+    CHECK(uniform.nodes == 1);
+    options.refine = 1;
+    options.curvature_elements = 60;
+    options.interior_coarsening = 2;
+    const Ratio graded = compare(kTee, options, true);
+    CHECK(graded.elements == 1);
+    CHECK(graded.nodes == 1);
+}
+
+TEST_CASE("an estimate from coarser meshes: elements and nodes to some percent") {
+    for (const bool tetrahedra : {false, true}) {
+        for (const bool second_order : {false, true}) {
+            CAPTURE(tetrahedra);
+            CAPTURE(second_order);
+            MeshOptions options;
+            options.level = 7;
+            options.tetrahedra = tetrahedra;
+            options.second_order = second_order;
+            const Ratio ball = compare(kBall, options, false);
+            CHECK(ball.elements == doctest::Approx(1).epsilon(0.02));
+            CHECK(ball.nodes == doctest::Approx(1).epsilon(0.02));
+            const Ratio tee = compare(kTee, options, false);
+            CHECK(tee.elements == doctest::Approx(1).epsilon(0.15));
+            CHECK(tee.nodes == doctest::Approx(1).epsilon(0.05));
+        }
+    }
+}
+
+TEST_CASE("an estimate of cells too many to count, from fewer of them") {
+    Mesher mesher;
+    const Model ball = parsed(kBall);
+    MeshOptions options;
+    options.level = 10;
+    const MeshEstimate estimate = mesher.estimate(ball, options);
+    const double cells = 4.18879 / (estimate.cell_size * estimate.cell_size * estimate.cell_size);
+    CHECK(static_cast<double>(estimate.elements) == doctest::Approx(cells).epsilon(0.03));
+    CHECK(static_cast<double>(estimate.memory_bytes) > 60 * cells);
+}
+
+TEST_CASE("an estimate ends when its caller wants no more, and tells what generate tells") {
+    Mesher mesher;
+    MeshOptions options;
+    options.level = 7;
+    int calls = 0;
+    options.progress = [&calls](const char*, double) { return ++calls < 12; };
+    CHECK_THROWS_AS(mesher.estimate(parsed(kBall), options), Interrupted);
+    options.progress = nullptr;
+    CHECK_THROWS_AS(
+        mesher.estimate(parsed("difference() { sphere(r = 1); cube(9, center = true); }"), options), Error);
+    options.level = 0;
+    options.size = 1000;
+    CHECK_THROWS_AS(mesher.estimate(parsed(kBall), options), Error);
+}
+
+}  // namespace mortise::test
