@@ -102,6 +102,7 @@ void Finish::restore_cells(Mesh& mesh) {
         std::move(mesh), {prepared_.root.origin, prepared_.root.side, &prepared_.leaves}, options_.threads);
     mesh = std::move(restored.mesh);
     out_.hanging_cells = restored.cells;
+    knows_shapes_ = restored.cells == 0;  // numbers of hexahedra are others now
     stages_.end(restored.cells);
 }
 
@@ -167,7 +168,7 @@ void Finish::raise_order(Mesh& mesh) {
 
 void Finish::measure(const Mesh& mesh, std::optional<jacobian::Method> method, std::vector<float> memory) {
     stages_.begin("jacobians");
-    const bool knows_shapes = prepared_.periodic.empty() && options_.layers.count == 0;
+    const bool knows_shapes = knows_shapes_ && prepared_.periodic.empty() && options_.layers.count == 0;
     out_.scaled_jacobians = jacobian::scaled_jacobians(
         device_, mesh, method.value_or(jacobian::usual_method(mesh.element_count())), options_.threads,
         knows_shapes ? jacobian::KnownShapes{&moved_cubes_, &sixths_} : jacobian::KnownShapes{},

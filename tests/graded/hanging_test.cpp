@@ -213,6 +213,23 @@ tlo rest;
     CHECK(meshed.check.region_volume[0] + meshed.check.region_volume[1] == doctest::Approx(8).epsilon(1e-9));
 }
 
+TEST_CASE("scaled Jacobians are the elements' own where cells with hanging nodes take the place of others") {
+    // Cubes at the notches move, and hexahedra of templates that are listed before them go.
+    const Model model = parse_text(
+        "rotate([154, 308, 300]) linear_extrude(height = 6) polygon([[7, 0], [7.07, 7.07], [0, 8], "
+        "[-7.07, 7.07], [-6, 0], [-7.07, -7.07], [0, -8], [7.07, -7.07]]);",
+        "csg");
+    MeshOptions options;
+    options.level = 5;
+    options.interior_coarsening = 1;
+    options.refine = 1;
+    options.hanging = true;
+    const Meshed meshed = mesh_and_check(model, options);
+    CHECK(meshed.defects == "");
+    CHECK(meshed.report.hanging_cells > 0);
+    CHECK(worst(meshed) == doctest::Approx(worst_jacobian(meshed.check)));
+}
+
 TEST_CASE("trees of one size have no hanging nodes, and tetrahedra none") {
     const Model model = parse_text("sphere(r = 10);", "csg");
     MeshOptions options;

@@ -36,6 +36,11 @@ bool is_same(const std::vector<T>& a, const std::vector<T>& b) {
     return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
 }
 
+bool are_close(const std::vector<float>& a, const std::vector<float>& b) {
+    return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                      [](float x, float y) { return std::fabs(x - y) <= 1e-5f; });
+}
+
 }  // namespace
 
 Mesh generate(const Model& model, const MeshOptions& options, MeshReport* report) {
@@ -51,6 +56,8 @@ Meshed mesh_and_check(const Model& model, const MeshOptions& options) {
     for (const Defect& defect : result.check.defects) {
         result.defects += defect.what + " x" + std::to_string(defect.count) + " (" + defect.first + "); ";
     }
+    if (!are_close(result.report.scaled_jacobians, scaled_jacobians(result.mesh)))
+        result.defects += "scaled Jacobians that are reported are not the elements'; ";
     return result;
 }
 
