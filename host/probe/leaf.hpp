@@ -115,11 +115,8 @@ class LeafProbe {
     Vec3 centre(std::uint32_t piece) const;
     tape::Cell cell(const std::uint8_t* at, int depth) const;
 
-    /// Planes hide nothing; patches are not searched.
-    bool cannot_hide(std::uint32_t surface) const {
-        const std::int32_t kind = model_.surfaces[surface].kind;
-        return kind == kSurfacePlane || kind == kSurfacePatch;
-    }
+    /// Planes hide nothing.
+    bool cannot_hide(std::uint32_t surface) const { return model_.surfaces[surface].kind == kSurfacePlane; }
 
     const tape::BoundModel& model_;
     const octree::Octree& tree_;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "host/tape/expression_program.hpp"
+#include "host/tape/patch_bounds.hpp"
 #include "host/tape/variation.hpp"
 
 namespace mortise::tape {
@@ -101,7 +102,9 @@ void SurfaceBatch::classify(std::uint32_t surface, const Grid& grid, const std::
         for (std::size_t k = 0; k < places.count; ++k) {
             const Vec3 x = places.point(k);
             const Cell cell = {{x[0], x[1], x[2]}, half};
-            signs[k] = static_cast<std::int8_t>(classify_surface(model_, surface, cell));
+            signs[k] =
+                static_cast<std::int8_t>(s.kind == kSurfacePatch ? classify_patch(model_, surface, cell)
+                                                                 : classify_surface(model_, surface, cell));
         }
         return;
     }

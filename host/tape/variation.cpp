@@ -6,6 +6,7 @@
 
 #include "host/common/constants.hpp"
 #include "host/tape/interval_slopes.hpp"
+#include "host/tape/patch_bounds.hpp"
 
 namespace mortise::tape {
 namespace {
@@ -214,7 +215,10 @@ bool gradient_box(const BoundModel& model, std::uint32_t surface, const Cell& ce
 
 bool has_small_variation(const BoundModel& model, std::uint32_t surface, const Cell& cell) {
     GradientBox box;
-    return !gradient_box(model, surface, cell, box) || keeps_direction(box);  // patches are not searched
+    const bool turns = model.surfaces[surface].kind == kSurfacePatch
+                           ? patch_normals(model, surface, cell, box)
+                           : gradient_box(model, surface, cell, box);
+    return !turns || keeps_direction(box);
 }
 
 }  // namespace mortise::tape
