@@ -51,7 +51,8 @@ ExitCode info_command(const Arguments& arguments) {
     }
     Json document;
     document["file"] = arguments.file;
-    std::string text = arguments.file + ": " + std::to_string(model.nodes.size()) + " nodes\n";
+    std::string text = arguments.file + ": " + std::to_string(model.nodes.size()) +
+                       (model.nodes.size() == 1 ? " node\n" : " nodes\n");
     document["nodes"] = model.nodes.size();
     document["regions"] = Json::array();
     for (const Region& region : model.regions) {
