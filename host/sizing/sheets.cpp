@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "host/common/vec3.hpp"
-#include "host/sizing/patch_normals.hpp"
 #include "host/tape/local_tape.hpp"
+#include "host/tape/patch_bounds.hpp"
 #include "host/tape/singular_point.hpp"
 #include "host/tape/variation.hpp"
 
@@ -123,9 +123,9 @@ bool SheetFinder::looks_steady(std::uint32_t surface, const tape::Cell& cell) co
 bool SheetFinder::make_patch(const tape::Cell& cell, Sheet& sheet, double& at_centre) const {
     const Sampled centre = sample_at(model_, sheet.surface, sample_point(cell, 8));
     at_centre = centre.value;
-    const PatchState state = patch_in(model_, sheet.surface, cell);
-    if (state == PatchState::kAbsent) return false;
-    sheet.steady = state == PatchState::kSteady;
+    const tape::PatchState state = tape::patch_in(model_, sheet.surface, cell);
+    if (state == tape::PatchState::kAbsent) return false;
+    sheet.steady = state == tape::PatchState::kSteady;
     sheet.normal = centre.gradient;
     for (std::size_t j = 0; j < 3; ++j) sheet.foot[j] = cell.centre[j] - centre.value * centre.gradient[j];
     sheet.distance[8] = centre.value;

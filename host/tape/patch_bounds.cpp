@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
+#include <vector>
 
 #include "host/common/vec3.hpp"
 #include "kernels/shared/surface.h"
@@ -67,13 +67,14 @@ int classify_patch(const BoundModel& model, std::uint32_t surface, const Cell& c
     return value < 0 ? -1 : 1;
 }
 
-bool patch_normals(const BoundModel& model, std::uint32_t surface, const Cell& cell, GradientBox& box) {
+PatchState patch_in(const BoundModel& model, std::uint32_t surface, const Cell& cell) {
+    constexpr double kCone = 0.7;  // cosine
     const Surface& s = model.surfaces[surface];
     const auto* const nodes = reinterpret_cast<const patch_number*>(model.expression_ops.data() + s.first_op);
     const patch_number* const triangles = nodes + static_cast<std::size_t>(s.form[0]);
     const PatchBox place(s, cell);
-    std::fill_n(box.low, 3, std::numeric_limits<double>::infinity());
-    std::fill_n(box.high, 3, -std::numeric_limits<double>::infinity());
+    std::vector<Vec3> normals;
+    Vec3 low = {1, 1, 1}, high = {-1, -1, -1};
     std::size_t open[kPatchStack];
     int top = 0;
     open[0] = 0;
@@ -88,15 +89,21 @@ bool patch_normals(const BoundModel& model, std::uint32_t surface, const Cell& c
         }
         const auto begin = static_cast<std::size_t>(node[6]);
         for (std::size_t i = begin; i < begin + static_cast<std::size_t>(node[7]); ++i) {
-            const patch_number* const t = triangles + kPatchTriangle * i;
-            if (!place.meets_triangle(t)) continue;
+            const patch_number* const triangle = triangles + kPatchTriangle * i;
+            if (!place.meets_triangle(triangle)) continue;
+            normals.push_back({triangle[10], triangle[11], triangle[12]});
             for (std::size_t j = 0; j < 3; ++j) {
-                box.low[j] = std::min<double>(box.low[j], t[10 + j]);
-                box.high[j] = std::max<double>(box.high[j], t[10 + j]);
+                low[j] = std::min(low[j], normals.back()[j]);
+                high[j] = std::max(high[j], normals.back()[j]);
             }
         }
     }
-    return box.low[0] <= box.high[0];
+    if (normals.empty()) return PatchState::kAbsent;
+    const Vec3 middle = scaled(sum(low, high), 0.5);
+    const double least = kCone * length(middle);
+    const bool is_steady = std::all_of(normals.begin(), normals.end(),
+                                       [&](const Vec3& normal) { return dot(normal, middle) > least; });
+    return is_steady ? PatchState::kSteady : PatchState::kTurning;
 }
 
 }  // namespace mortise::tape

@@ -3,16 +3,18 @@
 
 #include <cstdint>
 
+#include "host/tape/compile.hpp"
 #include "host/tape/reference.hpp"
-#include "host/tape/variation.hpp"
 
 namespace mortise::tape {
 
 /// Sign of a patch over a cell that lies away from its triangles: -1, +1; 0: it may pass.
 int classify_patch(const BoundModel& model, std::uint32_t surface, const Cell& cell);
 
-/// Box of the unit normals, in the patch's own frame, of the triangles that meet the closed cell; false if
-/// there are none.
-bool patch_normals(const BoundModel& model, std::uint32_t surface, const Cell& cell, GradientBox& box);
+enum class PatchState : std::uint8_t { kAbsent, kSteady, kTurning };
+
+/// Whether the patch has triangles in the closed cell, and their normals lie within about 45° of one
+/// direction: then it is a graph there, with no second sheet.
+PatchState patch_in(const BoundModel& model, std::uint32_t surface, const Cell& cell);
 
 }  // namespace mortise::tape

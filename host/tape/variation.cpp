@@ -214,11 +214,10 @@ bool gradient_box(const BoundModel& model, std::uint32_t surface, const Cell& ce
 }
 
 bool has_small_variation(const BoundModel& model, std::uint32_t surface, const Cell& cell) {
+    if (model.surfaces[surface].kind == kSurfacePatch)
+        return patch_in(model, surface, cell) != PatchState::kTurning;
     GradientBox box;
-    const bool turns = model.surfaces[surface].kind == kSurfacePatch
-                           ? patch_normals(model, surface, cell, box)
-                           : gradient_box(model, surface, cell, box);
-    return !turns || keeps_direction(box);
+    return !gradient_box(model, surface, cell, box) || keeps_direction(box);
 }
 
 }  // namespace mortise::tape
