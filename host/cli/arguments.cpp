@@ -178,7 +178,7 @@ void read_mesh_words(const Words& words, Arguments& arguments) {
     options.improve = !words.no_improve;
     arguments.file_options.compress = !words.no_compress;
     if (!words.scale.empty()) {
-        arguments.file_options.scale = parse_length("--scale", words.scale);
+        arguments.file_options.scale = parse_number("--scale", words.scale);
         if (!(arguments.file_options.scale >= kLeastScale && arguments.file_options.scale <= kMostScale))
             refuse("--scale '" + words.scale + "': expected 1e-12 to 1e12");
     }
@@ -251,14 +251,16 @@ void read_memory(const std::string& word, Arguments& arguments) {
 }
 
 /// What needs a mesh that is made.
-void read_dry_run(bool is_dry, Arguments& arguments) {
-    if (!is_dry) return;
+void read_dry_run(const Words& words, Arguments& arguments) {
+    if (!words.dry_run) return;
     arguments.command = Command::kEstimate;
     const std::pair<bool, const char*> wrong[] = {{arguments.check, "--check"},
                                                   {arguments.quality, "--quality"},
                                                   {arguments.quality_floor >= 0, "--quality-floor"},
                                                   {!arguments.features.empty(), "--features"},
-                                                  {!arguments.picture.empty(), "--picture"}};
+                                                  {!arguments.picture.empty(), "--picture"},
+                                                  {!words.cut.empty(), "--cut"},
+                                                  {!words.memory.empty(), "--memory"}};
     for (const auto& [is_given, option] : wrong) {
         if (is_given) refuse(std::string(option) + ": a dry run makes no mesh; leave it or --dry-run away");
     }
@@ -330,7 +332,7 @@ Arguments parse_arguments(int count, const char* const* values) {
     if (arguments.command == Command::kMesh || commands.batch->parsed()) read_mesh_words(words, arguments);
     if (commands.kernels->parsed()) read_device_words(words, arguments);
     if (arguments.command == Command::kMesh) {
-        read_dry_run(words.dry_run, arguments);
+        read_dry_run(words, arguments);
         check_files(arguments);
         read_cut(words.cut, arguments);
         read_memory(words.memory, arguments);

@@ -6,10 +6,13 @@
 #include "host/cli/files.hpp"
 #include "host/cli/kernels_ahead.hpp"
 #include "host/cli/progress.hpp"
+#include "host/cli/signals.hpp"
 #include "host/cli/text.hpp"
 
 namespace mortise::cli {
 namespace {
+
+constexpr std::uint64_t kMostNodes = 0xfffffffeu;  ///< of a mesh: NodeId
 
 /// Two digits.
 std::string rough(double value) {
@@ -56,16 +59,22 @@ Json estimate_document(const Arguments& arguments, const MeshEstimate& estimate)
             {"memory_bytes", estimate.memory_bytes},
             {"file_bytes", estimate.file_bytes},
             {"seconds", estimate.seconds},
-            {"is_exact", estimate.is_exact}};
+            {"is_exact", estimate.is_exact},
+            {"warnings", estimate.warnings}};
 }
 
 }  // namespace
 
 ExitCode estimate_command(const Arguments& arguments) {
+    for (const std::string& path : arguments.outputs) {
+        check_mesh_format(path, traits_of(arguments.options));
+        check_mesh_output(path);
+    }
     if (!arguments.report.empty()) check_other_output("--report", arguments.report, ".json");
     Progress progress(arguments.quiet);
     MeshOptions options = arguments.options;
     options.progress = [&progress](const char* stage, double fraction) {
+        report_aborts();  // the driver is open from some stage on
         progress.show(stage, fraction);
         return true;
     };
@@ -73,6 +82,10 @@ ExitCode estimate_command(const Arguments& arguments) {
     for (const std::string& warning : model.warnings) progress.warn(warning);
     build_kernels_ahead(options, progress);
     const MeshEstimate estimate = Mesher(options.device, options.work_group_size).estimate(model, options);
+    for (const std::string& warning : estimate.warnings) progress.warn(warning);
+    if (estimate.nodes > kMostNodes)
+        progress.warn("a mesh has " + rough_count(static_cast<double>(kMostNodes)) +
+                      " nodes at most; use larger cells");
     progress.clear();
     const std::string document = to_text(estimate_document(arguments, estimate));
     if (!arguments.report.empty()) write_text(arguments.report, document);

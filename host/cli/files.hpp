@@ -8,7 +8,8 @@
 
 namespace mortise::cli {
 
-/// What of a mesh made so not every format can hold.
+/// What of a mesh made so not every format can hold, as far as options tell: hexahedra have pyramids beside
+/// them at nearly every boundary.
 MeshTraits traits_of(const MeshOptions& options);
 
 /// Throws what writing a mesh of that name would throw, as far as that can be known before the work starts.

@@ -75,9 +75,9 @@ void append_pyramids(const Zone& zone, const std::vector<NodeId>& node, ElementB
     }
 }
 
-using FaceNodes = std::array<ZoneNode, 3>;
+using FaceKey = std::array<ZoneNode, 3>;
 
-FaceNodes face_of(const Tetrahedron& t, std::size_t face) {
+FaceKey face_of(const Tetrahedron& t, std::size_t face) {
     const auto& o = kOpposite[face];
     return {t.node[o[0]], t.node[o[1]], t.node[o[2]]};
 }
@@ -96,7 +96,7 @@ class Fronts {
     }
 
     /// 0: there is none.
-    std::uint16_t region(const FaceNodes& face) const {
+    std::uint16_t region(const FaceKey& face) const {
         const Face wanted{sorted(face), 0};
         const auto found = std::lower_bound(faces_.begin(), faces_.end(), wanted);
         return found != faces_.end() && found->key == wanted.key ? found->region : std::uint16_t{0};
@@ -104,11 +104,11 @@ class Fronts {
 
   private:
     struct Face {
-        FaceNodes key;
+        FaceKey key;
         std::uint16_t region;
         bool operator<(const Face& other) const { return key < other.key; }
     };
-    static FaceNodes sorted(FaceNodes key) {
+    static FaceKey sorted(FaceKey key) {
         std::sort(key.begin(), key.end());
         return key;
     }
@@ -119,7 +119,7 @@ void append_facets(const Tetrahedron& t, const std::vector<NodeId>& node, const 
                    FacetBlock& facets) {
     for (std::size_t f = 0; f < 4; ++f) {
         if ((t.tag[f] & (kTagInside | kTagBorder)) != kTagInside) continue;
-        const FaceNodes face = face_of(t, f);
+        const FaceKey face = face_of(t, f);
         for (const ZoneNode n : face) facets.nodes.push_back(node[n]);
         facets.nodes.push_back(node[face[2]]);
         facets.surface.push_back(tag_surface(t.tag[f]));

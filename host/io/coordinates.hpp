@@ -26,7 +26,7 @@ class Coordinates {
     double scale_;
 };
 
-/// Throws Error(kUsage) unless it is a positive number that keeps coordinates in range.
+/// Throws Error(kUsage) unless it lies from kLeastScale to kMostScale.
 void check_scale(double scale, const std::string& path);
 
 }  // namespace mortise::io

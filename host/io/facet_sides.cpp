@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
+#include <memory>
 #include <string>
 
 #include "host/common/parallel.hpp"
@@ -14,7 +16,8 @@ namespace {
 
 constexpr std::size_t kChunk = 8192;
 constexpr NodeId kNoNode = 0xffffffffu;
-constexpr std::uint32_t kNoElement = 0xffffffffu;
+constexpr std::uint64_t kMostFaces = 8;  ///< of an element, and more
+constexpr std::uint64_t kNoSide = ~std::uint64_t{0};
 
 /// Nodes of a face, ascending; of a triangle the last is kNoNode.
 using SideKey = std::array<NodeId, 4>;
@@ -65,38 +68,49 @@ class FacetsByNode {
 
 std::vector<FacetSide> facet_sides(const Mesh& mesh, int threads) {
     const FacetsByNode facets(mesh);
-    std::vector<FacetSide> sides(mesh.facets.size(), {kNoElement, 0, ElementType::kHexahedron});
-    std::size_t first = 0;
+    // Element and face in one number, of which the least stays, whoever comes first.
+    const std::size_t count = mesh.facets.size();
+    const std::unique_ptr<std::atomic<std::uint64_t>[]> found(new std::atomic<std::uint64_t>[count]);
+    for (std::size_t f = 0; f < count; ++f) found[f].store(kNoSide, std::memory_order_relaxed);
+    const auto note = [&found](std::uint32_t facet, std::uint64_t side) {
+        std::uint64_t known = found[facet].load(std::memory_order_relaxed);
+        while (side < known && !found[facet].compare_exchange_weak(known, side, std::memory_order_relaxed)) {
+        }
+    };
+    std::array<std::uint64_t, kElementTypes + 1> first{};
     for (std::size_t t = 0; t < kElementTypes; ++t) {
-        const auto type = static_cast<ElementType>(t);
         const ElementBlock& block = mesh.elements[t];
-        const LocalFaces local = local_faces(type);
+        const LocalFaces local = local_faces(static_cast<ElementType>(t));
         const auto find_faces = [&](std::size_t i) {
-            const NodeId* const node = block.nodes.data() + nodes_per(type) * i;
+            const NodeId* const node = block.nodes.data() + static_cast<std::size_t>(kElementNodes[t]) * i;
             for (int f = 0; f < local.count; ++f) {
                 SideKey face{kNoNode, kNoNode, kNoNode, kNoNode};
-                const std::size_t count = corner_count(local.faces[f]);
+                const std::size_t corners = corner_count(local.faces[f]);
                 bool may_be_facet = true;
-                for (std::size_t k = 0; k < count && may_be_facet; ++k) {
+                for (std::size_t k = 0; k < corners && may_be_facet; ++k) {
                     face[k] = node[local.faces[f][k]];
                     may_be_facet = facets.is_on_facet(face[k]);
                 }
                 if (!may_be_facet) continue;
-                facets.find(side_key(face), block.region[i], [&](std::uint32_t facet) {
-                    sides[facet] = {static_cast<std::uint32_t>(first + i), static_cast<std::uint8_t>(f),
-                                    type};
-                });
+                const std::uint64_t side = kMostFaces * (first[t] + i) + static_cast<std::uint64_t>(f);
+                facets.find(side_key(face), block.region[i], [&](std::uint32_t facet) { note(facet, side); });
             }
         };
         parallel_chunks(block.size(), kChunk, threads, [&](std::size_t begin, std::size_t end, int) {
             for (std::size_t i = begin; i < end; ++i) find_faces(i);
         });
-        first += block.size();
+        first[t + 1] = first[t] + block.size();
     }
-    for (std::size_t f = 0; f < sides.size(); ++f) {
-        if (sides[f].element == kNoElement)
+    std::vector<FacetSide> sides(count);
+    for (std::size_t f = 0; f < count; ++f) {
+        const std::uint64_t side = found[f].load(std::memory_order_relaxed);
+        if (side == kNoSide)
             throw Error(ExitCode::kMeshing, "invalid mesh: facet " + std::to_string(f) +
                                                 " is no face of an element; see check_mesh");
+        std::size_t type = 0;
+        while (side / kMostFaces >= first[type + 1]) ++type;
+        sides[f] = {side / kMostFaces, static_cast<std::uint8_t>(side % kMostFaces),
+                    static_cast<ElementType>(type)};
     }
     return sides;
 }

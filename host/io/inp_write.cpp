@@ -105,11 +105,12 @@ class DeckNames {
     std::set<std::string> taken_;
 };
 
-/// What a comment can hold of a name.
+/// What a comment can hold of a name: readers break long lines, and take the rest for data.
 std::string quoted(const std::string& name) {
+    constexpr std::size_t kMost = 120;
     std::string text = "'";
-    for (const char c : name) text += static_cast<unsigned char>(c) < ' ' ? '_' : c;
-    return text + "'";
+    for (const char c : name.substr(0, kMost)) text += static_cast<unsigned char>(c) < ' ' ? '_' : c;
+    return text + (name.size() > kMost ? "…'" : "'");
 }
 
 class InpWriter {
@@ -232,7 +233,7 @@ class InpWriter {
             file_.write("*SURFACE, NAME=" + name + ", TYPE=ELEMENT\n");
             write_items(facets[g].size(), [&](std::size_t i, std::string& text) {
                 const FacetSide& side = sides[facets[g][i]];
-                add_number(text, std::uint64_t{side.element} + 1);
+                add_number(text, side.element + 1);
                 text += ", S";
                 add_number(text, static_cast<std::uint64_t>(deck_face(side.type, side.face)));
                 text += "\n";

@@ -104,9 +104,12 @@ void write_mesh(const Mesh& mesh, const std::string& path, const std::vector<flo
     io::check_scale(options.scale, path);
     if (format == Format::kFoam) return io::write_foam(mesh, path, options);
     io::TemporaryFile file(path);
-    if (format == Format::kVtu) io::write_vtu(mesh, jacobians, options, file);
-    if (format == Format::kMsh) io::write_msh(mesh, options, file);
-    if (format == Format::kInp) io::write_inp(mesh, options, file);
+    switch (format) {
+        case Format::kVtu: io::write_vtu(mesh, jacobians, options, file); break;
+        case Format::kMsh: io::write_msh(mesh, options, file); break;
+        case Format::kInp: io::write_inp(mesh, options, file); break;
+        case Format::kFoam: break;  // a folder, above
+    }
     file.commit();
 }
 

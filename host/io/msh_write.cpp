@@ -58,7 +58,7 @@ class MshWriter {
           second_order_(mesh.is_second_order()) {}
 
     void write() {
-        group_facets();
+        list_blocks();
         file_.write("$MeshFormat\n4.1 1 8\n");
         file_.put<int>(1);
         file_.write("\n$EndMeshFormat\n");
@@ -72,9 +72,9 @@ class MshWriter {
   private:
     int regions() const { return static_cast<int>(mesh_.region_names.size()); }
 
-    void group_facets() {
+    void list_blocks() {
         const FacetBlock& facets = mesh_.facets;
-        FacetGroups grouped = io::group_facets(facets);
+        FacetGroups grouped = group_facets(facets);
         groups_ = std::move(grouped.groups);
         for (int entity = 1; entity <= static_cast<int>(groups_.size()); ++entity) {
             blocks_.push_back({2, entity, second_order_ ? kGmshSecondTriangle : kGmshTriangle, {}});

@@ -142,10 +142,10 @@ std::uint64_t TemporaryFile::reserve(std::uint64_t size) {
     flushed_ += size;
 #if defined(__linux__)
     if (size >= kWriteSize) {
-        // Space found in one piece instead of at each write; where that is not possible, writes go on as
-        // ever.
-        const int result = fallocate(descriptor_, 0, static_cast<off_t>(begin), static_cast<off_t>(size));
-        if (result != 0 && errno == ENOSPC) fail("write", ENOSPC);
+        // Space is found in one piece instead of at each write. Where that is not possible, writes go on as
+        // ever, and tell if there is none.
+        [[maybe_unused]] const int result =
+            fallocate(descriptor_, 0, static_cast<off_t>(begin), static_cast<off_t>(size));
     }
 #endif
     return begin;

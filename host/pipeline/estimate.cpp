@@ -18,8 +18,8 @@
 namespace mortise::pipeline {
 namespace {
 
-/// Trees of cells of one size are built to this level; in finer ones there are four and eight times as many
-/// cells at each level.
+/// Trees are built for cells at the boundary of this level at most; in finer ones there are four and eight
+/// times as many cells at each level.
 constexpr int kFinestTree = 9;
 /// A trial has no more cells at the boundary than this; a run that has no more is made as it is.
 constexpr double kTrialCells = 40'000;
@@ -32,18 +32,17 @@ constexpr double kMeshCopies = 1.15;     ///< of hexahedra
 constexpr double kSplitCopies = 1.3;     ///< of tetrahedra, which are made of these
 constexpr double kLayerCopies = 0.5;     ///< more, with layers
 
-/// What a cell inside gives, and one beside smaller ones (measured: 17.2 and 24.4 elements).
+/// What a cell inside gives, and one beside smaller ones: measured on balls and brackets.
 struct PerCell {
     double elements, transition_elements, nodes, transition_nodes;
 };
 PerCell per_cell(const MeshOptions& options) {
-    if (options.hanging) return {1, 1, 1, 1};
-    PerCell result = options.tetrahedra ? PerCell{6, 24, 1, 1} : PerCell{1, 17, 1, 1};
+    if (options.hanging) return {1, 1, 1, 2.8};
+    PerCell result = options.tetrahedra ? PerCell{6, 24, 1, 3.8} : PerCell{1, 17, 1, 3.8};
     if (options.second_order) {
-        // A grid of cubes has three edges for each vertex, one of cubes cut into six seven; a template of a
-        // transition cell has one vertex and 14 edges inside.
+        // A grid of cubes has three edges for each vertex, one of cubes cut into six seven.
         result.nodes += options.tetrahedra ? 7 : 3;
-        result.transition_nodes += 14;
+        result.transition_nodes = 28;
     }
     return result;
 }
@@ -58,8 +57,8 @@ double nodes_of_element(const MeshOptions& options, bool is_inside) {
 
 /// Stages whose time is that of all elements; that of others is the boundary's.
 bool is_of_elements(std::string_view stage) {
-    constexpr std::array<std::string_view, 8> kStages = {"assemble",  "merge", "tetrahedra",   "faces",
-                                                         "jacobians", "names", "second order", "hanging"};
+    constexpr std::array<std::string_view, 6> kStages = {"assemble", "merge",     "tetrahedra",
+                                                         "faces",    "jacobians", "second order"};
     return std::find(kStages.begin(), kStages.end(), stage) != kStages.end();
 }
 
@@ -121,25 +120,23 @@ class Estimator {
         : open_device_(open_device), model_(model), options_(options), run_(run) {}
 
     MeshEstimate estimate() {
-        CellCounts cells = count(options_);
-        if (!cells.is_counted) add_counts(cells);
-        const double of_one_size = cells.is_uniform ? cells.nio : count_of_one_size(cells);
-        int coarser = 0;
-        while (of_one_size > kTrialCells * std::ldexp(1.0, 2 * coarser)) ++coarser;
-        if (coarser == 0 && cells.nio <= kTrialCells) {
-            try_run(uniform(options_, 4 * cells.cell_size), 0.5, 0.6);  // which loads the kernels
-            MeshReport report;
-            const Mesh mesh = run_(told(options_, 0.6, 1), report);
-            const Trial trial = measured(mesh, report);
-            MeshEstimate exact = estimate_of(cells, trial.elements, trial.nodes);
-            exact.seconds = trial.element_seconds + trial.nio_seconds;
-            exact.is_exact = true;
-            return exact;
+        const CellCounts cells = count_all();
+        const double cell = cells.is_uniform ? cells.cell_size : equal_cell(cells);
+        int levels = 0;
+        while (cells.nio > kTrialCells * std::ldexp(1.0, 2 * levels)) ++levels;
+        for (; levels > 0; --levels) {  // the model may have no mesh of cells so large
+            if (const std::optional<Trials> trials = find_trials(std::ldexp(cell, levels)))
+                return extrapolate(cells, cell, *trials);
         }
-        return extrapolate(cells, coarser);
+        return make(cells);
     }
 
   private:
+    /// The smaller cells, and cells twice as large.
+    struct Trials {
+        Trial fine, coarse;
+    };
+
     MeshOptions told(MeshOptions options, double begin, double end) const {
         if (!options_.progress) return options;
         options.progress = [this, begin, end](const char* stage, double progress) {
@@ -148,29 +145,40 @@ class Estimator {
         return options;
     }
 
-    /// Without building it where the tree would be too fine: then only level and size of cells are right.
-    CellCounts count(const MeshOptions& options) {
+    CellCounts count(const MeshOptions& options) const {
         MeshReport ignored;
         const MeshOptions asked = told(options, 0, 0.5);
         Stages stages(asked, ignored);
         return count_cells(open_device_, model_, asked, kFinestTree, stages, ignored);
     }
 
-    /// Of cells of one size, from larger ones: as area and volume have them.
-    void add_counts(CellCounts& cells) {
-        CellCounts larger;
-        int levels = std::max(0, cells.level - kFinestTree);
-        for (; !larger.is_counted; ++levels)
-            larger = count(uniform(options_, std::ldexp(cells.cell_size, levels)));
+    /// Of trees that would be too fine, from a coarser one.
+    CellCounts count_all() const {
+        CellCounts cells = count(options_);
+        CellCounts larger = cells;
+        for (int levels = std::max(1, cells.level - kFinestTree); !larger.is_counted; ++levels) {
+            MeshOptions options = options_;
+            options.level = 0;
+            options.size = std::ldexp(cells.cell_size, levels);
+            larger = count(options);
+        }
         const double lengths = larger.cell_size / cells.cell_size;
-        const double volume = (larger.in + 0.5 * larger.nio) * lengths * lengths * lengths;
-        cells.nio = larger.nio * lengths * lengths;
-        cells.in = std::max(0.0, volume - 0.5 * cells.nio);
+        const double area = lengths * lengths, volume = lengths * area;
+        cells.nio = area * larger.nio;
+        cells.transitions = area * larger.transitions;
+        // Of one size: the boundary's cells are half inside.
+        cells.in = volume * larger.in + (cells.is_uniform ? 0.5 * (volume - area) * larger.nio : 0);
+        return cells;
     }
 
-    double count_of_one_size(CellCounts cells) {
-        add_counts(cells);
-        return cells.nio;
+    /// Cells of one size, of which the boundary would have as many.
+    double equal_cell(const CellCounts& cells) const {
+        MeshOptions options = uniform(options_, cells.cell_size);
+        for (CellCounts even; !even.is_counted; options.size *= 2) {
+            even = count(options);
+            if (even.is_counted) return even.cell_size * std::sqrt(even.nio / std::max(1.0, cells.nio));
+        }
+        return cells.cell_size;
     }
 
     /// None if the model has no mesh of such cells.
@@ -187,40 +195,54 @@ class Estimator {
         }
     }
 
-    /// From cells 2^coarser times as large, or less if the model has no mesh of those.
-    MeshEstimate extrapolate(const CellCounts& cells, int coarser) const {
-        const auto at = [&](int levels) { return uniform(options_, std::ldexp(cells.cell_size, levels)); };
-        std::optional<Trial> coarse, fine;
-        for (;; --coarser) {
-            try_run(at(coarser + 2), 0.5, 0.55);  // which loads the kernels
-            coarse = try_run(at(coarser + 1), 0.55, 0.7);
-            if (coarse && (fine = try_run(at(coarser), 0.7, 1))) break;
-            if (coarser > 0) continue;
-            MeshReport report;
-            fine = measured(run_(told(options_, 0.7, 1), report), report);  // throws, or does without another
-            if (!coarse) coarse = Trial{2 * fine->cell, 0, 0, 0, 0, 0, 0};
-            break;
-        }
-        const PerCell each = per_cell(options_), trial_each = per_cell(at(0));
+    /// None if the model has no mesh of such cells, or of cells twice as large.
+    std::optional<Trials> find_trials(double cell) {
+        if (!is_warm_) try_run(uniform(options_, 4 * cell), 0.5, 0.55);  // which loads the kernels
+        is_warm_ = true;
+        const std::optional<Trial> coarse = try_run(uniform(options_, 2 * cell), 0.55, 0.7);
+        if (!coarse) return std::nullopt;
+        const std::optional<Trial> fine = try_run(uniform(options_, cell), 0.7, 1);
+        if (!fine) return std::nullopt;
+        return Trials{*fine, *coarse};
+    }
+
+    /// The mesh itself.
+    MeshEstimate make(const CellCounts& cells) {
+        if (!is_warm_) try_run(uniform(options_, 4 * cells.cell_size), 0.5, 0.6);
+        MeshReport report;
+        const Mesh mesh = run_(told(options_, 0.6, 1), report);
+        const Trial trial = measured(mesh, report);
+        MeshEstimate result = with_sizes(cells, trial.elements, trial.nodes);
+        result.seconds = trial.element_seconds + trial.nio_seconds;
+        result.is_exact = true;
+        result.warnings = report.warnings;
+        return result;
+    }
+
+    /// `cell`: as equal_cell has it.
+    MeshEstimate extrapolate(const CellCounts& cells, double cell, const Trials& trials) const {
+        const Trial &fine = trials.fine, &coarse = trials.coarse;
+        const PerCell each = per_cell(options_), trial_each = per_cell(uniform(options_, cell));
         const auto at_boundary = [&](double Trial::*value, double per_in) {
-            const BoundaryLaw law(*coarse, (*coarse).*value - per_in * coarse->in, *fine,
-                                  (*fine).*value - per_in * fine->in);
-            return law.of(cells.nio, cells.cell_size);
+            const BoundaryLaw law(coarse, coarse.*value - per_in * coarse.in, fine,
+                                  fine.*value - per_in * fine.in);
+            return law.of(cells.nio, cell);
         };
         const double elements = each.elements * cells.in + each.transition_elements * cells.transitions +
                                 at_boundary(&Trial::elements, trial_each.elements);
         const double nodes = each.nodes * cells.in + each.transition_nodes * cells.transitions +
                              at_boundary(&Trial::nodes, trial_each.nodes);
-        MeshEstimate result = estimate_of(cells, elements, nodes);
+        MeshEstimate result = with_sizes(cells, elements, nodes);
         // Stages begin with what does not grow.
         const double per_element = std::max(
-            0.0, (fine->element_seconds - coarse->element_seconds) / (fine->elements - coarse->elements));
-        result.seconds = fine->element_seconds + per_element * (elements - fine->elements) +
+            0.0, (fine.element_seconds - coarse.element_seconds) / (fine.elements - coarse.elements));
+        result.seconds = fine.element_seconds + per_element * (elements - fine.elements) +
                          at_boundary(&Trial::nio_seconds, 0);
         return result;
     }
 
-    MeshEstimate estimate_of(const CellCounts& cells, double elements, double nodes) const {
+    /// What follows from the numbers of cells, elements and nodes.
+    MeshEstimate with_sizes(const CellCounts& cells, double elements, double nodes) const {
         MeshEstimate result;
         result.level = cells.level;
         result.finest_level = cells.finest_level;
@@ -252,6 +274,7 @@ class Estimator {
     const Model& model_;
     const MeshOptions& options_;
     const TrialRun& run_;
+    bool is_warm_ = false;  ///< kernels are loaded
 };
 
 }  // namespace

@@ -70,7 +70,7 @@ class Finish {
     const std::vector<std::uint8_t> held_;  ///< surfaces that stay as they are
     improve::Options improve_options_;
     improve::Counters counters_;
-    bool knows_shapes_ = true;     ///< what follows is of the mesh as it is
+    bool knows_shapes_ = true;     ///< false: hexahedra have other numbers than those that follow
     IndexRuns moved_cubes_;        ///< hexahedra of kind kIn, but for these, are boxes along the axes; before
                                    ///< add_layers(), which moves others
     IndexRuns sixths_;             ///< tetrahedra that are sixths of such boxes

@@ -144,13 +144,13 @@ Mesh Mesher::Implementation::generate(const Model& model, const MeshOptions& ask
     pipeline::check_options(options);
     const std::optional<jacobian::Method> jacobian_method = jacobian::wanted_method();
     Stages stages(options, out);
-    const auto opened = [&]() -> device::Device& { return open(options); };
-    Prepared prepared = pipeline::prepare(opened, model, options, stages, out);
-    device::Device& opened_device = opened();
+    const auto open_device = [&]() -> device::Device& { return open(options); };
+    Prepared prepared = pipeline::prepare(open_device, model, options, stages, out);
+    device::Device& used = open_device();
     Mesh mesh;
-    const Extracted extracted = mesh_pieces(opened_device, options, prepared, stages, kept, &mesh);
+    const Extracted extracted = mesh_pieces(used, options, prepared, stages, kept, &mesh);
     if (!options.tetrahedra) local_arena.mesh = {};
-    pipeline::Finish finish(opened_device, model, options, prepared, stages, out);
+    pipeline::Finish finish(used, model, options, prepared, stages, out);
     if (options.improve) finish.improve(mesh);
     if (mesh.element_count() == 0) pipeline::refuse_empty(model.source);
     mesh.region_names = prepared.compiled.region_names;

@@ -201,7 +201,7 @@ CellCounts count_cells(const std::function<device::Device&()>& open_device, cons
     counts.finest_level = sizes.levels.finest();
     counts.cell_size = prepared.root.cell();
     counts.is_uniform = sizes.levels.is_uniform();
-    if (counts.is_uniform && counts.level > most_levels) return counts;
+    if (counts.level > most_levels) return counts;
     if (!bound.polyhedra.empty()) divide_polyhedra(model, options, sizes.levels, stages, bound, out);
     stages.begin("device");
     device::Device& device = open_device();

@@ -55,8 +55,8 @@ struct CellCounts {
     double in = 0, nio = 0;
     double transitions = 0;  ///< inside, beside smaller ones; not among the others
 };
-/// The stages from "compile" to "octree". Where cells of one size would be of a higher level than this, they
-/// are not counted.
+/// The stages from "compile" to "octree". Where cells at the boundary would be of a higher level than this,
+/// they are not counted.
 CellCounts count_cells(const std::function<device::Device&()>& open_device, const Model& model,
                        const MeshOptions& options, int most_levels, Stages& stages, MeshReport& out);
 

@@ -391,7 +391,8 @@ void bind_mesher(py::module_& module) {
         .def_readonly("memory_bytes", &MeshEstimate::memory_bytes)
         .def_readonly("file_bytes", &MeshEstimate::file_bytes)
         .def_readonly("seconds", &MeshEstimate::seconds)
-        .def_readonly("is_exact", &MeshEstimate::is_exact);
+        .def_readonly("is_exact", &MeshEstimate::is_exact)
+        .def_readonly("warnings", &MeshEstimate::warnings);
     py::class_<Mesher>(module, "Mesher", "Meshes one model after another on one device; kernels stay loaded.")
         .def(py::init<std::string, int>(), py::arg("device") = "", py::arg("work_group_size") = 0)
         .def(

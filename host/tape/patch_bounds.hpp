@@ -8,7 +8,8 @@
 
 namespace mortise::tape {
 
-/// Sign of a patch over a cell that lies away from its triangles: -1, +1; 0: it may pass.
+/// Sign of a patch over a cell that lies away from its triangles: -1, +1; 0: it may pass. Beyond its rim,
+/// where a patch is no distance, right within some cells of it.
 int classify_patch(const BoundModel& model, std::uint32_t surface, const Cell& cell);
 
 enum class PatchState : std::uint8_t { kAbsent, kSteady, kTurning };

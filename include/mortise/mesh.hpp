@@ -43,17 +43,20 @@ struct ElementBlock {
 };
 
 /// The nodes of a facet, three or four, as they stand in the mesh.
-struct FacetNodes {
-    const NodeId* first;
-    std::size_t count;
-
-    const NodeId* begin() const { return first; }
-    const NodeId* end() const { return first + count; }
-    std::size_t size() const { return count; }
-    NodeId operator[](std::size_t k) const { return first[k]; }
+class FacetNodes {
+  public:
+    FacetNodes(const NodeId* first, std::size_t count) : first_(first), count_(count) {}
+    const NodeId* begin() const { return first_; }
+    const NodeId* end() const { return first_ + count_; }
+    std::size_t size() const { return count_; }
+    NodeId operator[](std::size_t k) const { return first_[k]; }
     /// The one after the k-th, round about.
-    NodeId after(std::size_t k) const { return first[k + 1 == count ? 0 : k + 1]; }
-    NodeId before(std::size_t k) const { return first[k == 0 ? count - 1 : k - 1]; }
+    NodeId after(std::size_t k) const { return first_[k + 1 == count_ ? 0 : k + 1]; }
+    NodeId before(std::size_t k) const { return first_[k == 0 ? count_ - 1 : k - 1]; }
+
+  private:
+    const NodeId* first_;
+    std::size_t count_;
 };
 
 /// Boundary and interface facets: three or four nodes each.

@@ -185,10 +185,11 @@ struct MeshEstimate {
     double cell_size = 0;  ///< of `level`
     std::uint64_t in_cells = 0, nio_cells = 0;
     std::uint64_t elements = 0, nodes = 0;
-    std::uint64_t memory_bytes = 0;  ///< of the process at its peak
-    std::uint64_t file_bytes = 0;    ///< of a .vtu with plain arrays; compressed ones have about a quarter
-    double seconds = 0;              ///< of the mesher; reading the model and writing files is not in it
-    bool is_exact = false;           ///< elements and nodes are those of the mesh, which was made
+    std::uint64_t memory_bytes = 0;     ///< of the process at its peak
+    std::uint64_t file_bytes = 0;       ///< of a .vtu with plain arrays; compressed ones have about a quarter
+    double seconds = 0;                 ///< of the mesher; reading the model and writing files is not in it
+    bool is_exact = false;              ///< elements and nodes are those of the mesh, which was made
+    std::vector<std::string> warnings;  ///< of that mesh
 };
 
 /// Throws Error(kInput) for a model that check_model refuses, or that is empty by its structure.
@@ -220,8 +221,10 @@ class Mesher {
     Mesh generate(const Model& model, const MeshOptions& options = {}, MeshReport* report = nullptr);
 
     /// Counts the cells that generate() would have, and meshes the model in larger ones to see what a cell at
-    /// the boundary gives and takes: a tenth of a second to a few, where a run would take minutes. How far
-    /// off it may be: docs/options.md. Throws what generate() throws.
+    /// the boundary gives and takes; models with few cells there are meshed as they are. Roughly
+    /// (docs/options.md), in a tenth of a second to some ten, where a run may take minutes. Throws what
+    /// generate() throws for the model and the options; what only the mesh would show (`strict`, too many
+    /// nodes) it does not see.
     MeshEstimate estimate(const Model& model, const MeshOptions& options = {});
 
     /// Takes a mesh that is no longer needed, and leaves an empty one: the next of about that size is made in

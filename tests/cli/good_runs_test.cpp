@@ -400,9 +400,21 @@ TEST_CASE("--dry-run tells what a run would make, and makes nothing") {
     CHECK(guess["is_exact"] == true);
     CHECK(guess["nodes"] == mesh["nodes"]);
     CHECK(guess["cells"]["nio"] == mesh["cells"]["nio"]);
-    const Outcome refused = run({asset("bracket.csg"), "--dry-run", "--check"});
-    CHECK(refused.code == 1);
-    CHECK(is_one_line(refused.err, "mortise: --check: a dry run makes no mesh"));
+    using Words = std::vector<std::string>;
+    for (const Words& words :
+         {Words{"--check"}, Words{"--quality"}, Words{"--quality-floor", "0.1"}, Words{"--features", "a.vtp"},
+          Words{"--picture", "a.png"}, Words{"--cut", "x"}, Words{"--memory", "1G"}}) {
+        Words all = {asset("bracket.csg"), "--dry-run"};
+        all.insert(all.end(), words.begin(), words.end());
+        const Outcome refused = run(all);
+        CHECK(refused.code == 1);
+        CHECK(is_one_line(refused.err, "mortise: " + words[0] + ": a dry run makes no mesh"));
+    }
+    CHECK(run({asset("bracket.csg"), "--dry-run", "-o", "a.xyz"}).code == 1);
+    CHECK(run({asset("bracket.csg"), "--dry-run", "-o", "a.inp", "--order", "2"}).code == 1);
+    const Outcome large = run({asset("bracket.csg"), "--dry-run", "--level", "11"});
+    CHECK(large.code == 0);
+    CHECK(contains(large.out, ": about 1.4 billion elements"));
 }
 
 TEST_CASE("--scale: files in other units, reports in the model's") {

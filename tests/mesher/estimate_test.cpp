@@ -1,7 +1,13 @@
 // Mesher::estimate beside the meshes that it tells of.
 #include <doctest/doctest.h>
 
+#include <unistd.h>
+
+#include <filesystem>
+#include <string>
+
 #include "mortise/error.hpp"
+#include "mortise/io.hpp"
 #include "mortise/mesher.hpp"
 #include "tests/mesher/meshed.hpp"
 
@@ -15,9 +21,21 @@ constexpr const char* kTee =
     "union() { cylinder(h = 4, r1 = 1, r2 = 1, center = true); multmatrix([[0,0,1,0],[0,1,0,0],[-1,0,0,0],"
     "[0,0,0,1]]) cylinder(h = 3, r1 = 0.6, r2 = 0.6); }";
 
+/// Of a .vtu with plain arrays.
+double file_bytes(const Mesh& mesh) {
+    const auto path =
+        std::filesystem::temp_directory_path() / ("mortise-estimate-" + std::to_string(getpid()) + ".vtu");
+    MeshFileOptions options;
+    options.compress = false;
+    write_mesh(mesh, path.string(), {}, options);
+    const auto size = static_cast<double>(std::filesystem::file_size(path));
+    std::filesystem::remove(path);
+    return size;
+}
+
 /// What the estimate is to what was made.
 struct Ratio {
-    double elements, nodes;
+    double elements, nodes, file;
 };
 Ratio compare(const char* text, const MeshOptions& options, bool is_exact) {
     Mesher mesher;
@@ -27,12 +45,13 @@ Ratio compare(const char* text, const MeshOptions& options, bool is_exact) {
     MeshReport report;
     const Mesh mesh = mesher.generate(model, options, &report);
     CHECK(estimate.level == report.level);
-    CHECK(estimate.cell_size == report.cell_size);
+    CHECK(estimate.cell_size == doctest::Approx(report.cell_size));
     CHECK(estimate.nio_cells == report.nio_cells);
     CHECK(estimate.in_cells == report.in_cells);
-    CHECK(estimate.seconds > 0);
+    CHECK(estimate.finest_level == report.finest_level);
     return {static_cast<double>(estimate.elements) / static_cast<double>(mesh.element_count()),
-            static_cast<double>(estimate.nodes) / static_cast<double>(mesh.node_count())};
+            static_cast<double>(estimate.nodes) / static_cast<double>(mesh.node_count()),
+            static_cast<double>(estimate.file_bytes) / file_bytes(mesh)};
 }
 
 }  // namespace
@@ -66,8 +85,26 @@ TEST_CASE("an estimate from coarser meshes: elements and nodes to some percent")
             const Ratio tee = compare(kTee, options, false);
             CHECK(tee.elements == doctest::Approx(1).epsilon(0.15));
             CHECK(tee.nodes == doctest::Approx(1).epsilon(0.05));
+            CHECK(tee.file == doctest::Approx(1).epsilon(0.1));
         }
     }
+}
+
+TEST_CASE("an estimate of cells of several sizes") {
+    MeshOptions options;
+    options.level = 4;
+    options.refine = 4;
+    options.curvature_elements = 400;
+    const Ratio ball = compare(kBall, options, false);
+    CHECK(ball.elements == doctest::Approx(1).epsilon(0.2));
+    CHECK(ball.nodes == doctest::Approx(1).epsilon(0.2));
+    options.level = 7;
+    options.refine = 0;
+    options.curvature_elements = 0;
+    options.interior_coarsening = 3;
+    const Ratio tee = compare(kTee, options, false);
+    CHECK(tee.elements == doctest::Approx(1).epsilon(0.2));
+    CHECK(tee.nodes == doctest::Approx(1).epsilon(0.2));
 }
 
 TEST_CASE("an estimate of cells too many to count, from fewer of them") {
@@ -79,6 +116,14 @@ TEST_CASE("an estimate of cells too many to count, from fewer of them") {
     const double cells = 4.18879 / (estimate.cell_size * estimate.cell_size * estimate.cell_size);
     CHECK(static_cast<double>(estimate.elements) == doctest::Approx(cells).epsilon(0.03));
     CHECK(static_cast<double>(estimate.memory_bytes) > 60 * cells);
+    CHECK(static_cast<double>(estimate.memory_bytes) < 110 * cells);
+    // Also where cells have several sizes, without building the whole tree.
+    options.refine = 1;
+    options.interior_coarsening = 1;
+    const MeshEstimate graded = mesher.estimate(ball, options);
+    CHECK(graded.level == 10);
+    CHECK(static_cast<double>(graded.nio_cells) ==
+          doctest::Approx(static_cast<double>(estimate.nio_cells)).epsilon(0.25));
 }
 
 TEST_CASE("an estimate ends when its caller wants no more, and tells what generate tells") {
