@@ -66,10 +66,7 @@ Json estimate_document(const Arguments& arguments, const MeshEstimate& estimate)
 }  // namespace
 
 ExitCode estimate_command(const Arguments& arguments) {
-    for (const std::string& path : arguments.outputs) {
-        check_mesh_format(path, traits_of(arguments.options));
-        check_mesh_output(path);
-    }
+    check_mesh_outputs(arguments.outputs, arguments.options);
     if (!arguments.report.empty()) check_other_output("--report", arguments.report, ".json");
     Progress progress(arguments.quiet);
     MeshOptions options = arguments.options;

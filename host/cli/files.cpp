@@ -27,6 +27,13 @@ void check_mesh_output(const std::string& path) {
     if (!is_mesh_folder(path)) try_folder(path);
 }
 
+void check_mesh_outputs(const std::vector<std::string>& paths, const MeshOptions& options) {
+    for (const std::string& path : paths) {
+        check_mesh_format(path, traits_of(options));
+        check_mesh_output(path);
+    }
+}
+
 void check_other_output(const std::string& option, const std::string& path, const std::string& extension) {
     const std::filesystem::path name(path);
     if (lower_case(name.extension().string()) != extension) {

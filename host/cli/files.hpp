@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "mortise/io.hpp"
 #include "mortise/mesher.hpp"
@@ -14,6 +15,8 @@ MeshTraits traits_of(const MeshOptions& options);
 
 /// Throws what writing a mesh of that name would throw, as far as that can be known before the work starts.
 void check_mesh_output(const std::string& path);
+/// The same for all of them, and what their formats cannot hold of a mesh made so.
+void check_mesh_outputs(const std::vector<std::string>& paths, const MeshOptions& options);
 
 /// The same for a file that must end in `extension`, such as ".png"; `option` names it in messages.
 void check_other_output(const std::string& option, const std::string& path, const std::string& extension);

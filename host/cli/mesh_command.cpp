@@ -119,10 +119,7 @@ std::string summary(const Arguments& arguments, const MeshReport& report, const 
 }
 
 void check_outputs(const Arguments& arguments) {
-    for (const std::string& path : arguments.outputs) {
-        check_mesh_format(path, traits_of(arguments.options));
-        check_mesh_output(path);
-    }
+    check_mesh_outputs(arguments.outputs, arguments.options);
     if (!arguments.picture.empty()) check_other_output("--picture", arguments.picture, ".png");
     if (!arguments.report.empty()) check_other_output("--report", arguments.report, ".json");
     if (!arguments.features.empty()) check_other_output("--features", arguments.features, ".vtp");

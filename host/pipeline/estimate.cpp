@@ -24,8 +24,8 @@ constexpr int kFinestTree = 9;
 /// A trial has no more cells at the boundary than this; a run that has no more is made as it is.
 constexpr double kTrialCells = 40'000;
 
-// Measured on the models of assets/ and of the corpora at level 7, and on spheres to level 9: the peaks of
-// runs were between 0.9 and 1.2 of what this gives.
+// Measured on the models of assets/ and of the corpora at level 7, and on spheres to level 9: runs took 0.75
+// to 1.25 times what this gives.
 constexpr double kProcessBytes = 120e6;  ///< of the driver and its compiler
 constexpr double kBytesPerCell = 550;    ///< at the boundary
 constexpr double kMeshCopies = 1.15;     ///< of hexahedra

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "host/common/facet_middle.hpp"
 #include "host/common/parallel.hpp"
 #include "host/tape/face_names.hpp"
 #include "mortise/error.hpp"
@@ -12,16 +13,6 @@ namespace {
 constexpr std::size_t kFacetChunk = 4096;
 
 }  // namespace
-
-Vec3 facet_middle(const Mesh& mesh, std::size_t facet) {
-    const FacetNodes nodes = mesh.facets.facet(facet);
-    Vec3 middle{};
-    for (const NodeId node : nodes) {
-        const double* const p = mesh.points.data() + 3 * std::size_t{node};
-        for (std::size_t j = 0; j < 3; ++j) middle[j] += p[j] / static_cast<double>(nodes.size());
-    }
-    return middle;
-}
 
 void name_surfaces(const tape::CompiledModel& compiled, const tape::BoundModel& model, int threads,
                    Mesh& mesh) {

@@ -4,7 +4,6 @@
 #include <string>
 #include <vector>
 
-#include "host/common/vec3.hpp"
 #include "host/tape/compile.hpp"
 #include "mortise/mesh.hpp"
 
@@ -18,9 +17,6 @@ void name_surfaces(const tape::CompiledModel& compiled, const tape::BoundModel& 
 
 /// Error(kUsage): no region or surface of the model has this name.
 [[noreturn]] void refuse_name(const std::string& name, const tape::CompiledModel& compiled);
-
-/// The mean of a facet's corners.
-Vec3 facet_middle(const Mesh& mesh, std::size_t facet);
 
 /// Refuses names that are neither of a region nor of a surface.
 void check_names(const std::vector<std::string>& names, const tape::CompiledModel& compiled);

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "host/common/facet_middle.hpp"
 #include "host/pipeline/message_text.hpp"
-#include "host/pipeline/names.hpp"
 #include "host/tape/reference.hpp"
 
 namespace mortise::pipeline {
