@@ -173,6 +173,8 @@ void read_mesh_words(const Words& words, Arguments& arguments) {
     if (options.hanging && options.second_order)
         refuse("--hanging and --order 2: only elements of first order have hanging nodes; leave one away");
     read_layer_words(words, options);
+    if (options.layers.count > 0 && !options.periodic.empty())
+        refuse("--layers and --periodic: layers do not go with periodic faces yet; leave one away");
     options.templates = !words.no_templates;
     options.snap = !words.no_snap;
     options.improve = !words.no_improve;
@@ -242,6 +244,7 @@ void read_memory(const std::string& word, Arguments& arguments) {
                                                   {!arguments.features.empty(), "--features"},
                                                   {!arguments.picture.empty(), "--picture"},
                                                   {arguments.options.tetrahedra, "--elements tet"},
+                                                  {!arguments.options.periodic.empty(), "--periodic"},
                                                   {arguments.options.second_order, "--order 2"},
                                                   {arguments.options.layers.count > 0, "--layers"}};
     for (const auto& [is_given, option] : wrong) {

@@ -87,6 +87,9 @@ Json mesh_document(const MeshReport& report, const MeshFigures& figures) {
     json["worst_place"] = figures.worst_place ? Json(*figures.worst_place) : Json(nullptr);
     json["regions"] = names_with_counts(figures.regions, figures.in_region, "elements");
     json["surfaces"] = names_with_counts(figures.surfaces, figures.on_surface, "facets");
+    json["periodic"] = Json::array();
+    for (const MeshFigures::Periodic& pair : figures.periodic)
+        json["periodic"].push_back({{"shift", pair.shift}, {"nodes", pair.nodes}});
     double crease_length = 0;
     for (const FeatureCurve& curve : report.features.curves) crease_length += curve.length;
     json["features"] = {{"creases", report.features.curves.size()},

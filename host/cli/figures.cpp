@@ -13,6 +13,7 @@ void MeshFigures::add_outline(const Mesh& mesh) {
     surfaces = mesh.surface_names;
     on_surface.resize(surfaces.size());
     for (const std::uint32_t surface : mesh.facets.surface) ++on_surface[surface];
+    for (const PeriodicNodes& pair : mesh.periodic) periodic.push_back({pair.shift, pair.size()});
 }
 
 void MeshFigures::add_elements(const Mesh& mesh, const std::vector<float>& jacobians, int threads) {

@@ -23,6 +23,11 @@ struct MeshFigures {
     std::vector<std::uint64_t> in_region;  ///< elements
     std::vector<std::string> surfaces;
     std::vector<std::uint64_t> on_surface;  ///< facets
+    struct Periodic {
+        Vec3 shift{};
+        std::uint64_t nodes = 0;  ///< that are copies
+    };
+    std::vector<Periodic> periodic;  ///< by pair of planes
 
     std::uint64_t element_count() const {
         return std::accumulate(elements.begin(), elements.end(), std::uint64_t{0});

@@ -97,6 +97,9 @@ std::string summary(const Arguments& arguments, const MeshReport& report, const 
                 std::to_string(report.layers.facets - report.layers.bare) + " of " +
                 std::to_string(report.layers.facets) + " facets\n";
     }
+    for (const MeshFigures::Periodic& pair : figures.periodic)
+        text += "  periodic   " + std::to_string(pair.nodes) + " nodes are copies of others, moved by " +
+                place_text(pair.shift) + "\n";
     text += "  worst      scaled Jacobian " + list_jacobians(figures.elements, figures.min_scaled_jacobian);
     if (figures.worst_place) text += "; the lowest at " + place_text(*figures.worst_place);
     text += "\n";

@@ -49,6 +49,9 @@ void add_shape_options(CLI::App& app, Arguments& arguments, Words& words) {
         ->type_size(6)
         ->expected(1)
         ->multi_option_policy(CLI::MultiOptionPolicy::Throw);
+    app.add_option("--periodic", arguments.options.periodic,
+                   "opposite faces of the box alike, node for node: xyz, or some of these")
+        ->option_text("AXES");
     app.add_option("--extrude", words.extrude, "solid of height H above a function of x and y (.vm, .frep)")
         ->option_text("H");
     add_facets(app, words);
@@ -94,7 +97,8 @@ void add_size_options(CLI::App& app, Arguments& arguments, Words& words) {
     app.add_option("--size-min", words.size_min,
                    "nothing that asks for small cells makes them smaller than this")
         ->option_text("LENGTH");
-    app.add_flag("--no-model-sizes", words.no_model_sizes, "ignore element sizes in the file (-maxh)");
+    app.add_flag("--no-model-sizes", words.no_model_sizes, "ignore element sizes in the file (-maxh)")
+        ->group("");  // few files have any
     app.add_option("--interior-coarsening", words.coarsening, "cells inside up to N levels larger")
         ->option_text("N");
     app.add_flag("--box-fit", words.box_fit,

@@ -46,6 +46,16 @@ bool holds_open(const Zone& zone, const std::vector<std::uint8_t>& is_open, cons
     });
 }
 
+/// Those of surfaces whose facets may change: at a held one nodes stay, and no facet gets another surface.
+std::vector<Tip> without_held(std::vector<Tip> tips, const std::vector<std::uint8_t>* held) {
+    const auto is_held = [held](const Tip& tip) {
+        return std::any_of(tip.surfaces.begin(), tip.surfaces.end(),
+                           [held](std::uint32_t surface) { return (*held)[surface] != 0; });
+    };
+    if (held != nullptr) tips.erase(std::remove_if(tips.begin(), tips.end(), is_held), tips.end());
+    return tips;
+}
+
 /// Improves a mesh, run after run.
 class Session {
   public:
@@ -54,7 +64,9 @@ class Session {
         : mesh_(std::move(mesh)),
           frame_(make_frame(model, options.level)),
           surfaces_(model, options.level),
-          tips_(find_tips(model, options.poles != nullptr ? *options.poles : no_poles_, options.level)),
+          tips_(without_held(
+              find_tips(model, options.poles != nullptr ? *options.poles : no_poles_, options.level),
+              options.held)),
           options_(options),
           trace_(trace) {
         if (options.leaves != nullptr && !options.leaves->is_uniform()) frame_.leaves = options.leaves;

@@ -1,8 +1,8 @@
 // Writes OpenFOAM's polyMesh, a folder of text files: points, faces, owner, neighbour, boundary, cellZones.
 //
-// Every surface of the outer boundary is a patch, every region a cell zone; facets between regions are inner
-// faces. Cells are numbered as the mesh lists its elements, inner faces as OpenFOAM wants them ("upper
-// triangular order").
+// Every surface of the outer boundary is a patch, cyclic if it is periodic (Mesh::periodic), every region a
+// cell zone; facets between regions are inner faces. Cells are numbered as the mesh lists its elements, inner
+// faces as OpenFOAM wants them ("upper triangular order").
 #include <algorithm>
 #include <charconv>
 #include <cstring>
@@ -104,13 +104,22 @@ void write_boundary(const Mesh& mesh, const PolyhedralFaces& faces, const std::v
                     FoamFolder& folder) {
     FoamFile file(folder, "boundary", "polyBoundaryMesh");
     std::set<std::string> taken;
+    std::vector<std::string> words;
+    for (const PolyhedralFaces::Patch& patch : faces.patches())
+        words.push_back(foam_word(mesh.surface_names[patch.surface], taken));
     file.list(faces.patches().size(), [&](std::size_t i) {
         const PolyhedralFaces::Patch& patch = faces.patches()[i];
         const std::string& name = mesh.surface_names[patch.surface];
         const bool is_wall = std::find(walls.begin(), walls.end(), name) != walls.end();
-        file.text("    " + foam_word(name, taken) + "\n    {\n        type            " +
-                  (is_wall ? "wall" : "patch") + ";\n        nFaces          " + std::to_string(patch.count) +
-                  ";\n        startFace       " + std::to_string(patch.first) + ";\n    }");
+        const bool is_cyclic = patch.partner != PolyhedralFaces::kNoPatch;
+        file.text("    " + words[i] + "\n    {\n        type            " +
+                  (is_cyclic ? "cyclic"
+                   : is_wall ? "wall"
+                             : "patch") +
+                  ";\n");
+        if (is_cyclic) file.text("        neighbourPatch  " + words[patch.partner] + ";\n");
+        file.text("        nFaces          " + std::to_string(patch.count) + ";\n        startFace       " +
+                  std::to_string(patch.first) + ";\n    }");
     });
 }
 

@@ -87,6 +87,12 @@ std::string io::find_range_error(const Mesh& mesh) {
         return "hanging nodes and their masters of unequal number";
     if (!all_below(mesh.hanging.node, nodes) || !all_below(mesh.hanging.masters, nodes))
         return "hanging node with a node index out of range";
+    for (const PeriodicNodes& pair : mesh.periodic) {
+        if (pair.original.size() != pair.size())
+            return "periodic nodes and their originals of unequal number";
+        if (!all_below(pair.node, nodes) || !all_below(pair.original, nodes))
+            return "periodic node with a node index out of range";
+    }
     return {};
 }
 

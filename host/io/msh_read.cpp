@@ -3,7 +3,9 @@
 //
 // Counts are compared with the bytes left in the file before anything is allocated for them.
 #include <algorithm>
+#include <array>
 #include <cstdlib>
+#include <iterator>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -36,6 +38,10 @@ class MshReader {
         read_nodes();
         expect_line("$Elements");
         read_elements();
+        if (bytes_.remaining() > 0) {
+            expect_line("$Periodic");
+            read_periodic();
+        }
         return std::move(mesh_);
     }
 
@@ -166,6 +172,45 @@ class MshReader {
         if (read != total) file_.damaged("numbers of elements do not agree");
         expect_line("");
         expect_line("$EndElements");
+    }
+
+    /// Links with the same shift are one pair of planes.
+    void read_periodic() {
+        const std::uint64_t links = bytes_.get<std::uint64_t>();
+        bytes_.expect(links, 1);
+        for (std::uint64_t i = 0; i < links; ++i) {
+            skip(3, sizeof(int));
+            double map[16];
+            if (bytes_.get<std::uint64_t>() != std::size(map)) file_.damaged("a periodic link without a map");
+            bytes_.read(map, sizeof map);
+            const std::array<double, 3> shift = {map[3], map[7], map[11]};
+            auto pair = std::find_if(mesh_.periodic.begin(), mesh_.periodic.end(),
+                                     [&](const PeriodicNodes& known) { return known.shift == shift; });
+            if (pair == mesh_.periodic.end()) {
+                mesh_.periodic.emplace_back();
+                pair = mesh_.periodic.end() - 1;
+                pair->shift = shift;
+            }
+            const std::uint64_t count = bytes_.get<std::uint64_t>();
+            bytes_.expect(count, 2 * sizeof(std::uint64_t));
+            std::vector<std::pair<NodeId, NodeId>> nodes;
+            for (std::size_t n = 0; n < pair->size(); ++n)
+                nodes.emplace_back(pair->node[n], pair->original[n]);
+            for (std::uint64_t n = 0; n < count; ++n) {
+                const NodeId node = next_node();
+                nodes.emplace_back(node, next_node());
+            }
+            std::sort(nodes.begin(), nodes.end());
+            nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+            pair->node.clear();
+            pair->original.clear();
+            for (const auto& [node, original] : nodes) {
+                pair->node.push_back(node);
+                pair->original.push_back(original);
+            }
+        }
+        expect_line("");
+        expect_line("$EndPeriodic");
     }
 
     /// The tag of the next element as an index in [first, first + count), not seen before, less `first`.

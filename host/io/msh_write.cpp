@@ -9,7 +9,8 @@
 // Element tags number facets, then elements, in mesh order, so that the grouping by entities loses nothing.
 // What Gmsh has no place for stands in a $Comments section: names as they are, and each surface entity's
 // surface and regions. The `kind` of elements is not stored. A mesh of second order has Gmsh's types of
-// second order throughout, facets included.
+// second order throughout, facets included. Surface entities that are copies of others (Mesh::periodic) are
+// linked in $Periodic, with their nodes.
 #include <algorithm>
 #include <limits>
 #include <numeric>
@@ -24,6 +25,7 @@
 #include "host/io/facet_groups.hpp"
 #include "host/io/formats.hpp"
 #include "host/io/msh_format.hpp"
+#include "host/io/periodic_groups.hpp"
 
 namespace mortise::io {
 namespace {
@@ -54,6 +56,7 @@ class MshWriter {
     MshWriter(const Mesh& mesh, const MeshFileOptions& options, TemporaryFile& file)
         : mesh_(mesh),
           points_(mesh.points, options.scale),
+          scale_(options.scale),
           file_(file),
           second_order_(mesh.is_second_order()) {}
 
@@ -67,6 +70,7 @@ class MshWriter {
         write_entities();
         write_nodes();
         write_elements();
+        write_periodic();
     }
 
   private:
@@ -76,6 +80,7 @@ class MshWriter {
         const FacetBlock& facets = mesh_.facets;
         FacetGroups grouped = group_facets(facets);
         groups_ = std::move(grouped.groups);
+        links_ = periodic_groups(mesh_, grouped.of);
         for (int entity = 1; entity <= static_cast<int>(groups_.size()); ++entity) {
             blocks_.push_back({2, entity, second_order_ ? kGmshSecondTriangle : kGmshTriangle, {}});
             blocks_.push_back({2, entity, second_order_ ? kGmshSecondQuadrilateral : kGmshQuadrilateral, {}});
@@ -247,6 +252,47 @@ class MshWriter {
         }
     }
 
+    /// One link for each surface entity that is a copy of another.
+    void write_periodic() {
+        if (links_.empty()) return;
+        file_.write("$Periodic\n");
+        file_.put<std::uint64_t>(links_.size());
+        for (const PeriodicGroups& link : links_) {
+            const PeriodicNodes& pair = mesh_.periodic[link.pair];
+            file_.put<int>(2);
+            file_.put<int>(static_cast<int>(link.copy) + 1);
+            file_.put<int>(static_cast<int>(link.original) + 1);
+            double map[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+            for (std::size_t j = 0; j < 3; ++j) map[4 * j + 3] = pair.shift[j] * scale_;
+            file_.put<std::uint64_t>(16);
+            file_.write(map, sizeof map);
+            const std::vector<NodeId> nodes = nodes_of(link.copy);
+            const std::vector<NodeId> originals = originals_of(pair, mesh_.node_count());
+            file_.put<std::uint64_t>(nodes.size());
+            for (const NodeId node : nodes) {
+                file_.put(std::uint64_t{node} + 1);
+                file_.put(std::uint64_t{originals[node]} + 1);
+            }
+        }
+        file_.write("\n$EndPeriodic\n");
+    }
+
+    /// The nodes of a group's facets, ascending.
+    std::vector<NodeId> nodes_of(std::uint32_t group) const {
+        std::vector<NodeId> nodes;
+        for (const std::size_t block : {2 * std::size_t{group}, 2 * std::size_t{group} + 1}) {
+            for (const std::size_t f : blocks_[block].items) {
+                for (std::size_t k = 4 * f; k < 4 * f + 4; ++k) {
+                    nodes.push_back(mesh_.facets.nodes[k]);
+                    if (second_order_) nodes.push_back(mesh_.facets.middles[k]);
+                }
+            }
+        }
+        std::sort(nodes.begin(), nodes.end());
+        nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+        return nodes;
+    }
+
     void put_block_header(int dimension, int entity, int type, std::uint64_t count) {
         file_.put(dimension);
         file_.put(entity);
@@ -275,10 +321,12 @@ class MshWriter {
 
     const Mesh& mesh_;
     const Coordinates points_;
+    const double scale_;
     TemporaryFile& file_;
     const bool second_order_;
     std::vector<FacetGroup> groups_;  ///< surface entity i + 1
-    std::vector<Block> blocks_;       ///< triangles and quadrilaterals of each group
+    std::vector<PeriodicGroups> links_;
+    std::vector<Block> blocks_;  ///< triangles and quadrilaterals of each group
 };
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include "host/common/large_array.hpp"
 #include "host/common/parallel.hpp"
 #include "host/common/parallel_sort.hpp"
+#include "host/io/periodic_groups.hpp"
 #include "mortise/error.hpp"
 #include "mortise/hanging.hpp"
 
@@ -166,12 +167,53 @@ void PolyhedralFaces::add_outer(const std::vector<Entry>& unmatched) {
         ++patches_.back().count;
         faces_.push_back(face);
     }
+    if (!mesh_.periodic.empty()) pair_patches();
+}
+
+/// Faces of patches that are copies come in the order of their originals.
+void PolyhedralFaces::pair_patches() {
+    std::vector<std::uint32_t> patch_of(mesh_.facets.size(), kNoGroup);
+    for (std::size_t f = 0; f < mesh_.facets.size(); ++f) {
+        if (mesh_.facets.outside[f] != 0) continue;
+        const auto patch = std::find_if(patches_.begin(), patches_.end(), [&](const Patch& known) {
+            return known.surface == mesh_.facets.surface[f];
+        });
+        patch_of[f] = static_cast<std::uint32_t>(patch - patches_.begin());
+    }
+    for (const PeriodicGroups& link : periodic_groups(mesh_, patch_of)) {
+        Patch &copy = patches_[link.copy], &original = patches_[link.original];
+        if (copy.partner != kNoPatch || original.partner != kNoPatch || link.copy == link.original) continue;
+        copy.partner = link.original;
+        original.partner = link.copy;
+        const std::vector<NodeId> original_of = originals_of(mesh_.periodic[link.pair], mesh_.node_count());
+        KeyTable places;
+        for (std::size_t i = 0; i < copy.count; ++i) {
+            NodeId nodes[4];
+            const Face& face = faces_[copy.first + i];
+            const std::size_t count = local_nodes(face.cell, face.local, nodes);
+            for (std::size_t k = 0; k < count; ++k) nodes[k] = original_of[nodes[k]];
+            places.emplace_back(key_of(nodes, count), static_cast<std::uint32_t>(i));
+        }
+        std::sort(places.begin(), places.end());
+        std::vector<Face> ordered;
+        for (std::size_t i = 0; i < original.count; ++i) {
+            NodeId nodes[4], images[4];
+            const Face& face = faces_[original.first + i];
+            const std::size_t count = local_nodes(face.cell, face.local, nodes);
+            Face image = faces_[copy.first + *find_key(places, key_of(nodes, count))];
+            local_nodes(image.cell, image.local, images);
+            while (original_of[images[image.start]] != nodes[0]) ++image.start;
+            ordered.push_back(image);
+        }
+        std::copy(ordered.begin(), ordered.end(), faces_.begin() + static_cast<std::ptrdiff_t>(copy.first));
+    }
 }
 
 std::size_t PolyhedralFaces::corners(const Face& face, std::array<NodeId, kMostCorners>& corners) const {
     NodeId nodes[4];
     const std::size_t own = local_nodes(face.cell, face.local, nodes);
     if (face.reversed) std::reverse(nodes, nodes + own);
+    std::rotate(nodes, nodes + face.start, nodes + own);
     std::size_t count = 0;
     for (std::size_t k = 0; k < own; ++k) {
         const NodeId next = nodes[(k + 1) % own];

@@ -22,6 +22,7 @@ class PolyhedralFaces {
         std::uint32_t cell;
         std::uint8_t local;
         bool reversed;
+        std::uint8_t start = 0;  ///< its corners begin with this one of the local face's
     };
     static constexpr std::uint32_t kOutside = 0xffffffffu;
     static constexpr std::size_t kMostCorners = 8;
@@ -36,12 +37,16 @@ class PolyhedralFaces {
     std::size_t inner_count() const { return inner_count_; }
     std::size_t cell_count() const { return first_[kElementTypes]; }
 
-    /// Outer faces of a surface of the mesh; none: none.
+    /// Outer faces of a surface of the mesh; none: none. If all of them are periodic, `partner` is the index
+    /// of the patch with their images, in the same order, which begin with the same corner and run the other
+    /// way.
     struct Patch {
         std::uint32_t surface;
         std::size_t first;  ///< among faces()
         std::size_t count;
+        std::size_t partner = kNoPatch;
     };
+    static constexpr std::size_t kNoPatch = static_cast<std::size_t>(-1);
     const std::vector<Patch>& patches() const { return patches_; }
 
     /// Writes the nodes of a face, counter-clockwise seen from the neighbour, to `corners`; returns how many.
@@ -51,6 +56,7 @@ class PolyhedralFaces {
     struct Entry;
     void match(std::vector<Entry>& entries);
     void add_outer(const std::vector<Entry>& unmatched);
+    void pair_patches();
     std::vector<Entry> add_hanging(const std::vector<Entry>& unmatched);
     std::size_t local_nodes(std::uint32_t cell, std::uint8_t local, NodeId* nodes) const;
 

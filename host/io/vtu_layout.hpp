@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <vector>
 
 #include "host/io/element_table.hpp"
 #include "host/io/vtk_xml.hpp"
@@ -49,10 +50,20 @@ void vtk_connectivity(const ElementBlock& block, std::size_t t, std::size_t firs
     }
 }
 
+/// Mesh::periodic as arrays.
+struct PeriodicArrays {
+    PeriodicArrays() = default;
+    PeriodicArrays(const std::vector<PeriodicNodes>& pairs, double scale);
+    std::vector<std::uint32_t> counts;  ///< of nodes, by pair
+    std::vector<double> shifts;         ///< three per pair
+    std::vector<std::uint32_t> nodes, originals;
+};
+
 /// Arrays that come from the mesh; connectivity in indices of index_bytes() each, region in Int32.
 struct VtuArrays {
     ArrayWriter points, connectivity, region, kind, scaled_jacobian;
     ArrayWriter model_dimension;  ///< empty: there is none
+    PeriodicArrays periodic;
 };
 
 /// 4 or 8: of connectivity and offsets.

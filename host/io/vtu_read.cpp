@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstring>
 #include <limits>
+#include <numeric>
 #include <pugixml.hpp>
 #include <string>
 
@@ -219,6 +220,27 @@ void read_cell_data(const VtuReader& reader, const char* name, const char* type,
     }
 }
 
+void read_periodic(const VtuReader& reader, Mesh& mesh) {
+    if (!reader.fields().find_child_by_attribute("DataArray", "Name", "periodic_counts")) return;
+    const auto counts = reader.array<std::uint32_t>(reader.fields(), "periodic_counts", "UInt32");
+    const auto shifts = reader.array<double>(reader.fields(), "periodic_shifts", "Float64");
+    const auto nodes = reader.array<std::uint32_t>(reader.fields(), "periodic_nodes", "UInt32");
+    const auto originals = reader.array<std::uint32_t>(reader.fields(), "periodic_originals", "UInt32");
+    const std::uint64_t all = std::accumulate(counts.begin(), counts.end(), std::uint64_t{0});
+    if (shifts.size() != 3 * counts.size() || all != nodes.size() || all != originals.size())
+        reader.damaged("arrays of periodic nodes of unequal length");
+    std::size_t begin = 0;
+    for (std::size_t pair = 0; pair < counts.size(); ++pair) {
+        PeriodicNodes read;
+        std::copy_n(shifts.begin() + static_cast<std::ptrdiff_t>(3 * pair), 3, read.shift.begin());
+        const auto from = static_cast<std::ptrdiff_t>(begin);
+        const auto to = static_cast<std::ptrdiff_t>(begin += counts[pair]);
+        read.node.assign(nodes.begin() + from, nodes.begin() + to);
+        read.original.assign(originals.begin() + from, originals.begin() + to);
+        mesh.periodic.push_back(std::move(read));
+    }
+}
+
 }  // namespace
 
 Mesh read_vtu(const FileReader& file) {
@@ -251,6 +273,7 @@ Mesh read_vtu(const FileReader& file) {
         mesh.hanging.node = reader.array<std::uint32_t>(reader.fields(), "hanging_nodes", "UInt32");
         mesh.hanging.masters = reader.array<std::uint32_t>(reader.fields(), "hanging_masters", "UInt32");
     }
+    read_periodic(reader, mesh);
     return mesh;
 }
 

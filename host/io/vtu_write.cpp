@@ -7,7 +7,8 @@
 // facet_nodes (4 per facet, a triangle repeats its last node), facet_surface, facet_inside, facet_outside
 // and, of second order, facet_middles (as in FacetBlock), and the names as VTK string arrays region_names and
 // surface_names, inline as character codes; so do, if there are any, hanging_nodes and hanging_masters (4 per
-// node, as in HangingNodes).
+// node, as in HangingNodes), and for periodic planes periodic_counts and periodic_shifts (by pair),
+// periodic_nodes and periodic_originals (one pair's after the other, as in PeriodicNodes).
 #include <algorithm>
 #include <limits>
 #include <string>
@@ -86,6 +87,15 @@ ByteSource element_source(const Mesh& mesh, const TypeRuns& runs, Member member)
 
 }  // namespace
 
+PeriodicArrays::PeriodicArrays(const std::vector<PeriodicNodes>& pairs, double scale) {
+    for (const PeriodicNodes& pair : pairs) {
+        counts.push_back(static_cast<std::uint32_t>(pair.size()));
+        for (const double along : pair.shift) shifts.push_back(along * scale);
+        nodes.insert(nodes.end(), pair.node.begin(), pair.node.end());
+        originals.insert(originals.end(), pair.original.begin(), pair.original.end());
+    }
+}
+
 std::size_t index_bytes(const MeshTotals& totals, bool second_order) {
     constexpr std::uint64_t limit = std::numeric_limits<std::int32_t>::max();
     const std::uint64_t connectivity = TypeRuns(totals, second_order).nodes.back();
@@ -110,6 +120,13 @@ void write_vtu_file(const MeshTotals& totals, const Mesh& outline, const VtuArra
     if (outline.hanging.size() > 0) {
         writer.field("UInt32", "hanging_nodes", 1, outline.hanging.node);
         writer.field("UInt32", "hanging_masters", 4, outline.hanging.masters);
+    }
+    const PeriodicArrays& periodic = arrays.periodic;
+    if (!periodic.counts.empty()) {
+        writer.field("UInt32", "periodic_counts", 1, periodic.counts);
+        writer.field("Float64", "periodic_shifts", 3, periodic.shifts);
+        writer.field("UInt32", "periodic_nodes", 1, periodic.nodes);
+        writer.field("UInt32", "periodic_originals", 1, periodic.originals);
     }
     writer.text("</FieldData>");
     writer.text("<Piece NumberOfPoints=\"" + std::to_string(totals.nodes) + "\" NumberOfCells=\"" +
@@ -176,6 +193,7 @@ void write_vtu(const Mesh& mesh, const std::vector<float>& jacobians, const Mesh
         store(runs.nodes.back() * index, index == sizeof(std::int64_t)
                                              ? connectivity_source<std::int64_t>(mesh, runs)
                                              : connectivity_source<std::int32_t>(mesh, runs));
+    arrays.periodic = PeriodicArrays(mesh.periodic, options.scale);
     arrays.region = store(elements * sizeof(std::int32_t),
                           element_source<std::int32_t>(mesh, runs, &ElementBlock::region));
     arrays.kind = store(elements, element_source<std::uint8_t>(mesh, runs, &ElementBlock::kind));

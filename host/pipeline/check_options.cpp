@@ -5,6 +5,7 @@
 
 #include "host/octree/octree.hpp"
 #include "host/pipeline/message_text.hpp"
+#include "host/pipeline/periodic_box.hpp"
 #include "mortise/error.hpp"
 
 namespace mortise::pipeline {
@@ -113,6 +114,9 @@ void check_options(const MeshOptions& options) {
     if (options.min_angle > kLeastMinAngle && !options.improve)
         refuse("a smallest angle needs elements to be improved");
     if (options.box) check_box(*options.box);
+    axes_of(options.periodic);
+    if (options.layers.count > 0 && !options.periodic.empty())
+        refuse("layers do not go with periodic faces yet; leave them or periodic away");
 }
 
 }  // namespace mortise::pipeline

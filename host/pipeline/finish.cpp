@@ -113,6 +113,13 @@ void Finish::name(Mesh& mesh) {
     stages_.end(mesh.facets.size());
 }
 
+void Finish::pair_planes(Mesh& mesh) {
+    stages_.begin("periodic");
+    mesh.periodic =
+        pair_nodes(prepared_.periodic, prepared_.bound, prepared_.root.cell(), facet_surface_, mesh);
+    stages_.end(0);
+}
+
 void Finish::add_layers(Mesh& mesh) {
     stages_.begin("layers");
     out_.layers =

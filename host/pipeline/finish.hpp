@@ -43,6 +43,9 @@ class Finish {
     /// Names of surfaces.
     void name(Mesh& mesh);
 
+    /// Which nodes of periodic planes are copies of others; after name().
+    void pair_planes(Mesh& mesh);
+
     /// Layers at walls; after name().
     void add_layers(Mesh& mesh);
 

@@ -10,6 +10,7 @@
 #include "host/pipeline/estimate.hpp"
 #include "host/pipeline/findings.hpp"
 #include "host/pipeline/finish.hpp"
+#include "host/pipeline/periodic_box.hpp"
 #include "host/pipeline/piece.hpp"
 #include "host/pipeline/prepare.hpp"
 #include "host/pipeline/stream.hpp"
@@ -72,6 +73,7 @@ struct Mesher::Implementation {
     }
 
     Mesh generate(const Model& model, const MeshOptions& asked, MeshReport* report);
+    MeshEstimate estimate(const Model& model, const MeshOptions& options);
 
     /// For a run that reports its progress, or not.
     device::Device& open(const MeshOptions& options) {
@@ -159,6 +161,7 @@ Mesh Mesher::Implementation::generate(const Model& model, const MeshOptions& ask
     if (finish.raises()) finish.raise(mesh);
     if (options.hanging) finish.restore_cells(mesh);
     finish.name(mesh);
+    if (!prepared.periodic.empty()) finish.pair_planes(mesh);
     if (options.layers.count > 0) finish.add_layers(mesh);
     finish.verify(mesh);
     finish.describe(mesh);
@@ -172,17 +175,23 @@ Mesh Mesher::Implementation::generate(const Model& model, const MeshOptions& ask
 Mesh Mesher::generate(const Model& model, const MeshOptions& options, MeshReport* report) {
     refuse_moved(implementation_ == nullptr);
     const Work work(implementation_->is_busy);
-    return implementation_->generate(model, options, report);
+    if (options.periodic.empty()) return implementation_->generate(model, options, report);
+    const pipeline::PeriodicTask task = pipeline::repeat_in_box(model, options);
+    return implementation_->generate(task.model, task.options, report);
+}
+
+MeshEstimate Mesher::Implementation::estimate(const Model& model, const MeshOptions& options) {
+    return pipeline::estimate(
+        [&]() -> device::Device& { return open(options); }, model, options,
+        [&](const MeshOptions& trial, MeshReport& report) { return generate(model, trial, &report); });
 }
 
 MeshEstimate Mesher::estimate(const Model& model, const MeshOptions& options) {
     refuse_moved(implementation_ == nullptr);
     const Work work(implementation_->is_busy);
-    return pipeline::estimate([&]() -> device::Device& { return implementation_->open(options); }, model,
-                              options,
-                              [&](const MeshOptions& trial, MeshReport& report) {
-                                  return implementation_->generate(model, trial, &report);
-                              });
+    if (options.periodic.empty()) return implementation_->estimate(model, options);
+    const pipeline::PeriodicTask task = pipeline::repeat_in_box(model, options);
+    return implementation_->estimate(task.model, task.options);
 }
 
 void Mesher::stream(const Model& model, const MeshOptions& options, MeshSink& sink, MeshReport* report) {

@@ -19,6 +19,7 @@ constexpr double kAcross = 1e-12;
 constexpr double kInset = 1e-3;  ///< cells: how far from a plane its region is asked
 
 std::string start_of(const Model& model, const PeriodicPair& pair) {
+    if (pair.where.line == 0) return model.source + ": periodic faces across " + pair.name + ": ";
     return model.source + ":" + std::to_string(pair.where.line) + ":" + std::to_string(pair.where.column) +
            ": identify periodic " + pair.name + ": ";
 }
@@ -38,10 +39,12 @@ std::size_t axis_of(const Surface& plane, double& at) {
 /// Matches the facets of two planes.
 class Matcher {
   public:
-    Matcher(const PeriodicAxis& pair, const tape::BoundModel& bound, double cell, Mesh& mesh)
+    /// `facet_surface`: by facet, the surface of `bound`.
+    Matcher(const PeriodicAxis& pair, const tape::BoundModel& bound, double cell,
+            const std::vector<std::uint32_t>& facet_surface, Mesh& mesh)
         : pair_(pair), bound_(bound), cell_(cell), mesh_(mesh) {
-        facets_[0] = facets_on(bound.periodic[pair.pair].first);
-        facets_[1] = facets_on(bound.periodic[pair.pair].second);
+        facets_[0] = facets_on(facet_surface, bound.periodic[pair.pair].first);
+        facets_[1] = facets_on(facet_surface, bound.periodic[pair.pair].second);
     }
 
     /// Gives nodes of the second plane the places of those of the first; copy_of[n] of each is its original.
@@ -115,10 +118,11 @@ class Matcher {
 
     double& at(NodeId node, std::size_t axis) { return mesh_.points[3 * std::size_t{node} + axis]; }
 
-    std::vector<std::uint32_t> facets_on(std::uint32_t surface) const {
+    static std::vector<std::uint32_t> facets_on(const std::vector<std::uint32_t>& facet_surface,
+                                                std::uint32_t surface) {
         std::vector<std::uint32_t> found;
-        for (std::uint32_t f = 0; f < mesh_.facets.size(); ++f) {
-            if (mesh_.facets.surface[f] == surface) found.push_back(f);
+        for (std::uint32_t f = 0; f < facet_surface.size(); ++f) {
+            if (facet_surface[f] == surface) found.push_back(f);
         }
         return found;
     }
@@ -236,7 +240,7 @@ std::vector<std::uint8_t> held_surfaces(const tape::BoundModel& bound,
 std::vector<NodeId> match_plane(const PeriodicAxis& axis, const tape::BoundModel& bound, double cell,
                                 Mesh& mesh) {
     std::vector<NodeId> copy_of(mesh.node_count());
-    Matcher matcher(axis, bound, cell, mesh);
+    Matcher matcher(axis, bound, cell, mesh.facets.surface, mesh);
     matcher.place_nodes(copy_of);
     return matcher.unmatched().empty() ? matcher.partners() : std::vector<NodeId>{};
 }
@@ -247,7 +251,7 @@ std::vector<NodeId> match_planes(const std::vector<PeriodicAxis>& axes, const Mo
     std::vector<NodeId> copy_of(mesh.node_count());
     for (std::size_t n = 0; n < copy_of.size(); ++n) copy_of[n] = static_cast<NodeId>(n);
     for (const PeriodicAxis& axis : axes) {
-        Matcher matcher(axis, bound, cell, mesh);
+        Matcher matcher(axis, bound, cell, mesh.facets.surface, mesh);
         matcher.place_nodes(copy_of);
         const std::vector<Matcher::Unmatched> unmatched = matcher.unmatched();
         if (unmatched.empty()) continue;
@@ -258,7 +262,8 @@ std::vector<NodeId> match_planes(const std::vector<PeriodicAxis>& axes, const Mo
         const std::string text = start_of(model, model.periodic[axis.pair]) +
                                  std::to_string(unmatched.size()) +
                                  " facets have no image on the other plane";
-        std::string reason = "; the first is at " + place_text(facet_middle(mesh, unmatched[0].facet));
+        std::string reason = "; the first is at " + place_text(facet_middle(mesh, unmatched[0].facet)) +
+                             ", where rounding may decide; other cells (--level) or planes may match";
         for (const Matcher::Unmatched& u : unmatched) {
             const Vec3 x = facet_middle(mesh, u.facet);
             const std::int32_t here = matcher.region_inside(x, u.side);
@@ -271,6 +276,27 @@ std::vector<NodeId> match_planes(const std::vector<PeriodicAxis>& axes, const Mo
         warnings.push_back(text + reason);
     }
     return copy_of;
+}
+
+std::vector<PeriodicNodes> pair_nodes(const std::vector<PeriodicAxis>& axes, const tape::BoundModel& bound,
+                                      double cell, const std::vector<std::uint32_t>& facet_surface,
+                                      Mesh& mesh) {
+    std::vector<PeriodicNodes> result;
+    std::vector<NodeId> copy_of(mesh.node_count());
+    for (const PeriodicAxis& axis : axes) {
+        Matcher matcher(axis, bound, cell, facet_surface, mesh);
+        matcher.place_nodes(copy_of);
+        if (!matcher.unmatched().empty()) continue;
+        PeriodicNodes nodes;
+        nodes.shift[axis.axis] = axis.second - axis.first;
+        for (std::size_t n = 0; n < mesh.node_count(); ++n) {
+            if (matcher.partners()[n] == kNone) continue;
+            nodes.node.push_back(static_cast<NodeId>(n));
+            nodes.original.push_back(matcher.partners()[n]);
+        }
+        result.push_back(std::move(nodes));
+    }
+    return result;
 }
 
 }  // namespace mortise::pipeline

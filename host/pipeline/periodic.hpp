@@ -50,4 +50,10 @@ std::vector<NodeId> match_planes(const std::vector<PeriodicAxis>& axes, const Mo
                                  const tape::BoundModel& bound, double cell, Mesh& mesh,
                                  std::vector<std::string>& warnings);
 
+/// Mesh::periodic: the pairs whose facets are all the same. `facet_surface`: by facet, the surface of
+/// `bound`.
+std::vector<PeriodicNodes> pair_nodes(const std::vector<PeriodicAxis>& axes, const tape::BoundModel& bound,
+                                      double cell, const std::vector<std::uint32_t>& facet_surface,
+                                      Mesh& mesh);
+
 }  // namespace mortise::pipeline

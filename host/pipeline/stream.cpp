@@ -43,6 +43,7 @@ void check_stream_options(const MeshOptions& options) {
     refuse(options.second_order, "second order (--order 2)");
     refuse(options.layers.count > 0, "layers (--layers)");
     refuse(options.quality, "a quality report (--quality)");
+    refuse(!options.periodic.empty(), "periodic faces (--periodic)");
 }
 
 /// The nodes on facets: what features are found from. A mesh of its own, without elements.

@@ -280,6 +280,25 @@ void bind_meshes(py::module_& module) {
         mesh, "hanging_masters",
         [](const ReportedMesh& m) { return std::make_pair(&m.mesh.hanging.masters, std::size_t{4}); },
         "(hanging, 4): the nodes whose mean each takes; of an edge's middle both ends twice");
+    py::class_<PeriodicNodes> periodic(module, "PeriodicNodes",
+                                       "Two planes with the same facets: nodes of one are copies.");
+    periodic.def("__len__", &PeriodicNodes::size).def_readonly("shift", &PeriodicNodes::shift);
+    bind_array(
+        periodic, "nodes", [](const PeriodicNodes& p) { return std::make_pair(&p.node, std::size_t{0}); },
+        "(count,): the copies");
+    bind_array(
+        periodic, "originals",
+        [](const PeriodicNodes& p) { return std::make_pair(&p.original, std::size_t{0}); },
+        "(count,): what each is a copy of, moved by `shift`");
+    mesh.def_property_readonly(
+        "periodic",
+        [](const py::object& self) {
+            py::list pairs;
+            for (const PeriodicNodes& pair : py::cast<const ReportedMesh&>(self).mesh.periodic)
+                pairs.append(py::cast(&pair, py::return_value_policy::reference_internal, self));
+            return pairs;
+        },
+        "Pairs of planes with the same facets.");
     for (std::size_t t = 0; t < kElementTypes; ++t) {
         mesh.def_property_readonly(kBlockNames[t],
                                    py::cpp_function(

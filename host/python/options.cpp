@@ -105,6 +105,7 @@ const std::vector<Option>& all_options() {
         plain("interior_coarsening", &MeshOptions::interior_coarsening, kWhole),
         plain("box_fit", &MeshOptions::box_fit, kFlag),
         converted("box", &MeshOptions::box, box_of),
+        plain("periodic", &MeshOptions::periodic, "letters of 'xyz'"),
         plain("templates", &MeshOptions::templates, kFlag),
         plain("snap", &MeshOptions::snap, kFlag),
         plain("improve", &MeshOptions::improve, kFlag),

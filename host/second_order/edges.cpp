@@ -78,6 +78,12 @@ Edges::Edges(const Mesh& mesh, int threads) {
     first_[nodes] = upper_.size();
 }
 
+std::size_t Edges::find(NodeId a, NodeId b) const {
+    const std::size_t edge = number(a, b);
+    const bool is_there = edge < first_[std::size_t{std::min(a, b)} + 1] && upper_[edge] == std::max(a, b);
+    return is_there ? edge : size();
+}
+
 std::size_t Edges::number(NodeId a, NodeId b) const {
     const NodeId lower = std::min(a, b), upper = std::max(a, b);
     const auto from = upper_.begin() + static_cast<std::ptrdiff_t>(first_[lower]);

@@ -18,6 +18,8 @@ class Edges {
     std::size_t size() const { return upper_.size(); }
     /// The number of the edge between two nodes, which must be one.
     std::size_t number(NodeId a, NodeId b) const;
+    /// The same, or size() if it is none.
+    std::size_t find(NodeId a, NodeId b) const;
     /// Calls visit(edge, lower node, upper node) for the edges of lower nodes [begin, end).
     template <class Visit>
     void visit(std::size_t begin, std::size_t end, const Visit& visit) const {

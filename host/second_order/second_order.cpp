@@ -11,6 +11,7 @@
 #include "host/common/large_array.hpp"
 #include "host/common/parallel.hpp"
 #include "host/common/vec3.hpp"
+#include "host/second_order/copies.hpp"
 #include "host/second_order/curves.hpp"
 #include "host/second_order/edges.hpp"
 #include "host/second_order/jacobian_bound.hpp"
@@ -70,12 +71,16 @@ void place_middles(Mesh& mesh, const Edges& edges, std::size_t corners, int thre
 /// Straightens edges until every element is valid.
 class Relaxation {
   public:
-    Relaxation(const Mesh& mesh, const std::vector<CurvedEdge>& curved, std::size_t corners,
-               std::size_t edges, int threads)
+    Relaxation(const Mesh& mesh, const std::vector<CurvedEdge>& curved, const std::vector<EdgeCopy>& copies,
+               std::size_t corners, std::size_t edges, int threads)
         : mesh_(mesh), curved_(curved), corners_(corners), is_curved_(edges), threads_(threads) {
         for (const CurvedEdge& c : curved) is_curved_.insert(c.edge);
         is_curved_.number();
         halvings_.assign(curved.size(), 0);
+        for (const EdgeCopy& edge : copies) {
+            if (is_curved_.holds(edge.copy) && is_curved_.holds(edge.original))
+                twins_.emplace_back(is_curved_.place(edge.copy), is_curved_.place(edge.original));
+        }
         find_elements();
     }
 
@@ -98,6 +103,7 @@ class Relaxation {
             for (std::size_t i = 0; i < curved_.size(); ++i) {
                 if (blamed[i] && halvings_[i] < kMostHalvings) ++halvings_[i];
             }
+            while (level_twins(blamed.get())) continue;
         }
     }
 
@@ -150,6 +156,18 @@ class Relaxation {
         }
     }
 
+    /// Copies stay as straight as their originals: the straighter of the two is both's. Whether any became
+    /// straighter, which `blamed` learns.
+    bool level_twins(std::atomic<bool>* blamed) {
+        bool any = false;
+        for (const auto& [a, b] : twins_) {
+            if (halvings_[a] == halvings_[b]) continue;
+            blamed[halvings_[a] < halvings_[b] ? a : b] = any = true;
+            halvings_[a] = halvings_[b] = std::max(halvings_[a], halvings_[b]);
+        }
+        return any;
+    }
+
     bool is_valid(const ElementNumber& element) const {
         std::array<Vec3, 12> displacements{};
         bool any = false;
@@ -178,7 +196,8 @@ class Relaxation {
     const std::size_t corners_;
     IndexSet is_curved_;  ///< by edge
     const int threads_;
-    std::vector<std::uint8_t> halvings_;  ///< by curved edge
+    std::vector<std::uint8_t> halvings_;                      ///< by curved edge
+    std::vector<std::pair<std::size_t, std::size_t>> twins_;  ///< curved edges, copy and original
     std::vector<ElementNumber> elements_;
 };
 
@@ -200,9 +219,11 @@ Counts raise_order(Mesh& mesh, const std::vector<std::uint32_t>& facet_surface, 
                    Features& features, int threads) {
     const std::size_t corners = mesh.node_count();
     const Edges edges(mesh, threads);
-    const std::vector<CurvedEdge> curved = find_curved_edges(mesh, facet_surface, model, edges, threads);
+    std::vector<CurvedEdge> curved = find_curved_edges(mesh, facet_surface, model, edges, threads);
+    const std::vector<EdgeCopy> copies = find_edge_copies(mesh, edges);
+    copy_curves(mesh, copies, curved);
     set_middles(mesh, edges, corners, threads);
-    Relaxation relaxation(mesh, curved, corners, edges.size(), threads);
+    Relaxation relaxation(mesh, curved, copies, corners, edges.size(), threads);
     relaxation.run();
     place_middles(mesh, edges, corners, threads);
     Counts counts;
@@ -214,6 +235,7 @@ Counts raise_order(Mesh& mesh, const std::vector<std::uint32_t>& facet_surface, 
         counts.curved += squared_length(moved) > 0;
         counts.relaxed += relaxation.is_relaxed(i);
     }
+    pair_middles(copies, corners, mesh);
     set_dimensions(mesh, edges, corners, features);
     mesh.model_dimension = features.model_dimension;
     return counts;

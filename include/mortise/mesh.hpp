@@ -91,6 +91,15 @@ struct HangingNodes {
     bool in_edge(std::size_t i) const { return masters[4 * i] == masters[4 * i + 2]; }
 };
 
+/// Two opposite planes with the same facets (MeshOptions::periodic, PeriodicPair): the nodes of one are
+/// copies of those of the other. A node in several planes has several originals, which are copies themselves.
+struct PeriodicNodes {
+    std::array<double, 3> shift{};  ///< along one axis: from each original to its copy
+    std::vector<NodeId> node;       ///< ascending; of second order also those in the middles of edges
+    std::vector<NodeId> original;   ///< parallel to `node`
+    std::size_t size() const { return node.size(); }
+};
+
 /// A mesh of hexahedra, wedges, pyramids and tetrahedra: conforming, but for hanging nodes.
 ///
 /// Node order of elements (VTK's for hexahedra, pyramids and tetrahedra), all right-handed:
@@ -117,6 +126,7 @@ struct Mesh {
     std::vector<std::string> surface_names;     ///< unique; any text: files escape it
     std::vector<std::uint8_t> model_dimension;  ///< length: nodes, or empty; see Features::model_dimension
     HangingNodes hanging;                       ///< empty, but with MeshOptions::hanging
+    std::vector<PeriodicNodes> periodic;        ///< by pair of planes, those of MeshOptions::periodic last
 
     std::size_t node_count() const { return points.size() / 3; }
     std::size_t element_count() const {

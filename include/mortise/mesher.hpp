@@ -67,10 +67,13 @@ struct MeshOptions {
     /// Enlarge cells by up to a quarter, so that more faces of the model lie on the grid.
     bool box_fit = false;
     std::optional<Box3> box;  ///< cuts the solid; its faces become boundaries box_xmin, ...
-    bool templates = true;    ///< false: every NIO cell by the certificate
-    bool snap = true;         ///< vertices near a smooth surface move onto it; needs `templates`
-    bool improve = true;      ///< false: elements stay as templates and certificate make them
-    int smooth = 4;  ///< rounds of node repositioning, 100 at most; 0: nodes move only onto the model
+    /// Axes, "xyz" or some of it, across which the solid repeats in the box (or in that of the model's file):
+    /// opposite faces have the same facets, Mesh::periodic. Not with layers, nor in parts.
+    std::string periodic;
+    bool templates = true;  ///< false: every NIO cell by the certificate
+    bool snap = true;       ///< vertices near a smooth surface move onto it; needs `templates`
+    bool improve = true;    ///< false: elements stay as templates and certificate make them
+    int smooth = 4;         ///< rounds of node repositioning, 100 at most; 0: nodes move only onto the model
     /// Degrees: elements are improved until no dihedral angle is smaller, 18 to 44. What goes with it, for
     /// 18, 25 and 32 degrees: angles of 155, 145 and 134 at most, scaled Jacobians of 0.2, 0.27 and 0.34;
     /// those of elements between cells of two sizes stay at 0.258 and more.

@@ -212,6 +212,14 @@ TEST_CASE("options out of range are wrong usage") {
          [](MeshOptions& o) {
              o.box = Box3{{NAN, 0, 0}, {1, 1, 1}};
          }},
+        {"periodic axes 'xw': expected some of the letters x, y and z",
+         [](MeshOptions& o) { o.periodic = "xw"; }},
+        {"periodic axes 'xyx'", [](MeshOptions& o) { o.periodic = "xyx"; }},
+        {"layers do not go with periodic faces",
+         [](MeshOptions& o) {
+             o.periodic = "x";
+             o.layers.count = 2;
+         }},
         {"the box is empty along y",
          [](MeshOptions& o) {
              o.box = Box3{{0, 1, 0}, {1, 1, 1}};
@@ -226,6 +234,12 @@ TEST_CASE("options out of range are wrong usage") {
         CHECK(contains(refusal(ExitCode::kUsage, [&] { Mesher().stream(good_model(), options, sink); }),
                        message));
     }
+    MeshOptions repeats = coarse();
+    repeats.periodic = "z";
+    CHECK(contains(refusal(ExitCode::kUsage, [&] { generate_mesh(good_model(), repeats); }),
+                   "periodic faces are those of a box that cuts the solid"));
+    CHECK(contains(refusal(ExitCode::kUsage, [&] { Mesher().estimate(good_model(), repeats); }),
+                   "periodic faces are those of a box"));
     CHECK(contains(refusal(ExitCode::kUsage, [] { Mesher("", -1).generate(good_model(), coarse()); }),
                    "work-group size -1"));
 }

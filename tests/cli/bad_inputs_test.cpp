@@ -199,6 +199,12 @@ TEST_CASE("a command line that is not understood") {
                    {model, "-o", out, "--layers", "2", "--order", "2"});
     expect_failure(scratch, kUsage, "--layers needs the whole mesh",
                    {model, "-o", out, "--layers", "2", "--memory", "1G"});
+    expect_failure(scratch, kUsage, "--layers and --periodic",
+                   {model, "-o", out, "--layers", "2", "--periodic", "x"});
+    expect_failure(scratch, kUsage, "--periodic needs the whole mesh",
+                   {model, "-o", out, "--memory", "1G", "--periodic", "x"});
+    expect_failure(scratch, kUsage, "periodic axes 'xx'", {model, "-o", out, "--periodic", "xx"});
+    expect_failure(scratch, kUsage, "give the box that is repeated", {model, "-o", out, "--periodic", "x"});
     expect_failure(scratch, kUsage, "no region or surface is called 'wing'",
                    {model, "-o", out, "--layers", "2", "--layers-on", "wing"});
     expect_failure(scratch, kUsage, ".msh files have no place for hanging nodes",

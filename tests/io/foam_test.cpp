@@ -217,6 +217,46 @@ TEST_CASE("patches are the outer surfaces, in order, under names that OpenFOAM r
     CHECK(number_after(foam.patches, "startFace", 2) == static_cast<int>(foam.neighbour.size()) + first);
 }
 
+TEST_CASE("periodic surfaces are cyclic patches: the same faces in the same order") {
+    const Folder folder;
+    const std::string path = folder.file("polyMesh");
+    const Mesh mesh = periodic_grid(4);
+    write_mesh(mesh, path);
+    const FoamMesh foam(path);
+    CHECK(foam.cells_are_closed());
+    CHECK(foam.is_upper_triangular());
+    CHECK(std::count(foam.patches.begin(), foam.patches.end(), "cyclic") == 4);
+    CHECK(std::count(foam.patches.begin(), foam.patches.end(), "patch") == 1);
+    for (std::size_t axis = 0; axis < 2; ++axis) {
+        CAPTURE(axis);
+        const std::string low = std::string(1, "xy"[axis]) + "min", high = std::string(1, "xy"[axis]) + "max";
+        const auto entry = [&](const std::string& name) {
+            const std::vector<std::string> head = {name, "{"};
+            return std::search(foam.patches.begin(), foam.patches.end(), head.begin(), head.end());
+        };
+        const auto start = [&](const std::string& name) {
+            return static_cast<std::size_t>(number_after({entry(name), foam.patches.end()}, "startFace"));
+        };
+        // Each names the other.
+        const auto partner = [&](const std::string& name) {
+            return *(std::find(entry(name), foam.patches.end(), "neighbourPatch") + 1);
+        };
+        CHECK(partner(low) == high);
+        CHECK(partner(high) == low);
+        for (std::size_t i = 0; i < 16; ++i) {
+            const std::vector<std::size_t>& first = foam.faces[start(low) + i];
+            const std::vector<std::size_t>& second = foam.faces[start(high) + i];
+            REQUIRE(first.size() == second.size());
+            // Corner 0 is the same, and they run against each other.
+            for (std::size_t k = 0; k < first.size(); ++k) {
+                Point moved = foam.points[first[k]];
+                moved[axis] += 1;
+                CHECK(moved == foam.points[second[(second.size() - k) % second.size()]]);
+            }
+        }
+    }
+}
+
 TEST_CASE("a face with hanging nodes is four") {
     const Folder folder;
     const Mesh mesh = large_among_small();

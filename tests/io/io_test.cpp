@@ -104,6 +104,36 @@ TEST_CASE("round trips are exact: all types, several regions, nothing at all") {
     CHECK(folder.entries() == 2);
 }
 
+TEST_CASE("periodic nodes come back") {
+    const Folder folder;
+    Mesh second_order = with_middles(periodic_grid(2));
+    pair_nodes(second_order);
+    for (const Mesh& mesh : {periodic_grid(4), second_order}) {
+        for (const auto& [format, options] : kKinds) {
+            CAPTURE(format);
+            const std::string path = folder.file("mesh" + format);
+            write_mesh(mesh, path, {}, options);
+            const Mesh back = read_mesh(path);
+            check_equal(mesh, back, format == ".vtu");
+            REQUIRE(back.periodic.size() == 2);
+            for (std::size_t pair = 0; pair < 2; ++pair) {
+                CHECK(back.periodic[pair].shift == mesh.periodic[pair].shift);
+                CHECK(back.periodic[pair].node == mesh.periodic[pair].node);
+                CHECK(back.periodic[pair].original == mesh.periodic[pair].original);
+            }
+            MeshFileOptions scaled = options;
+            scaled.scale = 2;
+            write_mesh(mesh, path, {}, scaled);
+            CHECK(read_mesh(path).periodic[0].shift[0] == 2 * mesh.periodic[0].shift[0]);
+        }
+    }
+    Mesh broken = periodic_grid(2);
+    broken.periodic[1].original[0] = 1000;
+    CHECK_THROWS_AS(write_mesh(broken, folder.file("broken.vtu")), Error);
+    broken.periodic[1].original.pop_back();
+    CHECK_THROWS_AS(write_mesh(broken, folder.file("broken.vtu")), Error);
+}
+
 TEST_CASE("round trip of arrays longer than one block, and of incompressible ones") {
     const Folder folder;
     Mesh mesh = grid(40, 40, 40, 2, [](int i, int j, int k) { return (i + j + k) % 2 + 1; });

@@ -1,9 +1,11 @@
-// Periodic faces of Netgen's "identify periodic": the facets of one, moved, are those of the other.
+// Periodic faces, of Netgen's "identify periodic" and of MeshOptions::periodic: the facets of one, moved, are
+// those of the other.
 #include <doctest/doctest.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdio>
 #include <filesystem>
 #include <map>
 #include <set>
@@ -114,6 +116,63 @@ void check_periodic(const std::string& text, const MeshOptions& options, const V
         const Section low = section(m.mesh, axis, 0);
         CHECK(low.size() > 50);
         CHECK(is_same(low, section(m.mesh, axis, period[axis])));
+    }
+}
+
+/// Places of a facet's nodes and middles, moved.
+std::vector<Vec3> places_of(const Mesh& mesh, std::size_t facet, const Vec3& shift) {
+    std::vector<Vec3> places;
+    const auto add = [&](NodeId node) {
+        Vec3 place{};
+        for (std::size_t j = 0; j < 3; ++j)
+            place[j] = std::round((mesh.points[3 * std::size_t{node} + j] + shift[j]) * 1e9);
+        places.push_back(place);
+    };
+    const FacetNodes corners = mesh.facets.facet(facet);
+    for (const NodeId node : corners) add(node);
+    for (std::size_t k = 0; k < corners.size() && mesh.is_second_order(); ++k)
+        add(mesh.facets.middles[4 * facet + k]);
+    std::sort(places.begin(), places.end());
+    return places;
+}
+
+/// Meshes a model with MeshOptions::periodic, and checks Mesh::periodic: each node is where it should be, and
+/// the facets of one plane are those of the other, moved.
+void check_repeats(const Model& model, const MeshOptions& options, std::size_t pairs) {
+    const Meshed m = mesh_and_check(model, options);
+    CHECK(m.defects == "");
+    CHECK_FALSE(warns_of_period(m.report));
+    const Mesh& mesh = m.mesh;
+    REQUIRE(mesh.periodic.size() == pairs);
+    for (const PeriodicNodes& pair : mesh.periodic) {
+        CHECK(std::is_sorted(pair.node.begin(), pair.node.end()));
+        double farthest = 0;
+        for (std::size_t i = 0; i < pair.size(); ++i) {
+            for (std::size_t j = 0; j < 3; ++j) {
+                const double to = mesh.points[3 * std::size_t{pair.node[i]} + j];
+                const double from = mesh.points[3 * std::size_t{pair.original[i]} + j];
+                farthest = std::max(farthest, std::fabs(to - from - pair.shift[j]));
+            }
+        }
+        CHECK(farthest < 1e-12);
+        std::size_t axis = 0;
+        while (pair.shift[axis] == 0) ++axis;
+        const std::string name = std::string("box_") + "xyz"[axis];
+        std::multiset<std::vector<Vec3>> copies, originals;
+        std::set<NodeId> nodes;
+        for (std::size_t f = 0; f < mesh.facets.size(); ++f) {
+            const std::string& surface = mesh.surface_names[mesh.facets.surface[f]];
+            if (surface == name + "min") originals.insert(places_of(mesh, f, pair.shift));
+            if (surface != name + "max") continue;
+            copies.insert(places_of(mesh, f, {}));
+            const FacetNodes corners = mesh.facets.facet(f);
+            nodes.insert(corners.begin(), corners.end());
+            for (std::size_t k = 4 * f; k < 4 * f + 4 && mesh.is_second_order(); ++k)
+                nodes.insert(mesh.facets.middles[k]);
+        }
+        CHECK(copies.size() > 20);
+        CHECK(copies == originals);
+        CHECK(nodes == std::set<NodeId>(pair.node.begin(), pair.node.end()));
     }
 }
 
@@ -281,6 +340,94 @@ TEST_CASE("what no grid can repeat is told") {
     };
     CHECK(warning("identify periodic p q;").find("across the same axis") != std::string::npos);
     CHECK(warning("identify periodic p far;").find("bounds no region") != std::string::npos);
+}
+
+TEST_CASE("a box that repeats: sheets between minimal surfaces, of all kinds of elements") {
+    const Model gyroid = parse_model(
+        "gyroid(size = [40, 40, 40], period = 10, thickness = 2, center = true);", "csg", "g.csg");
+    MeshOptions options;
+    options.level = 4;
+    options.box = Box3{{0, 0, 0}, {10, 10, 10}};
+    options.periodic = "zxy";
+    check_repeats(gyroid, options, 3);
+    options.second_order = true;
+    check_repeats(gyroid, options, 3);
+    options.tetrahedra = true;
+    check_repeats(gyroid, options, 3);
+    options = {};
+    options.size = 0.4;
+    options.box = Box3{{2, -5, 1}, {12, 5, 11}};
+    options.periodic = "xyz";
+    check_repeats(gyroid, options, 3);
+    // Beyond the period only across y.
+    options.box = Box3{{0, 0, 0}, {7, 10, 4}};
+    options.periodic = "y";
+    check_repeats(gyroid, options, 1);
+}
+
+TEST_CASE("a box that repeats: a body-centred lattice, whose corners the box cuts") {
+    std::string text = "algebraic3d\nsolid rods = ";
+    const std::array<const char*, 4> along = {"1,1,1", "-1,1,1", "1,-1,1", "1,1,-1"};
+    for (int image = 0; image < 27; ++image) {
+        const std::array<int, 3> cell = {image % 3, image / 3 % 3, image / 9};
+        for (const char* direction : along) {
+            const double x[3] = {cell[0] - 0.5, cell[1] - 0.5, cell[2] - 0.5};
+            double d[3];
+            REQUIRE(std::sscanf(direction, "%lf,%lf,%lf", &d[0], &d[1], &d[2]) == 3);
+            text += text.back() == ' ' ? "cylinder(" : " or cylinder(";
+            for (int j = 0; j < 3; ++j) text += std::to_string(x[j]) + (j < 2 ? "," : ";");
+            for (int j = 0; j < 3; ++j) text += std::to_string(x[j] + d[j]) + (j < 2 ? "," : ";0.13)");
+        }
+    }
+    const Model lattice = parse_model(text + "; tlo rods;", "geo", "lattice.geo");
+    MeshOptions options;
+    options.level = 5;
+    options.box = Box3{{0, 0, 0}, {1, 1, 1}};
+    options.periodic = "xyz";
+    check_repeats(lattice, options, 3);
+    options.second_order = true;
+    check_repeats(lattice, options, 3);
+}
+
+TEST_CASE("a box that repeats: several regions, sizes, the file's own box") {
+    std::string text = kCube + balls() + "solid inner = balls; solid outer = not balls;\n";
+    text.replace(0, text.find("solid balls"), "algebraic3d\nboundingbox(0,0,0;1,1,1);\n");
+    const Model packing = parse_model(text + "tlo inner; tlo outer;", "geo", "packing.geo");
+    MeshOptions options;
+    options.level = 4;
+    options.periodic = "xyz";
+    check_repeats(packing, options, 3);
+    options.interior_coarsening = 2;
+    options.refine = 1;
+    check_repeats(packing, options, 3);
+    const MeshEstimate estimate = Mesher().estimate(packing, options);
+    CHECK(estimate.is_exact);
+    CHECK(estimate.nodes == generate_mesh(packing, options).node_count());
+}
+
+TEST_CASE("a box that cuts a surface through its saddles") {
+    const double quarter = std::acos(0.0), period = 4 * quarter;
+    const Model surface = parse_model("cos(x) + cos(y) + cos(z)", "formula", "p.formula");
+    MeshOptions options;
+    options.level = 4;
+    options.box = Box3{{quarter, 4.747, 0.688}, {quarter + period, 4.747 + period, 0.688 + period}};
+    options.periodic = "xyz";
+    check_repeats(surface, options, 3);
+}
+
+TEST_CASE("a box that does not repeat: a warning, and no pairs") {
+    const Model ball = parse_model("translate([0, 5, 5]) sphere(3);", "csg", "ball.csg");
+    MeshOptions options;
+    options.level = 4;
+    options.box = Box3{{0, 0, 0}, {10, 10, 10}};
+    options.periodic = "x";
+    const Meshed m = mesh_and_check(ball, options);
+    CHECK(m.defects == "");
+    CHECK(m.mesh.periodic.empty());
+    REQUIRE(m.report.warnings.size() == 1);
+    CAPTURE(m.report.warnings[0]);
+    CHECK(m.report.warnings[0].rfind("ball.csg: periodic faces across x: ", 0) == 0);
+    CHECK(m.report.warnings[0].find("the model differs, at ") != std::string::npos);
 }
 
 TEST_CASE("the corpora's periodic model") {

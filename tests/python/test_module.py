@@ -135,6 +135,17 @@ class Module(unittest.TestCase):
         with self.assertRaisesRegex(mortise.Error, "first order"):
             second.cells()
 
+    def test_periodic(self):
+        sheet = mortise.parse_model("gyroid(size = [3, 3, 3], period = 1, thickness = 0.2);", "csg")
+        mesh = self.mesher.generate(sheet, level=4, box=((0, 0, 0), (1, 1, 1)), periodic="xyz")
+        self.assertEqual([list(pair.shift) for pair in mesh.periodic], [[1, 0, 0], [0, 1, 0], [0, 0, 1]])
+        for pair in mesh.periodic:
+            self.assertEqual(len(pair), len(pair.nodes))
+            self.assertGreater(len(pair), 50)
+            gap = mesh.points[pair.nodes] - mesh.points[pair.originals] - pair.shift
+            self.assertLess(abs(gap).max(), 1e-12)
+        self.assertEqual(len(self.mesher.generate(self.ball, level=3).periodic), 0)
+
     def test_summary(self):
         summary = mortise.summarize(mortise.read_model(str(BRACKET)))
         self.assertIn("cube1_xmin", summary.surfaces)

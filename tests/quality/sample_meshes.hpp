@@ -117,6 +117,49 @@ inline Mesh grid(
     return mesh;
 }
 
+/// Mesh::periodic of a mesh of the unit cube, across x and y: nodes are paired by their places.
+inline void pair_nodes(Mesh& mesh) {
+    mesh.periodic.clear();
+    for (std::size_t axis = 0; axis < 2; ++axis) {
+        std::map<std::vector<double>, NodeId> low;
+        const auto place = [&](std::size_t node) {
+            std::vector<double> at(mesh.points.begin() + static_cast<std::ptrdiff_t>(3 * node),
+                                   mesh.points.begin() + static_cast<std::ptrdiff_t>(3 * node + 3));
+            at[axis] = 0;
+            return at;
+        };
+        for (std::size_t n = 0; n < mesh.node_count(); ++n) {
+            if (mesh.points[3 * n + axis] == 0) low[place(n)] = static_cast<NodeId>(n);
+        }
+        PeriodicNodes pair;
+        pair.shift[axis] = 1;
+        for (std::size_t n = 0; n < mesh.node_count(); ++n) {
+            if (mesh.points[3 * n + axis] != 1) continue;
+            pair.node.push_back(static_cast<NodeId>(n));
+            pair.original.push_back(low.at(place(n)));
+        }
+        mesh.periodic.push_back(pair);
+    }
+}
+
+/// The unit cube as n³ cubes, n a power of two, with the surfaces xmin, xmax, ymin, ymax and others, in no
+/// order that one would expect, and periodic across x and y.
+inline Mesh periodic_grid(int n) {
+    Mesh mesh = grid(n, n, n, 1);
+    for (double& x : mesh.points) x /= n;
+    mesh.surface_names = {"xmax", "others", "ymin", "xmin", "ymax"};
+    for (std::size_t f = 0; f < mesh.facets.size(); ++f) {
+        const auto all = [&](std::size_t axis, double at) {
+            const FacetNodes nodes = mesh.facets.facet(f);
+            return std::all_of(nodes.begin(), nodes.end(),
+                               [&](NodeId node) { return mesh.points[3 * node + axis] == at; });
+        };
+        mesh.facets.surface[f] = all(0, 1) ? 0 : all(1, 0) ? 2 : all(0, 0) ? 3 : all(1, 1) ? 4 : 1;
+    }
+    pair_nodes(mesh);
+    return mesh;
+}
+
 /// A unit cube with a pyramid (volume 1/3) on top, a wedge (1/2) at x = 1 and a tetrahedron at the pyramid's
 /// x side; cube and wedge are region 1, the others region 2. The cube is hexahedron 0; nodes 0-7 are its own.
 inline Mesh mixed() {
