@@ -34,8 +34,10 @@ std::string describe_missed(const std::vector<MissedFeature>& missed, const Root
             (largest->material ? "material, " : "a hole, ") + number_text(largest->size) + " long and " +
             number_text(largest->thickness) + " thick, at " + place_text(largest->position) + "; ";
     if (level <= root.level + refine)
-        return text + "--refine " + std::to_string(refine) +
-               " allows cells as small as that already; what narrows to a tip is never shown whole";
+        return text +
+               (refine == 0 ? std::string("cells are as small as that")
+                            : "--refine " + std::to_string(refine) + " allows cells as small as that") +
+               " already; what narrows to a tip, as beside surfaces that touch, is never shown whole";
     text += "--refine " + std::to_string(level - root.level);
     if (level <= octree::kMaxUniformLevel) text += ", or level " + std::to_string(level) + ",";
     text += std::string(" makes cells as small as ") + (missed.size() == 1 ? "it" : "the thinnest of them");

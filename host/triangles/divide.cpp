@@ -25,6 +25,9 @@ constexpr std::size_t kMostFaces = 16;  ///< in a finest cell
 constexpr double kMargin = 0.5;
 // A surface this close to a cell, in cells, is not off it: far above kSignTolerance.
 constexpr double kTouching = 1.0 / 1024;
+// Where a formula is compared with the solid: this far from the middle along each axis, in cells.
+constexpr double kProbed = 0.4;
+constexpr double kCertain = 0.05;  ///< winding numbers this far from whole ones are those of open surfaces
 constexpr double kNoArea = 1e-12;  ///< of a cell's face: smaller pieces of triangles are left out
 constexpr std::size_t kChunk = 16;
 
@@ -164,6 +167,15 @@ class Divider {
                 entry.solid = formula.value();
                 return;
             }
+            if (leaf && holds_patch(pieces) && !reach_cube(pieces, centre, (0.5 + kTouching) * size)) {
+                const double winding = winding_.at(centre);
+                const bool solid = winding > 0.5;
+                const bool is_certain = std::fabs(winding - std::round(winding)) < kCertain;
+                if (is_certain && differs(formula.words(), centre, size, solid)) {
+                    entry.solid = solid;
+                    return;
+                }
+            }
             if (leaf && formula.stack() <= kSpatialStack) {
                 prune(formula.words(), {{centre[0], centre[1], centre[2]}, (0.5 + kTouching) * size}, entry);
                 return;
@@ -232,6 +244,37 @@ class Divider {
             pieces.push_back(piece);
             inside.push_back(t);
         }
+    }
+
+    /// Whether a piece reaches into a cube.
+    static bool reach_cube(const std::vector<Polygon>& pieces, const glm::dvec3& centre, double half) {
+        return std::any_of(pieces.begin(), pieces.end(), [&](const Polygon& piece) {
+            return clip_to_cube(piece, centre, half).count >= 3;
+        });
+    }
+
+    bool holds_patch(const std::vector<Polygon>& pieces) const {
+        return std::any_of(pieces.begin(), pieces.end(), [this](const Polygon& piece) {
+            return model_.surfaces[piece.surface].kind == kSurfacePatch;
+        });
+    }
+
+    /// Whether a formula is wrong somewhere in a cell without triangles, which is `solid` or not. Beyond its
+    /// rim a patch goes on, so one that only comes close to a corner may come back into the cell.
+    bool differs(const std::vector<std::uint32_t>& words, const glm::dvec3& centre, double size,
+                 bool solid) const {
+        std::vector<std::int32_t> states(words.size(), 0);
+        for (int i = 0; i < 27; ++i) {
+            const glm::dvec3 x = centre + kProbed * size * glm::dvec3(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1);
+            for (std::size_t w = 0; w < words.size(); ++w) {
+                if (tape_operation(words[w]) != kTapeLiteral) continue;
+                const double value = surface_value(&model_.surfaces[tape_surface(words[w])],
+                                                   model_.expression_ops.data(), x.x, x.y, x.z);
+                states[w] = (value < 0) != (tape_negated(words[w]) != 0) ? 1 : 0;
+            }
+            if ((tape::prune(words, states, nullptr) == 1) != solid) return true;
+        }
+        return false;
     }
 
     bool all_flat(const std::vector<Polygon>& pieces) const {

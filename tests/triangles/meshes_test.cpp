@@ -50,6 +50,23 @@ TEST_CASE("flat faces are exact: the L block") {
     }
 }
 
+TEST_CASE("no loose piece beside a letter whose outline comes close to a cell") {
+    const Model model = parse_model(
+        "multmatrix([[0.960779, 0.108355, 0.255269, 0], [0, 0.920505, -0.390731, 0], "
+        "[-0.277315, 0.375406, 0.884402, 0], [0, 0, 0, 1]]) { cube([40, 12, 2]); "
+        "multmatrix([[1, 0, 0, 20], [0, 1, 0, 6], [0, 0, 1, 1.5], [0, 0, 0, 1]]) linear_extrude(height = "
+        "1.5) "
+        "text(text = \"is\", size = 5, halign = \"center\", valign = \"center\"); }",
+        "csg", "plate.csg");
+    MeshOptions options;
+    options.level = 6;
+    options.refine = 1;
+    options.improve = false;
+    const Meshed m = mesh_and_check(model, options);
+    CHECK(m.defects.empty());
+    CHECK(m.check.components == 1);
+}
+
 TEST_CASE("surfaces are named after groups, or numbered") {
     const Meshed named = mesh_and_check(solid_of(prism({{0, 0}, {2, 0}, {3, 2}, {0, 2}}, 2, true), 0), 4);
     CHECK(named.mesh.surface_names == std::vector<std::string>{"part_bottom", "part_top", "part_side"});
