@@ -1,10 +1,12 @@
-// Absolute values as the greater of a function and its negative.
+// Absolute values as the greater of a function and its negative, and max and min before constants.
 //
 // { |g| - t <= 0 } is a sheet with two sides, { |x| + |y| <= 1 } a prism with edges. As the set of one
 // function with kinks, both sides would be one surface, whose samples in a cell do not see a thin sheet, and
 // edges would be rounded. Sums, differences and multiples by constants are taken into max and min; rounding
-// is monotone, so every value stays the same to the last bit. A function that jumps stays inside its absolute
-// value: |mod(x, 1) - 1/2| is continuous, its two sides are not.
+// is monotone, so every value stays the same to the last bit. So are constants that are added to other max
+// and min: max(|x|, |y|, |z|) - 1 is a cube. Functions are not: min(a, b) - h(a - b) is a smooth union. A
+// function that jumps stays inside its absolute value: |mod(x, 1) - 1/2| is continuous, its two sides are
+// not.
 #include <cmath>
 #include <utility>
 
@@ -31,8 +33,9 @@ class AbsoluteSplitter {
     /// A node of the formula in the new one.
     struct Split {
         Index plain = 0;          ///< as it was
-        Index whole = 0;          ///< max and min at its top, as far as these come from absolute values
+        Index whole = 0;          ///< max and min at its top
         std::uint32_t terms = 1;  ///< of `whole`, if a sum may be taken into it; 1: it may not, or need not
+        std::uint32_t parts = 1;  ///< the same, if a constant may be
     };
 
     /// Which nodes may jump where their arguments do not: steps, branches, poles.
@@ -73,12 +76,15 @@ class AbsoluteSplitter {
         switch (n.operation) {
             case kExprAbs:
                 if (jumps_[n.a] != 0) return leaf(plain);
-                return {plain, out_.add(kExprMax, a.whole, negative(a.whole)), 2 * a.terms};
-            case kExprNegate: return {plain, negative(a.whole), a.terms};
+                return {plain, out_.add(kExprMax, a.whole, negative(a.whole)), 2 * a.terms, 2 * a.parts};
+            case kExprNegate: return {plain, negative(a.whole), a.terms, a.parts};
             case kExprMin:
-            case kExprMax: return {plain, out_.add(n.operation, a.whole, b.whole), 1};
+            case kExprMax:
+                return {plain, out_.add(n.operation, a.whole, b.whole), 1,
+                        a.parts + b.parts <= kMostTerms ? a.parts + b.parts : 1};
             case kExprAdd:
-            case kExprSubtract: return sum(plain, a, b, n.operation == kExprSubtract);
+            case kExprSubtract:
+                return sum(plain, a, b, n.operation == kExprSubtract, is_constant(n.a) || is_constant(n.b));
             case kExprMultiply:
                 if (is_constant(n.b)) return multiple(plain, a, nodes_[n.b].constant, kExprMultiply);
                 if (is_constant(n.a)) return multiple(plain, b, nodes_[n.a].constant, kExprMultiply);
@@ -90,36 +96,37 @@ class AbsoluteSplitter {
         }
     }
 
-    static Split leaf(Index plain) { return {plain, plain, 1}; }
+    static Split leaf(Index plain) { return {plain, plain, 1, 1}; }
     bool is_constant(Index i) const { return nodes_[i].operation == kExprConstant; }
     Index negative(Index i) { return out_.add(kExprNegate, i); }
 
-    Split sum(Index plain, const Split& a, const Split& b, bool subtracts) {
-        const std::uint32_t terms = a.terms * b.terms;
-        if (terms == 1 || terms > kMostTerms) return leaf(plain);
-        const Index whole = map(a, false, [&](Index p, bool negative_p) {
-            return map(b, subtracts, [&](Index q, bool negative_q) {
+    Split sum(Index plain, const Split& a, const Split& b, bool subtracts, bool with_constant) {
+        const std::uint32_t terms = a.terms * b.terms, parts = with_constant ? a.parts * b.parts : terms;
+        if (parts == 1 || parts > kMostTerms) return leaf(plain);
+        const Index whole = map(a, with_constant, false, [&](Index p, bool negative_p) {
+            return map(b, with_constant, subtracts, [&](Index q, bool negative_q) {
                 const Index first = negative_p ? negative(p) : p;
                 return out_.add(negative_q ? kExprSubtract : kExprAdd, first, q);
             });
         });
-        return {plain, whole, terms};
+        return {plain, whole, terms, parts};
     }
 
     Split multiple(Index plain, const Split& a, double factor, std::int32_t operation) {
-        if (a.terms == 1 || !std::isfinite(factor) || factor == 0) return leaf(plain);
+        if (a.parts == 1 || !std::isfinite(factor) || factor == 0) return leaf(plain);
         const Index size = out_.add_constant(std::fabs(factor));
-        const Index whole = map(a, factor < 0, [&](Index p, bool is_negative) {
+        const Index whole = map(a, true, factor < 0, [&](Index p, bool is_negative) {
             const Index scaled = out_.add(operation, p, size);
             return is_negative ? negative(scaled) : scaled;
         });
-        return {plain, whole, a.terms};
+        return {plain, whole, a.terms, a.parts};
     }
 
     /// The max and min of `a`, or of its negative, over make(term, whether the term's negative is meant).
     template <class Make>
-    Index map(const Split& a, bool is_negative, const Make& make) {
-        return a.terms == 1 ? make(a.plain, is_negative) : map_node(a.whole, is_negative, make);
+    Index map(const Split& a, bool by_parts, bool is_negative, const Make& make) {
+        return (by_parts ? a.parts : a.terms) == 1 ? make(a.plain, is_negative)
+                                                   : map_node(a.whole, is_negative, make);
     }
     template <class Make>
     Index map_node(Index i, bool is_negative, const Make& make) {

@@ -12,7 +12,9 @@
 #include <pybind11/stl.h>
 
 #include "host/python/arrays.hpp"
+#include "host/python/formulas.hpp"
 #include "host/python/options.hpp"
+#include "host/python/solids.hpp"
 #include "mortise/check.hpp"
 #include "mortise/error.hpp"
 #include "mortise/io.hpp"
@@ -94,8 +96,10 @@ void bind_errors(py::module_& module) {
 }
 
 void bind_models(py::module_& module) {
-    py::class_<Model>(module, "Model", "A solid: read_model() and parse_model() make it.")
-        .def_readonly("source", &Model::source)
+    py::class_<Model> bound(module, "Model",
+                            "What is meshed: from read_model(), parse_model(), a Solid, or a dict of them.");
+    bind_solids(module, bound);
+    bound.def_readonly("source", &Model::source)
         .def_readonly("warnings", &Model::warnings)
         .def_property_readonly("regions", [](const Model& model) {
             std::vector<std::string> names;
@@ -447,6 +451,7 @@ PYBIND11_MODULE(mortise, module) {
     module.doc() = "Volume meshes of CSG solids and implicit functions.";
     module.attr("__version__") = MORTISE_VERSION;
     mortise::python::bind_errors(module);
+    mortise::python::bind_formulas(module);
     mortise::python::bind_models(module);
     mortise::python::bind_report(module);
     mortise::python::bind_check(module);

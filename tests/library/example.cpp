@@ -4,20 +4,15 @@
 
 #include <mortise/io.hpp>
 #include <mortise/mesher.hpp>
+#include <mortise/solid.hpp>
 #include <mortise/version.hpp>
 
 namespace {
 
 mortise::Model plate(double radius) {
-    mortise::Model model;
-    const auto block = model.add_primitive(mortise::box({0, 0, 0}, {4, 2, 0.5}));
-    const auto cylinder = model.add_primitive(mortise::infinite_cylinder(radius));
-    const auto hole = model.add_transform({1, 0, 0, 2, 0, 1, 0, 1, 0, 0, 1, 0}, cylinder);
-    mortise::Region region;
-    region.name = "plate";
-    region.root = model.add_operation(mortise::CsgNode::Op::kDifference, {block, hole});
-    model.regions.push_back(region);
-    return model;
+    const mortise::Solid block = mortise::box({0, 0, 0}, {4, 2, 0.5});
+    const mortise::Solid hole = mortise::cylinder(radius, 0.5);
+    return mortise::make_model(block - hole.translated({2, 1, 0}), "plate");
 }
 
 }  // namespace

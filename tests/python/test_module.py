@@ -146,6 +146,108 @@ class Module(unittest.TestCase):
             self.assertLess(abs(gap).max(), 1e-12)
         self.assertEqual(len(self.mesher.generate(self.ball, level=3).periodic), 0)
 
+    def test_solids(self):
+        plate = mortise.box((0, 0, 0), (6, 4, 0.5)).named("plate")
+        hole = mortise.cylinder(radius=0.5, height=0.5).named("hole")
+        part = plate - hole.translate((1.5, 2, 0)) - hole.translate((4.5, 2, 0))
+        mesh = self.mesher.generate(part, level=6)
+        self.assertTrue(mesh.check().valid)
+        self.assertAlmostEqual(mesh.check().volume, 12 - math.pi / 4, delta=0.01)
+        self.assertEqual(mesh.surface_names[-1], "hole")
+        self.assertEqual(mesh.region_names, ["solid"])
+        both = self.mesher.generate({"steel": part, "resin": mortise.box((0, 0, 0), (6, 4, 1))}, level=5)
+        self.assertEqual(both.region_names, ["steel", "resin"])
+        self.assertAlmostEqual(sum(both.check().region_volume), 24, places=9)
+        named = mortise.Model(part, region="body")
+        self.assertEqual(named.regions, ["body"])
+        self.assertEqual(list(named.solids), ["body"])
+        self.assertEqual(list(self.mesher.generate(named.solids["body"] & mortise.half_space((3, 0, 0), (1, 0, 0)),
+                                                   level=4).report.warnings), [])
+
+    def volume(self, solid, level=5):
+        check = self.mesher.generate(solid, level=level).check()
+        self.assertTrue(check.valid)
+        return check.volume
+
+    def test_kinds_of_solids(self):
+        quarter = mortise.box((0, 0, -9), (9, 9, 9))
+        self.assertAlmostEqual(self.volume(mortise.sphere(1, (2, 2, 0)) & quarter), 4 / 3 * math.pi, delta=0.02)
+        self.assertAlmostEqual(self.volume(mortise.frustum(2, 1, 3)), math.pi * 7, delta=0.1)
+        self.assertAlmostEqual(self.volume(mortise.torus(2, 0.5), 6), math.pi ** 2, delta=0.1)
+        corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
+        faces = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]
+        self.assertAlmostEqual(self.volume(mortise.polyhedron(corners, faces)), 1 / 6, places=9)
+        square = [(0, 0), (4, 0), (4, 4), (0, 4)]
+        inner = [(1, 1), (3, 1), (3, 3), (1, 3)]
+        frame = mortise.extrude(square, 2, holes=[inner], name="frame")
+        self.assertAlmostEqual(self.volume(frame), 24, places=9)
+        self.assertTrue(all(name.startswith("frame_") for name in self.mesher.generate(frame, level=4).surface_names))
+        self.assertAlmostEqual(self.volume(mortise.extrude(square, 3, scale=0.5)), 16 * (1 + 0.5 + 0.25), places=6)
+        self.assertAlmostEqual(self.volume(mortise.revolve([(1, 0), (2, 0), (2, 1)]), 6), math.pi * 5 / 3, delta=0.02)
+        hull = mortise.csg("hull() { sphere(1); translate([3, 0, 0]) sphere(1); }")
+        self.assertAlmostEqual(self.volume(hull), math.pi * (4 / 3 + 3), delta=0.2)
+        cubes = mortise.unite([mortise.box((i, 0, 0), (i + 0.5, 1, 1)) for i in range(5)])
+        self.assertAlmostEqual(self.volume(cubes), 2.5, places=8)
+        self.assertAlmostEqual(self.volume(mortise.intersect([cubes, ~mortise.box((-1, -1, -1), (2.25, 2, 2))])), 1.25,
+                               places=9)
+        turn = numpy.array([[0, -1, 0, 5], [1, 0, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]])
+        moved = self.mesher.generate(mortise.box((0, 0, 0), (2, 1, 1)).transform(turn), level=3)
+        self.assertTrue(numpy.allclose(moved.points.min(axis=0), [4, 0, 0]))
+        sized = self.mesher.generate(mortise.sphere(1).sized(0.05), level=4)
+        self.assertGreater(sized.report.finest_level, 4)
+
+    def test_formulas(self):
+        x, y, z = mortise.coordinates()
+        ball = mortise.implicit(numpy.sqrt(x**2 + y**2 + z * z) - 1)
+        self.assertAlmostEqual(self.volume(ball), 4 / 3 * math.pi, delta=0.02)
+        same = mortise.implicit(lambda x, y, z: x**2 + y**2 + z**2 - numpy.float64(1))
+        self.assertAlmostEqual(self.volume(same), 4 / 3 * math.pi, delta=0.02)
+        text = mortise.implicit("max(abs(x), abs(y), abs(z)) - 1", bounds=((-2, -2, 0), (2, 2, 2)))
+        self.assertAlmostEqual(self.volume(text), 4, places=6)
+        # Every operator and function, against numpy's own: |f - value| <= 0.1 where x, y, z are near a point.
+        at = numpy.array([0.7, -0.4, 1.3])
+        cases = [lambda x, y, z: x + y - 2 * z, lambda x, y, z: 1 - x / (z + 3) + 2 / z, lambda x, y, z: -x**3 + 2**y,
+                 lambda x, y, z: +abs(y) % 0.3, lambda x, y, z: numpy.sin(x) + numpy.cos(y) * numpy.tan(z / 2),
+                 lambda x, y, z: numpy.arcsin(x) + numpy.arccos(y) + numpy.arctan(z) + numpy.arctan2(y, x),
+                 lambda x, y, z: numpy.exp(y) + numpy.log(z) + numpy.hypot(x, z) + numpy.square(y),
+                 lambda x, y, z: numpy.minimum(x, y) + numpy.maximum(y, 0.1) + numpy.clip(z, 0, 1),
+                 lambda x, y, z: numpy.floor(z) + numpy.ceil(z) + numpy.sign(y) + numpy.reciprocal(x),
+                 lambda x, y, z: sum([x, y, z]) * numpy.float32(2) + numpy.negative(z) ** 2]
+        for case in cases:
+            value = float(case(*at))
+            near = mortise.implicit(numpy.maximum(numpy.abs(case(x, y, z) - value) - 0.1,
+                                                  numpy.sqrt((x - at[0])**2 + (y - at[1])**2 + (z - at[2])**2) - 0.01))
+            self.assertAlmostEqual(self.volume(near) / (4 / 3 * math.pi * 1e-6), 1, delta=0.03)
+        total = x
+        for _ in range(50000):
+            total = total + 1
+        self.assertTrue(str(total).endswith("v50000"))
+        self.assertLess(len(repr(total)), 500)
+        del total
+        for wrong, said in ((lambda: numpy.cbrt(x), "numpy.cbrt is no function"), (lambda: max(x, y), "not supported"),
+                            (lambda: 1 if x else 0, "neither true nor false"), (lambda: x + "1", "unsupported"),
+                            (lambda: mortise.implicit(lambda x, y, z: None), "expected a formula")):
+            with self.assertRaisesRegex(TypeError, said):
+                wrong()
+        with self.assertRaisesRegex(ValueError, "finite"):
+            x * math.inf
+
+    def test_solids_that_are_none(self):
+        with self.assertRaisesRegex(mortise.Error, "sphere: radius is -1"):
+            mortise.sphere(-1)
+        with self.assertRaisesRegex(mortise.Error, "the solid is empty"):
+            self.mesher.generate(mortise.sphere(1) - mortise.sphere(2))
+        with self.assertRaisesRegex(ValueError, "there are 1 points"):
+            mortise.polyhedron([[0, 0, 0]], [[0, 1, 2]])
+        with self.assertRaisesRegex(ValueError, "a matrix of 3 x 3"):
+            mortise.sphere(1).transform([[1, 0], [0, 1]])
+        with self.assertRaisesRegex(TypeError, "a dict of regions' names"):
+            mortise.Model({"a": 3})
+        with self.assertRaisesRegex(mortise.Error, "empty"):
+            self.mesher.generate(mortise.extrude([(0, 0), (1, 0)], 1))
+        with self.assertWarnsRegex(UserWarning, "size"):
+            mortise.csg("union() { cube([1, 1, 1]); sphere(r = 0); }")
+
     def test_summary(self):
         summary = mortise.summarize(mortise.read_model(str(BRACKET)))
         self.assertIn("cube1_xmin", summary.surfaces)

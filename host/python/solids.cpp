@@ -1,0 +1,243 @@
+#include "host/python/solids.hpp"
+
+#include <array>
+#include <charconv>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <pybind11/numpy.h>
+#include <pybind11/stl.h>
+
+#include "host/python/formulas.hpp"
+#include "mortise/solid.hpp"
+
+namespace mortise::python {
+namespace {
+
+namespace py = pybind11;
+
+/// 3 × 3, 3 × 4 or 4 × 4, the last with a row 0 0 0 1.
+Affine affine_of(const py::array_t<double, py::array::c_style | py::array::forcecast>& matrix) {
+    const auto rows = matrix.ndim() == 2 ? matrix.shape(0) : 0;
+    const auto columns = matrix.ndim() == 2 ? matrix.shape(1) : 0;
+    if (!((rows == 3 && (columns == 3 || columns == 4)) || (rows == 4 && columns == 4)))
+        throw py::value_error("expected a matrix of 3 x 3, 3 x 4 or 4 x 4 numbers");
+    if (rows == 4 &&
+        (matrix.at(3, 0) != 0 || matrix.at(3, 1) != 0 || matrix.at(3, 2) != 0 || matrix.at(3, 3) != 1))
+        throw py::value_error("expected a matrix whose last row is 0, 0, 0, 1");
+    Affine map = kIdentity;
+    for (py::ssize_t i = 0; i < 3; ++i) {
+        for (py::ssize_t j = 0; j < columns; ++j) map[static_cast<std::size_t>(4 * i + j)] = matrix.at(i, j);
+    }
+    return map;
+}
+
+std::string text_of(double value) {
+    char digits[32];
+    return {digits, std::to_chars(digits, digits + sizeof digits, value).ptr};
+}
+
+/// Outlines as OpenSCAD's polygon; the first one, and holes in it.
+std::string polygon_text(const std::vector<std::vector<std::array<double, 2>>>& outlines) {
+    std::string points, paths;
+    std::size_t count = 0;
+    for (const auto& outline : outlines) {
+        std::string path;
+        for (const auto& [x, y] : outline) {
+            points += (points.empty() ? "[" : ", [") + text_of(x) + ", " + text_of(y) + "]";
+            path += (path.empty() ? "" : ", ") + std::to_string(count++);
+        }
+        paths += (paths.empty() ? "[" : ", [") + path + "]";
+    }
+    return "polygon(points = [" + points + "], paths = [" + paths + "]);";
+}
+
+/// The one solid of a model; what its reader warned of is a warning of Python's.
+Solid solid_of(const Model& model) {
+    for (const std::string& warning : model.warnings) {
+        if (PyErr_WarnEx(PyExc_UserWarning, warning.c_str(), 1) != 0) throw py::error_already_set();
+    }
+    return solids_of(model).front().second;
+}
+
+/// The one solid of a text, whose surfaces' names begin with `name` instead of `kind`1.
+Solid solid_of_text(const std::string& text, const std::string& kind, const std::string& name) {
+    Model model = parse_model(text, "csg", name);
+    const std::string old = kind + "1";
+    for (CsgNode& node : model.nodes) {
+        if (node.name.compare(0, old.size(), old) == 0) node.name = name + node.name.substr(old.size());
+    }
+    return solid_of(model);
+}
+
+using Outline = std::vector<std::array<double, 2>>;
+
+Solid extrude(const Outline& outline, double height, const std::vector<Outline>& holes, double twist,
+              double scale, const std::string& name) {
+    std::vector<Outline> all = {outline};
+    all.insert(all.end(), holes.begin(), holes.end());
+    std::string text = "linear_extrude(height = " + text_of(height);
+    if (twist != 0) text += ", twist = " + text_of(twist);
+    if (scale != 1) text += ", scale = [" + text_of(scale) + ", " + text_of(scale) + "]";
+    return solid_of_text(text + ") " + polygon_text(all), "linear_extrude", name);
+}
+
+Solid revolve(const Outline& outline, double angle, const std::vector<Outline>& holes,
+              const std::string& name) {
+    std::vector<Outline> all = {outline};
+    all.insert(all.end(), holes.begin(), holes.end());
+    return solid_of_text("rotate_extrude(angle = " + text_of(angle) + ") " + polygon_text(all),
+                         "rotate_extrude", name);
+}
+
+Solid polyhedron_of(const py::array_t<double, py::array::c_style | py::array::forcecast>& points,
+                    const py::array_t<std::int64_t, py::array::c_style | py::array::forcecast>& triangles,
+                    double sharp_angle) {
+    const auto is_table = [](const py::array& array) { return array.ndim() == 2 && array.shape(1) == 3; };
+    if (!is_table(points) || !is_table(triangles))
+        throw py::value_error("expected arrays of count x 3 points and count x 3 triangles");
+    TriangleSurface surface;
+    for (py::ssize_t i = 0; i < points.shape(0); ++i)
+        surface.points.push_back({points.at(i, 0), points.at(i, 1), points.at(i, 2)});
+    for (py::ssize_t i = 0; i < triangles.shape(0); ++i) {
+        std::array<std::uint32_t, 3> corners{};
+        for (py::ssize_t k = 0; k < 3; ++k) {
+            const std::int64_t corner = triangles.at(i, k);
+            if (corner < 0 || corner >= points.shape(0))
+                throw py::value_error("triangle " + std::to_string(i) + " has corner " +
+                                      std::to_string(corner) + "; there are " +
+                                      std::to_string(points.shape(0)) + " points");
+            corners[static_cast<std::size_t>(k)] = static_cast<std::uint32_t>(corner);
+        }
+        surface.triangles.push_back(corners);
+    }
+    return polyhedron(std::move(surface), sharp_angle);
+}
+
+std::optional<Box3> bounds_of(const std::optional<std::pair<Vec3, Vec3>>& corners) {
+    if (!corners) return std::nullopt;
+    return Box3{corners->first, corners->second};
+}
+
+/// A dict of names and solids, in its order.
+Model model_of_regions(const py::dict& regions) {
+    std::vector<std::pair<std::string, Solid>> solids;
+    for (const auto& [name, solid] : regions) {
+        if (!py::isinstance<py::str>(name) || !py::isinstance<Solid>(solid))
+            throw py::type_error("expected a dict of regions' names and their solids, not " +
+                                 std::string(py::repr(regions)));
+        solids.emplace_back(py::cast<std::string>(name), py::cast<Solid>(solid));
+    }
+    return make_model(solids);
+}
+
+void bind_class(py::module_& module) {
+    py::class_<Solid>(module, "Solid", "A solid; a value: operations make new ones.")
+        .def(py::init<>(), "The empty set.")
+        .def(
+            "__or__", [](const Solid& a, const Solid& b) { return a | b; }, py::is_operator())
+        .def(
+            "__add__", [](const Solid& a, const Solid& b) { return a | b; }, py::is_operator())
+        .def(
+            "__and__", [](const Solid& a, const Solid& b) { return a & b; }, py::is_operator())
+        .def(
+            "__sub__", [](const Solid& a, const Solid& b) { return a - b; }, py::is_operator())
+        .def("__invert__", [](const Solid& a) { return ~a; })
+        .def("named", &Solid::named, "Names its surfaces that have no name yet.", py::arg("name"))
+        .def(
+            "sized",
+            [](const Solid& self, double size, bool surface_only) {
+                return surface_only ? self.surface_sized(size) : self.sized(size);
+            },
+            "Cells of at most `size` on its surfaces, and inside.", py::arg("size"),
+            py::arg("surface_only") = false)
+        .def("translate", &Solid::translated, py::arg("by"))
+        .def("rotate", &Solid::rotated, "Around an axis through the origin, counter-clockwise from its tip.",
+             py::arg("degrees"), py::arg("axis") = Vec3{0, 0, 1})
+        .def(
+            "scale",
+            [](const Solid& self, double factor) {
+                return self.scaled({factor, factor, factor});
+            },
+            py::arg("factor"))
+        .def("scale", &Solid::scaled, py::arg("factors"))
+        .def("mirror", &Solid::mirrored, "In the plane through the origin with this normal.",
+             py::arg("normal"))
+        .def(
+            "transform",
+            [](const Solid& self,
+               const py::array_t<double, py::array::c_style | py::array::forcecast>& matrix) {
+                return self.transformed(affine_of(matrix));
+            },
+            "By a matrix of 3 x 3, 3 x 4 or 4 x 4 numbers.", py::arg("matrix"));
+}
+
+void bind_makers(py::module_& module) {
+    module.def(
+        "box", [](const Vec3& low, const Vec3& high) { return Solid(box(low, high)); },
+        "Between two corners; its surfaces are NAME_xmin, …", py::arg("low"), py::arg("high"));
+    module.def(
+        "sphere", [](double radius, const Vec3& center) { return Solid(sphere(radius)).translated(center); },
+        py::arg("radius"), py::arg("center") = Vec3{});
+    module.def("cylinder", &cylinder, "Around z, from z = 0.", py::arg("radius"), py::arg("height"));
+    module.def("frustum", &frustum, "A cylinder with a radius at each end; one may be 0.", py::arg("bottom"),
+               py::arg("top"), py::arg("height"));
+    module.def(
+        "torus", [](double major, double minor) { return Solid(torus(major, minor)); }, "Around z.",
+        py::arg("major"), py::arg("minor"));
+    module.def(
+        "half_space", [](const Vec3& point, const Vec3& normal) { return Solid(half_space(point, normal)); },
+        "All that lies behind a plane.", py::arg("point"), py::arg("normal"));
+    module.def(
+        "polyhedron", &polyhedron_of,
+        "Closed triangles, counter-clockwise seen from outside; edges are creases where the surface turns by "
+        "more than `sharp_angle` degrees.",
+        py::arg("points"), py::arg("triangles"), py::arg("sharp_angle") = 40.0);
+    module.def(
+        "implicit",
+        [](const py::object& formula, const std::optional<std::pair<Vec3, Vec3>>& bounds) {
+            return implicit(formula_text(formula), bounds_of(bounds));
+        },
+        "Where a formula is not positive: a text, a Formula, or a function of x, y, z.", py::arg("formula"),
+        py::arg("bounds") = py::none());
+    module.def("extrude", &extrude, "An outline in x and y, from z = 0; twist in degrees, scale of the top.",
+               py::arg("outline"), py::arg("height"), py::kw_only(),
+               py::arg("holes") = std::vector<Outline>(), py::arg("twist") = 0.0, py::arg("scale") = 1.0,
+               py::arg("name") = "extrusion");
+    module.def("revolve", &revolve, "An outline in (distance from the axis, height), turned around z.",
+               py::arg("outline"), py::arg("angle") = 360.0, py::kw_only(),
+               py::arg("holes") = std::vector<Outline>(), py::arg("name") = "revolution");
+    module.def(
+        "csg", [](const std::string& text) { return solid_of(parse_model(text, "csg", "csg")); },
+        "The solid of OpenSCAD's .csg: csg('hull() { sphere(1); translate([3, 0, 0]) sphere(2); }').",
+        py::arg("text"));
+    module.def("unite", &unite, "The union of many.", py::arg("solids"));
+    module.def("intersect", &intersect, "What is in all of many.", py::arg("solids"));
+}
+
+}  // namespace
+
+void bind_solids(py::module_& module, py::class_<Model>& model) {
+    bind_class(module);
+    bind_makers(module);
+    model
+        .def(
+            py::init([](const Solid& solid, const std::string& region) { return make_model(solid, region); }),
+            "The model of one region.", py::arg("solid"), py::arg("region") = "solid")
+        .def(py::init(&model_of_regions),
+             "Several regions, a dict of names and solids; the first has what overlaps.", py::arg("regions"))
+        .def_property_readonly(
+            "solids",
+            [](const Model& self) {
+                py::dict solids;
+                for (const auto& [name, solid] : solids_of(self)) solids[py::str(name)] = solid;
+                return solids;
+            },
+            "Its regions as solids, by name, to build on.");
+    py::implicitly_convertible<Solid, Model>();
+    py::implicitly_convertible<py::dict, Model>();
+}
+
+}  // namespace mortise::python
