@@ -291,6 +291,10 @@ void read_batch_words(const Words& words, Arguments& arguments) {
     }
     arguments.format = format;
     if (!words.jobs.empty()) arguments.jobs = parse_integer("--jobs", words.jobs, 1);
+    if (words.time_limit.empty()) return;
+    arguments.time_limit = parse_number("--time-limit", words.time_limit);
+    if (!(arguments.time_limit > 0))
+        refuse("--time-limit '" + words.time_limit + "': expected a positive number of seconds");
 }
 
 }  // namespace

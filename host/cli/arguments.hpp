@@ -17,6 +17,7 @@ struct Arguments {
     std::vector<std::string> outputs;  ///< mesh files, each once; of `batch` and `kernels`: the folder
     std::string format = "vtu";        ///< of the files of `batch`
     int jobs = 0;                      ///< of `batch`: models meshed at once; 0: as many as cores
+    double time_limit = 0;             ///< of `batch`: seconds that a model may take; 0: any
     std::string picture;               ///< empty: none
     PictureOptions picture_options;
     std::string report;    ///< empty: none

@@ -136,8 +136,14 @@ std::string count_text(std::size_t warnings) {
 }
 
 /// What became of a model, as JSON from a worker: `report` as printed by --json, `line` for people.
-Json mesh_one(Mesher& mesher, const Arguments& arguments, const MeshOptions& options, const Item& item) {
+Json mesh_one(Mesher& mesher, const Arguments& arguments, MeshOptions options, const Item& item) {
     const auto start = Clock::now();
+    const char* late = nullptr;  // the stage in which time was up
+    options.progress = [&](const char* stage, double) {
+        report_aborts();
+        if (arguments.time_limit > 0 && seconds_since(start) > arguments.time_limit) late = stage;
+        return late == nullptr;
+    };
     Json outcome = {{"code", 0}, {"line", ""}};
     Json document = {{"model", item.model}, {"warnings", Json::array()}};
     const auto fail = [&](ExitCode code, const std::string& message) {
@@ -155,7 +161,11 @@ Json mesh_one(Mesher& mesher, const Arguments& arguments, const MeshOptions& opt
         refuse_inverted(figures);
         warn_of_slivers(figures, options, report);
         document["warnings"] = report.warnings;
-        if (arguments.check) refuse_defects(check_mesh(mesh, options.threads));
+        if (arguments.check) {
+            const CheckReport check = check_mesh(mesh, options.threads);
+            refuse_defects(check);
+            document["check"] = check_document(check);
+        }
         make_folder_of(item);
         MeshFileOptions file_options = arguments.file_options;
         file_options.threads = options.threads;
@@ -169,7 +179,11 @@ Json mesh_one(Mesher& mesher, const Arguments& arguments, const MeshOptions& opt
         mesher.recycle(std::move(mesh));
         refuse_below(below);
     } catch (const Error& error) {
-        const std::string message = error.what();
+        const std::string message = late == nullptr
+                                        ? error.what()
+                                        : "took more than " + short_number(arguments.time_limit, 3) +
+                                              " s, the last in '" + late +
+                                              "'; give it more (--time-limit), or larger cells";
         const bool names_it = message.find(item.model) != std::string::npos;
         fail(error.code(), names_it ? message : item.model + ": " + message);
     } catch (const std::bad_alloc&) {
@@ -270,10 +284,6 @@ ExitCode batch_command(const Arguments& arguments) {
         options.threads = static_cast<int>(std::max<std::size_t>(1, cores / jobs));
         device::limit_driver_threads(options.threads);
     }
-    options.progress = [](const char*, double) {
-        report_aborts();
-        return true;
-    };
 
     Mesher mesher(options.device, options.work_group_size);  // each process opens its own
     Teller teller(arguments, items);

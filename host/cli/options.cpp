@@ -204,6 +204,8 @@ CLI::App* add_batch(CLI::App& app, Arguments& arguments, Words& words) {
     batch->add_option("--format", arguments.format, "of the mesh files: vtu (default), msh or inp")
         ->option_text("vtu|msh|inp");
     batch->add_option("--jobs", words.jobs, "models meshed at once, default all cores")->option_text("COUNT");
+    batch->add_option("--time-limit", words.time_limit, "give up a model after so many seconds")
+        ->option_text("SECONDS");
     add_shape_options(*batch, arguments, words);
     add_size_options(*batch, arguments, words);
     add_element_options(*batch, arguments, words);

@@ -11,7 +11,7 @@ namespace mortise::cli {
 
 /// The words as CLI11 leaves them.
 struct Words {
-    std::string level, size, elements, order, extrude, floor, threads, work_group, facets, jobs;
+    std::string level, size, elements, order, extrude, floor, threads, work_group, facets, jobs, time_limit;
     std::string memory;
     std::string refine, curvature, size_min, size_max, coarsening;
     std::vector<std::string> box, size_at, size_of;

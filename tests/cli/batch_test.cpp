@@ -56,6 +56,38 @@ TEST_CASE("batch: the same files as one by one, told in the order of the list") 
     CHECK(Json::parse(objects[1])["exit_code"] == 0);
 }
 
+TEST_CASE("batch: a model that takes too long is given up and the others are not") {
+    const ScratchFolder scratch;
+    std::string balls = "union() {";
+    for (int i = 0; i < 400; ++i)
+        balls +=
+            "translate([" + std::to_string(i % 20) + ", " + std::to_string(i / 20) + ", 0]) sphere(0.9);";
+    const std::string slow = scratch.write("slow.csg", balls + "}");
+    const std::string list = scratch.write("list.txt", slow + "\n" + asset("block.csg"));
+    const Outcome batch = run({"batch", list, "-o", scratch.file("meshes"), "--size", "0.05", "--jobs", "1",
+                               "--time-limit", "0.4", "--json", "--check"});
+    CHECK(batch.code == 3);
+    const auto objects = lines_of(batch.out);
+    REQUIRE(objects.size() == 2);
+    const Json first = Json::parse(objects[0]);
+    CHECK(first["exit_code"] == 3);
+    CHECK(contains(first["error"].get<std::string>(), "slow.csg: took more than 0.4 s, the last in '"));
+    CHECK(first["seconds"] < 20);
+    CHECK(scratch.names("meshes").size() <= 1);  // the second may be late, too, where the machine is busy
+    const Outcome unhurried =
+        run({"batch", scratch.write("one.txt", asset("block.csg")), "-o", scratch.file("meshes"), "--level",
+             "3", "--time-limit", "600", "--json", "--check"});
+    CHECK(unhurried.code == 0);
+    const Json check = Json::parse(unhurried.out)["check"];
+    CHECK(check["components"] == 1);
+    CHECK(check["valid"] == true);
+    for (const char* limit : {"0", "-1", "soon", "nan"}) {
+        const Outcome wrong = run({"batch", list, "-o", scratch.file("meshes"), "--time-limit", limit});
+        CHECK(wrong.code == 1);
+        CHECK(contains(wrong.err, "--time-limit '" + std::string(limit) + "'"));
+    }
+}
+
 TEST_CASE("batch: a model that fails costs itself only") {
     const ScratchFolder scratch;
     const std::string broken = scratch.write("broken.csg", "cube([1, 1, 1]) {");

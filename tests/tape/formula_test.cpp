@@ -260,8 +260,12 @@ TEST_CASE("absolute values become two surfaces where nothing but sums and multip
     CHECK(surfaces("x^2+3*abs(x*y-z)*2-(0.3+z)") == 2);
     CHECK(surfaces("abs(x)+abs(y)+abs(z)-0.7") == 8);
     CHECK(surfaces("abs(abs(x*z)-0.3)-0.1") == 4);
-    CHECK(surfaces("max(abs(x*y), abs(z*x))-0.1") == 1);  // a sum over another's max stays
-    CHECK(surfaces("min(max(abs(x*y), z), x-y)") == 3);   // x*y and its negative are one
+    CHECK(surfaces("max(abs(x*y), abs(z*x))-0.1") == 4);  // constants go into any max and min
+    CHECK(surfaces("2*max(x*y, z)/3-0.1") == 2);
+    CHECK(surfaces("0.1-min(x*y, max(z, x-y))*-2") == 3);
+    CHECK(surfaces("min(x*y, z)-x^2") == 1);  // functions do not: a smooth union is one surface
+    CHECK(surfaces("a = x*y; b = z; h = max(0.3-abs(a-b), 0); min(a, b)-h*h/1.2") == 1);
+    CHECK(surfaces("min(max(abs(x*y), z), x-y)") == 3);  // x*y and its negative are one
     CHECK(surfaces("sqrt(abs(x*y))-0.3") == 1);
     // Each side of a function that jumps would jump where the absolute value does not.
     CHECK(surfaces("abs(mod(x,1)-0.5)-0.3") == 1);
@@ -276,7 +280,8 @@ TEST_CASE("absolute values become two surfaces where nothing but sums and multip
          {"abs(sin(x)+y*z)-0.4", "0.2-abs(x*y)/-2", "x^2+3*abs(x*y-z)*2-(0.3+z)", "abs(x)+abs(y)+abs(z)-0.7",
           "abs(abs(x*z)-0.3)-0.1", "-2*(0.1-abs(z))*0.7-abs(x)/3", "abs(min(x,y))-0.2",
           "abs(sqrt(x)-0.5)-0.2", "abs(x)+abs(y)+abs(z)+abs(x-y)+abs(y-z)-0.7", "abs(x)*abs(y)-0.1",
-          "-abs(x)", "abs(1/x)-3"}) {
+          "-abs(x)", "abs(1/x)-3", "max(x,min(y,z))*-2+0.3", "1-min(x,y)/3", "max(abs(x),abs(y),abs(z))-0.7",
+          "max(sqrt(x),y)-0.5"}) {
         CAPTURE(formula);
         const formula::Formula parsed = formula::parse_formula(formula);
         const formula::Formula split = formula::split_absolutes(parsed);
