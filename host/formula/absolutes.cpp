@@ -35,7 +35,9 @@ class AbsoluteSplitter {
         Index plain = 0;          ///< as it was
         Index whole = 0;          ///< max and min at its top
         std::uint32_t terms = 1;  ///< of `whole`, if a sum may be taken into it; 1: it may not, or need not
-        std::uint32_t parts = 1;  ///< the same, if a constant may be
+        /// The same, if a constant may be: max and min of any origin count, where a function would have to be
+        /// smooth beside them.
+        std::uint32_t parts = 1;
     };
 
     /// Which nodes may jump where their arguments do not: steps, branches, poles.
@@ -101,6 +103,7 @@ class AbsoluteSplitter {
     Index negative(Index i) { return out_.add(kExprNegate, i); }
 
     Split sum(Index plain, const Split& a, const Split& b, bool subtracts, bool with_constant) {
+        if (a.parts * b.parts > kMostTerms) with_constant = false;
         const std::uint32_t terms = a.terms * b.terms, parts = with_constant ? a.parts * b.parts : terms;
         if (parts == 1 || parts > kMostTerms) return leaf(plain);
         const Index whole = map(a, with_constant, false, [&](Index p, bool negative_p) {

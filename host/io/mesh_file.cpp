@@ -92,6 +92,17 @@ std::string io::find_range_error(const Mesh& mesh) {
             return "periodic nodes and their originals of unequal number";
         if (!all_below(pair.node, nodes) || !all_below(pair.original, nodes))
             return "periodic node with a node index out of range";
+        if (!std::all_of(pair.shift.begin(), pair.shift.end(),
+                         [](double along) { return std::isfinite(along); }))
+            return "periodic nodes whose shift is not finite";
+        std::vector<std::uint8_t> seen(nodes, 0);  // 1: a copy, 2: an original
+        for (std::size_t i = 0; i < pair.size(); ++i) {
+            if ((seen[pair.node[i]] & 1) != 0 || (seen[pair.original[i]] & 2) != 0 ||
+                pair.node[i] == pair.original[i])
+                return "periodic node that is paired twice, or with itself";
+            seen[pair.node[i]] |= 1;
+            seen[pair.original[i]] |= 2;
+        }
     }
     return {};
 }

@@ -14,6 +14,10 @@ inline constexpr const char* kMshSignature = "mortise mesh 1";
 inline constexpr const char* kMshCounts = "counts";
 inline constexpr const char* kMshSecondCounts = "counts_of_second_order";
 
+/// First word of the comments' line with the numbers of periodic pairs and of links in $Periodic, if there
+/// are any; the pair of each link follows, a line each.
+inline constexpr const char* kMshPeriodic = "periodic";
+
 /// Names may hold any byte, lines of text may not: what is not printable ASCII becomes %XX.
 inline std::string encode_name(const std::string& name) {
     constexpr char digits[] = "0123456789ABCDEF";

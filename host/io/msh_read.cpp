@@ -38,7 +38,7 @@ class MshReader {
         read_nodes();
         expect_line("$Elements");
         read_elements();
-        if (bytes_.remaining() > 0) {
+        if (!pair_of_link_.empty()) {
             expect_line("$Periodic");
             read_periodic();
         }
@@ -112,6 +112,15 @@ class MshReader {
             mesh_.elements[t].region.resize(count);
             mesh_.elements[t].kind.resize(count);
         }
+        const std::string last = bytes_.line();
+        if (last == "$EndComments") return;
+        const std::vector<std::uint64_t> periodic = numbers_of(last, kMshPeriodic, 2);
+        bytes_.expect(std::max(periodic[0], periodic[1]), 2);
+        mesh_.periodic.resize(static_cast<std::size_t>(periodic[0]));
+        for (std::uint64_t link = 0; link < periodic[1]; ++link) {
+            pair_of_link_.push_back(static_cast<std::size_t>(numbers("", 1)[0]));
+            if (pair_of_link_.back() >= mesh_.periodic.size()) file_.damaged("a periodic link of no pair");
+        }
         expect_line("$EndComments");
     }
 
@@ -174,39 +183,30 @@ class MshReader {
         expect_line("$EndElements");
     }
 
-    /// Links with the same shift are one pair of planes.
     void read_periodic() {
         const std::uint64_t links = bytes_.get<std::uint64_t>();
-        bytes_.expect(links, 1);
-        for (std::uint64_t i = 0; i < links; ++i) {
+        if (links != pair_of_link_.size()) file_.damaged("numbers of periodic links do not agree");
+        std::vector<std::vector<std::pair<NodeId, NodeId>>> nodes(mesh_.periodic.size());
+        for (const std::size_t pair : pair_of_link_) {
             skip(3, sizeof(int));
             double map[16];
             if (bytes_.get<std::uint64_t>() != std::size(map)) file_.damaged("a periodic link without a map");
             bytes_.read(map, sizeof map);
-            const std::array<double, 3> shift = {map[3], map[7], map[11]};
-            auto pair = std::find_if(mesh_.periodic.begin(), mesh_.periodic.end(),
-                                     [&](const PeriodicNodes& known) { return known.shift == shift; });
-            if (pair == mesh_.periodic.end()) {
-                mesh_.periodic.emplace_back();
-                pair = mesh_.periodic.end() - 1;
-                pair->shift = shift;
-            }
+            mesh_.periodic[pair].shift = {map[3], map[7], map[11]};
             const std::uint64_t count = bytes_.get<std::uint64_t>();
             bytes_.expect(count, 2 * sizeof(std::uint64_t));
-            std::vector<std::pair<NodeId, NodeId>> nodes;
-            for (std::size_t n = 0; n < pair->size(); ++n)
-                nodes.emplace_back(pair->node[n], pair->original[n]);
             for (std::uint64_t n = 0; n < count; ++n) {
                 const NodeId node = next_node();
-                nodes.emplace_back(node, next_node());
+                nodes[pair].emplace_back(node, next_node());
             }
-            std::sort(nodes.begin(), nodes.end());
-            nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
-            pair->node.clear();
-            pair->original.clear();
-            for (const auto& [node, original] : nodes) {
-                pair->node.push_back(node);
-                pair->original.push_back(original);
+        }
+        for (std::size_t pair = 0; pair < nodes.size(); ++pair) {
+            // Surfaces of one plane share the nodes between them.
+            std::sort(nodes[pair].begin(), nodes[pair].end());
+            nodes[pair].erase(std::unique(nodes[pair].begin(), nodes[pair].end()), nodes[pair].end());
+            for (const auto& [node, original] : nodes[pair]) {
+                mesh_.periodic[pair].node.push_back(node);
+                mesh_.periodic[pair].original.push_back(original);
             }
         }
         expect_line("");
@@ -280,7 +280,8 @@ class MshReader {
     Mesh mesh_;
     bool second_order_ = false;
     std::vector<FacetGroup> groups_;
-    std::vector<bool> seen_;  ///< by element tag - 1
+    std::vector<std::size_t> pair_of_link_;  ///< index into Mesh::periodic
+    std::vector<bool> seen_;                 ///< by element tag - 1
 };
 
 }  // namespace

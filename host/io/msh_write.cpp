@@ -7,10 +7,10 @@
 // Gmsh accepts any classification, and ours has no curves or points.
 //
 // Element tags number facets, then elements, in mesh order, so that the grouping by entities loses nothing.
-// What Gmsh has no place for stands in a $Comments section: names as they are, and each surface entity's
-// surface and regions. The `kind` of elements is not stored. A mesh of second order has Gmsh's types of
-// second order throughout, facets included. Surface entities that are copies of others (Mesh::periodic) are
-// linked in $Periodic, with their nodes.
+// What Gmsh has no place for stands in a $Comments section: names as they are, each surface entity's surface
+// and regions, and each periodic link's pair of planes. The `kind` of elements is not stored. A mesh of
+// second order has Gmsh's types of second order throughout, facets included. Surface entities that are copies
+// of others (Mesh::periodic) are linked in $Periodic, with their nodes.
 #include <algorithm>
 #include <limits>
 #include <numeric>
@@ -19,13 +19,14 @@
 #include <utility>
 #include <vector>
 
+#include "host/common/periodic_originals.hpp"
 #include "host/common/vec3.hpp"
 #include "host/io/coordinates.hpp"
 #include "host/io/element_table.hpp"
 #include "host/io/facet_groups.hpp"
 #include "host/io/formats.hpp"
 #include "host/io/msh_format.hpp"
-#include "host/io/periodic_groups.hpp"
+#include "host/io/periodic_links.hpp"
 
 namespace mortise::io {
 namespace {
@@ -80,7 +81,7 @@ class MshWriter {
         const FacetBlock& facets = mesh_.facets;
         FacetGroups grouped = group_facets(facets);
         groups_ = std::move(grouped.groups);
-        links_ = periodic_groups(mesh_, grouped.of);
+        links_ = periodic_links(mesh_, grouped.of);
         for (int entity = 1; entity <= static_cast<int>(groups_.size()); ++entity) {
             blocks_.push_back({2, entity, second_order_ ? kGmshSecondTriangle : kGmshTriangle, {}});
             blocks_.push_back({2, entity, second_order_ ? kGmshSecondQuadrilateral : kGmshQuadrilateral, {}});
@@ -103,7 +104,13 @@ class MshWriter {
         text += std::string(second_order_ ? kMshSecondCounts : kMshCounts) + " " +
                 std::to_string(mesh_.facets.size());
         for (const ElementBlock& block : mesh_.elements) text += " " + std::to_string(block.size());
-        file_.write(text + "\n$EndComments\n");
+        text += "\n";
+        if (!links_.empty()) {
+            text += std::string(kMshPeriodic) + " " + std::to_string(mesh_.periodic.size()) + " " +
+                    std::to_string(links_.size()) + "\n";
+            for (const PeriodicLink& link : links_) text += std::to_string(link.pair) + "\n";
+        }
+        file_.write(text + "$EndComments\n");
     }
 
     /// The name without what would end it early in a file, made unique by a number.
@@ -257,8 +264,12 @@ class MshWriter {
         if (links_.empty()) return;
         file_.write("$Periodic\n");
         file_.put<std::uint64_t>(links_.size());
-        for (const PeriodicGroups& link : links_) {
+        std::vector<NodeId> originals;  // of the pair's nodes; links come by pair
+        std::size_t known = mesh_.periodic.size();
+        for (const PeriodicLink& link : links_) {
             const PeriodicNodes& pair = mesh_.periodic[link.pair];
+            if (link.pair != known) originals = originals_of(pair, mesh_.node_count());
+            known = link.pair;
             file_.put<int>(2);
             file_.put<int>(static_cast<int>(link.copy) + 1);
             file_.put<int>(static_cast<int>(link.original) + 1);
@@ -267,7 +278,6 @@ class MshWriter {
             file_.put<std::uint64_t>(16);
             file_.write(map, sizeof map);
             const std::vector<NodeId> nodes = nodes_of(link.copy);
-            const std::vector<NodeId> originals = originals_of(pair, mesh_.node_count());
             file_.put<std::uint64_t>(nodes.size());
             for (const NodeId node : nodes) {
                 file_.put(std::uint64_t{node} + 1);
@@ -325,7 +335,7 @@ class MshWriter {
     TemporaryFile& file_;
     const bool second_order_;
     std::vector<FacetGroup> groups_;  ///< surface entity i + 1
-    std::vector<PeriodicGroups> links_;
+    std::vector<PeriodicLink> links_;
     std::vector<Block> blocks_;  ///< triangles and quadrilaterals of each group
 };
 

@@ -6,7 +6,8 @@
 #include "host/common/large_array.hpp"
 #include "host/common/parallel.hpp"
 #include "host/common/parallel_sort.hpp"
-#include "host/io/periodic_groups.hpp"
+#include "host/common/periodic_originals.hpp"
+#include "host/io/periodic_links.hpp"
 #include "mortise/error.hpp"
 #include "mortise/hanging.hpp"
 
@@ -172,41 +173,53 @@ void PolyhedralFaces::add_outer(const std::vector<Entry>& unmatched) {
 
 /// Faces of patches that are copies come in the order of their originals.
 void PolyhedralFaces::pair_patches() {
+    std::vector<std::uint32_t> patch_of_surface(mesh_.surface_names.size(), kNoGroup);
+    for (std::size_t p = 0; p < patches_.size(); ++p)
+        patch_of_surface[patches_[p].surface] = static_cast<std::uint32_t>(p);
     std::vector<std::uint32_t> patch_of(mesh_.facets.size(), kNoGroup);
     for (std::size_t f = 0; f < mesh_.facets.size(); ++f) {
-        if (mesh_.facets.outside[f] != 0) continue;
-        const auto patch = std::find_if(patches_.begin(), patches_.end(), [&](const Patch& known) {
-            return known.surface == mesh_.facets.surface[f];
-        });
-        patch_of[f] = static_cast<std::uint32_t>(patch - patches_.begin());
+        if (mesh_.facets.outside[f] == 0) patch_of[f] = patch_of_surface[mesh_.facets.surface[f]];
     }
-    for (const PeriodicGroups& link : periodic_groups(mesh_, patch_of)) {
+    for (const PeriodicLink& link : periodic_links(mesh_, patch_of)) {
         Patch &copy = patches_[link.copy], &original = patches_[link.original];
-        if (copy.partner != kNoPatch || original.partner != kNoPatch || link.copy == link.original) continue;
+        if (copy.partner != kNoPatch || original.partner != kNoPatch) continue;
+        const std::vector<Face> ordered =
+            images(original, copy, originals_of(mesh_.periodic[link.pair], mesh_.node_count()));
+        if (ordered.size() != original.count) continue;
         copy.partner = link.original;
         original.partner = link.copy;
-        const std::vector<NodeId> original_of = originals_of(mesh_.periodic[link.pair], mesh_.node_count());
-        KeyTable places;
-        for (std::size_t i = 0; i < copy.count; ++i) {
-            NodeId nodes[4];
-            const Face& face = faces_[copy.first + i];
-            const std::size_t count = local_nodes(face.cell, face.local, nodes);
-            for (std::size_t k = 0; k < count; ++k) nodes[k] = original_of[nodes[k]];
-            places.emplace_back(key_of(nodes, count), static_cast<std::uint32_t>(i));
-        }
-        std::sort(places.begin(), places.end());
-        std::vector<Face> ordered;
-        for (std::size_t i = 0; i < original.count; ++i) {
-            NodeId nodes[4], images[4];
-            const Face& face = faces_[original.first + i];
-            const std::size_t count = local_nodes(face.cell, face.local, nodes);
-            Face image = faces_[copy.first + *find_key(places, key_of(nodes, count))];
-            local_nodes(image.cell, image.local, images);
-            while (original_of[images[image.start]] != nodes[0]) ++image.start;
-            ordered.push_back(image);
-        }
         std::copy(ordered.begin(), ordered.end(), faces_.begin() + static_cast<std::ptrdiff_t>(copy.first));
     }
+}
+
+/// The faces of a patch's copy, in the order of the patch and beginning at the same corners; fewer if there
+/// are not as many.
+std::vector<PolyhedralFaces::Face> PolyhedralFaces::images(const Patch& original, const Patch& copy,
+                                                           const std::vector<NodeId>& original_of) const {
+    KeyTable places;
+    for (std::size_t i = 0; i < copy.count; ++i) {
+        NodeId nodes[4];
+        const Face& face = faces_[copy.first + i];
+        const std::size_t count = local_nodes(face.cell, face.local, nodes);
+        for (std::size_t k = 0; k < count; ++k) nodes[k] = original_of[nodes[k]];
+        places.emplace_back(key_of(nodes, count), static_cast<std::uint32_t>(i));
+    }
+    std::sort(places.begin(), places.end());
+    std::vector<Face> ordered;
+    for (std::size_t i = 0; i < original.count; ++i) {
+        NodeId nodes[4];
+        const Face& face = faces_[original.first + i];
+        const std::uint32_t* const found =
+            find_key(places, key_of(nodes, local_nodes(face.cell, face.local, nodes)));
+        if (found == nullptr) break;
+        Face image = faces_[copy.first + *found];
+        NodeId corners[4];
+        const std::size_t count = local_nodes(image.cell, image.local, corners);
+        while (image.start < count && original_of[corners[image.start]] != nodes[0]) ++image.start;
+        if (image.start == count) break;
+        ordered.push_back(image);
+    }
+    return ordered;
 }
 
 std::size_t PolyhedralFaces::corners(const Face& face, std::array<NodeId, kMostCorners>& corners) const {

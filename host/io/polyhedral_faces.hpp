@@ -57,6 +57,8 @@ class PolyhedralFaces {
     void match(std::vector<Entry>& entries);
     void add_outer(const std::vector<Entry>& unmatched);
     void pair_patches();
+    std::vector<Face> images(const Patch& original, const Patch& copy,
+                             const std::vector<NodeId>& original_of) const;
     std::vector<Entry> add_hanging(const std::vector<Entry>& unmatched);
     std::size_t local_nodes(std::uint32_t cell, std::uint8_t local, NodeId* nodes) const;
 

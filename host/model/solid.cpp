@@ -3,7 +3,9 @@
 #include "mortise/solid.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <iterator>
 #include <unordered_map>
 #include <utility>
 
@@ -26,8 +28,9 @@ struct Solid::Node {
         while (!left.empty()) {
             const std::shared_ptr<Node> last = std::move(left.back());
             left.pop_back();
-            if (last.use_count() == 1)
-                std::move(last->children.begin(), last->children.end(), std::back_inserter(left));
+            if (last.use_count() != 1) continue;
+            std::atomic_thread_fence(std::memory_order_acquire);  // after the others' last use of it
+            std::move(last->children.begin(), last->children.end(), std::back_inserter(left));
         }
     }
 
@@ -177,17 +180,22 @@ Solid operator-(const Solid& a, const Solid& b) {
 
 Solid operator~(const Solid& a) { return Solid::combine(CsgNode::Op::kComplement, {a}); }
 
-Solid cylinder(double radius, double height) { return frustum(radius, radius, height); }
+Solid cylinder(double radius, double height) {
+    require_length("cylinder: the radius", radius);
+    require_length("cylinder: the height", height);
+    Primitive caps;
+    caps.planes = {{{0, 0, -1}, 0, "zmin"}, {{0, 0, 1}, height, "zmax"}};
+    return intersect({infinite_cylinder(radius), caps});
+}
 
 Solid frustum(double bottom, double top, double height) {
-    const char* const what = bottom == top ? "cylinder" : "frustum";
-    require_length(std::string(what) + ": the height", height);
-    if (bottom == top || bottom != 0) require_length(std::string(what) + ": the radius", bottom);
-    if (bottom != top && top != 0) require_length(std::string(what) + ": the radius at the top", top);
+    require_length("frustum: the height", height);
+    if (bottom != 0 || top == 0) require_length("frustum: the radius at the bottom", bottom);
+    if (top != 0) require_length("frustum: the radius at the top", top);
+    if (bottom == top) return cylinder(bottom, height);
     Primitive caps;
     if (bottom > 0) caps.planes.push_back({{0, 0, -1}, 0, "zmin"});
     if (top > 0) caps.planes.push_back({{0, 0, 1}, height, "zmax"});
-    if (bottom == top) return intersect({infinite_cylinder(bottom), caps});
     // A cone's radius at its origin is positive: it stands at the wider end.
     const double slope = (top - bottom) / height;
     const Solid side =
@@ -254,6 +262,7 @@ class SolidReader {
             auto made = std::make_shared<Solid::Node>();
             made->content = node;
             made->content.children.clear();
+            made->content.where = {};  // of a file that the next model does not know
             for (const std::uint32_t child : node.children) made->children.push_back(nodes_[child]);
             nodes_.push_back(std::move(made));
         }

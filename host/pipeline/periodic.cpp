@@ -98,6 +98,9 @@ class Matcher {
 
     const std::vector<NodeId>& partners() const { return partner_; }
 
+    /// Neither plane has facets.
+    bool is_empty() const { return facets_[0].empty() && facets_[1].empty(); }
+
     /// Region at the inner side of a plane at this place.
     std::int32_t region_inside(Vec3 x, std::size_t side) const {
         x[pair_.axis] = side == 0 ? pair_.first : pair_.second;
@@ -253,6 +256,9 @@ std::vector<NodeId> match_planes(const std::vector<PeriodicAxis>& axes, const Mo
     for (const PeriodicAxis& axis : axes) {
         Matcher matcher(axis, bound, cell, mesh.facets.surface, mesh);
         matcher.place_nodes(copy_of);
+        if (matcher.is_empty())
+            warnings.push_back(start_of(model, model.periodic[axis.pair]) +
+                               "the solid does not reach these faces");
         const std::vector<Matcher::Unmatched> unmatched = matcher.unmatched();
         if (unmatched.empty()) continue;
         const auto name = [&](std::int32_t region) {
@@ -263,7 +269,8 @@ std::vector<NodeId> match_planes(const std::vector<PeriodicAxis>& axes, const Mo
                                  std::to_string(unmatched.size()) +
                                  " facets have no image on the other plane";
         std::string reason = "; the first is at " + place_text(facet_middle(mesh, unmatched[0].facet)) +
-                             ", where rounding may decide; other cells (--level) or planes may match";
+                             ", where rounding may decide, or the balance of cells of several sizes; other "
+                             "cells (--level) or planes may match";
         for (const Matcher::Unmatched& u : unmatched) {
             const Vec3 x = facet_middle(mesh, u.facet);
             const std::int32_t here = matcher.region_inside(x, u.side);
@@ -286,7 +293,7 @@ std::vector<PeriodicNodes> pair_nodes(const std::vector<PeriodicAxis>& axes, con
     for (const PeriodicAxis& axis : axes) {
         Matcher matcher(axis, bound, cell, facet_surface, mesh);
         matcher.place_nodes(copy_of);
-        if (!matcher.unmatched().empty()) continue;
+        if (matcher.is_empty() || !matcher.unmatched().empty()) continue;
         PeriodicNodes nodes;
         nodes.shift[axis.axis] = axis.second - axis.first;
         for (std::size_t n = 0; n < mesh.node_count(); ++n) {

@@ -1,6 +1,5 @@
 #include "host/python/formulas.hpp"
 
-#include <charconv>
 #include <cmath>
 #include <iterator>
 #include <map>
@@ -9,6 +8,10 @@
 #include <unordered_map>
 #include <utility>
 #include <vector>
+
+#include <pybind11/numpy.h>
+
+#include "host/python/numbers.hpp"
 
 namespace mortise::python {
 namespace {
@@ -45,9 +48,7 @@ struct Formula {
 
 Formula number(double value) {
     if (!std::isfinite(value)) throw py::value_error("a formula has finite numbers only");
-    char digits[32];
-    const std::to_chars_result end = std::to_chars(digits, digits + sizeof digits, value);
-    const std::string text(digits, end.ptr);
+    const std::string text = number_text(value);
     return {std::make_shared<Operation>(std::signbit(value) ? "(" + text + ")" : text)};
 }
 
@@ -60,7 +61,9 @@ Formula combined(const std::string& word, const std::vector<Formula>& arguments)
 /// A formula, or a number of Python's or numpy's.
 std::optional<Formula> formula_of(const py::handle& value) {
     if (py::isinstance<Formula>(value)) return py::cast<Formula>(value);
-    if (!PyNumber_Check(value.ptr()) || PySequence_Check(value.ptr()) || PyComplex_Check(value.ptr()))
+    const bool is_scalar = py::isinstance<py::array>(value) && py::cast<py::array>(value).ndim() == 0;
+    if (!PyNumber_Check(value.ptr()) || (PySequence_Check(value.ptr()) && !is_scalar) ||
+        PyComplex_Check(value.ptr()))
         return std::nullopt;
     const double converted = PyFloat_AsDouble(value.ptr());
     if (PyErr_Occurred() != nullptr) {
@@ -68,6 +71,18 @@ std::optional<Formula> formula_of(const py::handle& value) {
         return std::nullopt;
     }
     return number(converted);
+}
+
+/// Python's and numpy's a % b, which has the sign of b; `mod` of formulas has none.
+Formula remainder(const Formula& a, const Formula& b) {
+    const bool is_plain = b.root->arguments.empty() && b.root->word[0] != '(' && b.root->word[0] > '0' &&
+                          b.root->word[0] <= '9';
+    if (is_plain) return combined("mod", {a, b});
+    return combined("-", {a, combined("*", {b, combined("floor", {combined("/", {a, b})})})});
+}
+
+Formula operation_of(const std::string& word, const std::vector<Formula>& arguments) {
+    return word == "mod" ? remainder(arguments[0], arguments[1]) : combined(word, arguments);
 }
 
 bool is_infix(const std::string& word) { return word.size() == 1 && std::string("+-*/^").find(word) < 5; }
@@ -136,7 +151,7 @@ py::object combine_ufunc(const Formula&, const py::object& function, const std::
         if (!argument) return py::reinterpret_borrow<py::object>(Py_NotImplemented);
         arguments.push_back(*argument);
     }
-    return py::cast(combined(word->second, arguments));
+    return py::cast(operation_of(word->second, arguments));
 }
 
 /// An operator with the formula on the left, and with it on the right.
@@ -145,7 +160,8 @@ void bind_operator(py::class_<Formula>& bound, const char* name, const char* wor
         return [word, is_left](const Formula& self, const py::object& other) -> py::object {
             const std::optional<Formula> second = formula_of(other);
             if (!second) return py::reinterpret_borrow<py::object>(Py_NotImplemented);
-            return py::cast(is_left ? combined(word, {self, *second}) : combined(word, {*second, self}));
+            return py::cast(is_left ? operation_of(word, {self, *second})
+                                    : operation_of(word, {*second, self}));
         };
     };
     bound.def(("__" + std::string(name) + "__").c_str(), make(true));
@@ -166,9 +182,10 @@ void bind_formulas(py::module_& module) {
     for (const bool is_left : {true, false}) {
         bound.def(
             is_left ? "__pow__" : "__rpow__",
-            [is_left](const Formula& self, const py::object& other, const py::object&) -> py::object {
+            [is_left](const Formula& self, const py::object& other, const py::object& modulus) -> py::object {
                 const std::optional<Formula> second = formula_of(other);
-                if (!second) return py::reinterpret_borrow<py::object>(Py_NotImplemented);
+                if (!second || !modulus.is_none())
+                    return py::reinterpret_borrow<py::object>(Py_NotImplemented);
                 return py::cast(is_left ? combined("^", {self, *second}) : combined("^", {*second, self}));
             },
             py::arg("other"), py::arg("modulus") = py::none());
@@ -185,9 +202,10 @@ void bind_formulas(py::module_& module) {
         .def("__array_ufunc__", combine_ufunc)
         .def(
             "clip",  // which numpy.clip calls
-            [](const Formula& self, const py::object& low, const py::object& high, const py::object&) {
+            [](const Formula& self, const py::object& low, const py::object& high, const py::object& out) {
                 const std::optional<Formula> least = formula_of(low), most = formula_of(high);
-                if (!least || !most) throw py::type_error("clip: expected two numbers or formulas");
+                if (!least || !most || !out.is_none())
+                    throw py::type_error("clip: expected two numbers or formulas, and no out");
                 return combined("clamp", {self, *least, *most});
             },
             py::arg("low"), py::arg("high"), py::arg("out") = py::none())

@@ -126,7 +126,10 @@ void bind_models(py::module_& module) {
     module.def(
         "parse_model",
         [options](const std::string& text, const std::string& format, const std::string& source, bool exact,
-                  double extrude) { return parse_model(text, format, source, options(exact, extrude, {})); },
+                  double extrude) {
+            const py::gil_scoped_release release;
+            return parse_model(text, format, source, options(exact, extrude, {}));
+        },
         "The same of a text in memory; format as the extension of a file: 'csg'.", py::arg("text"),
         py::arg("format"), py::arg("source") = "model", py::kw_only(), py::arg("exact_facets") = false,
         py::arg("extrude") = 0.0);
@@ -138,8 +141,14 @@ void bind_models(py::module_& module) {
                                })
         .def_readonly("unbounded", &ModelSummary::unbounded)
         .def_readonly("surfaces", &ModelSummary::surfaces);
-    module.def("summarize", &summarize, "What a mesh of the model would have, without making one.",
-               py::arg("model"), py::call_guard<py::gil_scoped_release>());
+    module.def(
+        "summarize",
+        [](const py::object& given) {
+            const Model model = model_of(given);
+            const py::gil_scoped_release release;
+            return summarize(model);
+        },
+        "What a mesh of the model would have, without making one.", py::arg("model"));
 }
 
 void bind_report(py::module_& module) {
@@ -420,15 +429,16 @@ void bind_mesher(py::module_& module) {
         .def(py::init<std::string, int>(), py::arg("device") = "", py::arg("work_group_size") = 0)
         .def(
             "generate",
-            [](Mesher& mesher, const Model& model, const py::kwargs& arguments) {
-                return generate(mesher, model, options_of(arguments));
+            [](Mesher& mesher, const py::object& model, const py::kwargs& arguments) {
+                return generate(mesher, model_of(model), options_of(arguments));
             },
             "Meshes a model. Options are those of the program, by the names of docs/python.md.",
             py::arg("model"))
         .def(
             "estimate",
-            [](Mesher& mesher, const Model& model, const py::kwargs& arguments) {
+            [](Mesher& mesher, const py::object& given, const py::kwargs& arguments) {
                 refuse_forked();
+                const Model model = model_of(given);
                 const MeshOptions options = options_of(arguments);
                 const py::gil_scoped_release release;
                 return mesher.estimate(model, options);
@@ -436,9 +446,9 @@ void bind_mesher(py::module_& module) {
             "What a mesh would have and take, roughly, without making it.", py::arg("model"));
     module.def(
         "generate",
-        [](const Model& model, const std::string& device, const py::kwargs& arguments) {
+        [](const py::object& model, const std::string& device, const py::kwargs& arguments) {
             Mesher mesher(device);
-            return generate(mesher, model, options_of(arguments));
+            return generate(mesher, model_of(model), options_of(arguments));
         },
         "Meshes one model. For many, Mesher().generate is faster: it keeps its kernels.", py::arg("model"),
         py::kw_only(), py::arg("device") = "");

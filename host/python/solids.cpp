@@ -1,7 +1,6 @@
 #include "host/python/solids.hpp"
 
 #include <array>
-#include <charconv>
 #include <optional>
 #include <string>
 #include <utility>
@@ -11,6 +10,7 @@
 #include <pybind11/stl.h>
 
 #include "host/python/formulas.hpp"
+#include "host/python/numbers.hpp"
 #include "mortise/solid.hpp"
 
 namespace mortise::python {
@@ -34,11 +34,6 @@ Affine affine_of(const py::array_t<double, py::array::c_style | py::array::force
     return map;
 }
 
-std::string text_of(double value) {
-    char digits[32];
-    return {digits, std::to_chars(digits, digits + sizeof digits, value).ptr};
-}
-
 /// Outlines as OpenSCAD's polygon; the first one, and holes in it.
 std::string polygon_text(const std::vector<std::vector<std::array<double, 2>>>& outlines) {
     std::string points, paths;
@@ -46,7 +41,7 @@ std::string polygon_text(const std::vector<std::vector<std::array<double, 2>>>& 
     for (const auto& outline : outlines) {
         std::string path;
         for (const auto& [x, y] : outline) {
-            points += (points.empty() ? "[" : ", [") + text_of(x) + ", " + text_of(y) + "]";
+            points += (points.empty() ? "[" : ", [") + number_text(x) + ", " + number_text(y) + "]";
             path += (path.empty() ? "" : ", ") + std::to_string(count++);
         }
         paths += (paths.empty() ? "[" : ", [") + path + "]";
@@ -62,34 +57,37 @@ Solid solid_of(const Model& model) {
     return solids_of(model).front().second;
 }
 
-/// The one solid of a text, whose surfaces' names begin with `name` instead of `kind`1.
-Solid solid_of_text(const std::string& text, const std::string& kind, const std::string& name) {
-    Model model = parse_model(text, "csg", name);
-    const std::string old = kind + "1";
+Model parse_csg(const std::string& text, const std::string& source) {
+    const py::gil_scoped_release release;
+    return parse_model(text, "csg", source);
+}
+
+using Outline = std::vector<std::array<double, 2>>;
+
+/// What a sweep of OpenSCAD makes of an outline with holes, whose surfaces' names begin with `name`.
+Solid swept(const std::string& kind, const std::string& arguments, const Outline& outline,
+            const std::vector<Outline>& holes, const std::string& name) {
+    std::vector<Outline> all = {outline};
+    all.insert(all.end(), holes.begin(), holes.end());
+    Model model = parse_csg(kind + "(" + arguments + ") " + polygon_text(all), name);
+    const std::string old = kind + "1";  // as the reader calls the first of its kind
     for (CsgNode& node : model.nodes) {
         if (node.name.compare(0, old.size(), old) == 0) node.name = name + node.name.substr(old.size());
     }
     return solid_of(model);
 }
 
-using Outline = std::vector<std::array<double, 2>>;
-
 Solid extrude(const Outline& outline, double height, const std::vector<Outline>& holes, double twist,
               double scale, const std::string& name) {
-    std::vector<Outline> all = {outline};
-    all.insert(all.end(), holes.begin(), holes.end());
-    std::string text = "linear_extrude(height = " + text_of(height);
-    if (twist != 0) text += ", twist = " + text_of(twist);
-    if (scale != 1) text += ", scale = [" + text_of(scale) + ", " + text_of(scale) + "]";
-    return solid_of_text(text + ") " + polygon_text(all), "linear_extrude", name);
+    std::string arguments = "height = " + number_text(height);
+    if (twist != 0) arguments += ", twist = " + number_text(twist);
+    if (scale != 1) arguments += ", scale = [" + number_text(scale) + ", " + number_text(scale) + "]";
+    return swept("linear_extrude", arguments, outline, holes, name);
 }
 
 Solid revolve(const Outline& outline, double angle, const std::vector<Outline>& holes,
               const std::string& name) {
-    std::vector<Outline> all = {outline};
-    all.insert(all.end(), holes.begin(), holes.end());
-    return solid_of_text("rotate_extrude(angle = " + text_of(angle) + ") " + polygon_text(all),
-                         "rotate_extrude", name);
+    return swept("rotate_extrude", "angle = " + number_text(angle), outline, holes, name);
 }
 
 Solid polyhedron_of(const py::array_t<double, py::array::c_style | py::array::forcecast>& points,
@@ -123,6 +121,8 @@ std::optional<Box3> bounds_of(const std::optional<std::pair<Vec3, Vec3>>& corner
 
 /// A dict of names and solids, in its order.
 Model model_of_regions(const py::dict& regions) {
+    if (regions.empty())
+        throw py::type_error("expected a dict of regions' names and their solids, not an empty one");
     std::vector<std::pair<std::string, Solid>> solids;
     for (const auto& [name, solid] : regions) {
         if (!py::isinstance<py::str>(name) || !py::isinstance<Solid>(solid))
@@ -210,7 +210,7 @@ void bind_makers(py::module_& module) {
                py::arg("outline"), py::arg("angle") = 360.0, py::kw_only(),
                py::arg("holes") = std::vector<Outline>(), py::arg("name") = "revolution");
     module.def(
-        "csg", [](const std::string& text) { return solid_of(parse_model(text, "csg", "csg")); },
+        "csg", [](const std::string& text) { return solid_of(parse_csg(text, "csg")); },
         "The solid of OpenSCAD's .csg: csg('hull() { sphere(1); translate([3, 0, 0]) sphere(2); }').",
         py::arg("text"));
     module.def("unite", &unite, "The union of many.", py::arg("solids"));
@@ -236,8 +236,14 @@ void bind_solids(py::module_& module, py::class_<Model>& model) {
                 return solids;
             },
             "Its regions as solids, by name, to build on.");
-    py::implicitly_convertible<Solid, Model>();
-    py::implicitly_convertible<py::dict, Model>();
+}
+
+Model model_of(const py::object& given) {
+    if (py::isinstance<Model>(given)) return py::cast<Model>(given);
+    if (py::isinstance<Solid>(given)) return make_model(py::cast<Solid>(given));
+    if (py::isinstance<py::dict>(given)) return model_of_regions(py::cast<py::dict>(given));
+    throw py::type_error("expected a Model, a Solid or a dict of regions' names and their solids, not " +
+                         std::string(py::repr(given)));
 }
 
 }  // namespace mortise::python

@@ -10,4 +10,8 @@ namespace mortise::python {
 /// The class Solid and what makes solids; after the class Model, which learns to come from them.
 void bind_solids(pybind11::module_& module, pybind11::class_<Model>& model);
 
+/// A Model, that of a Solid, or that of a dict of regions' names and solids. Raises TypeError for anything
+/// else.
+Model model_of(const pybind11::object& given);
+
 }  // namespace mortise::python

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <map>
 
+#include "host/common/periodic_originals.hpp"
+
 namespace mortise::second_order {
 namespace {
-
-constexpr NodeId kNoOriginal = 0xffffffffu;
 
 std::size_t axis_of(const PeriodicNodes& pair) {
     return static_cast<std::size_t>(
@@ -19,9 +19,7 @@ std::size_t axis_of(const PeriodicNodes& pair) {
 std::vector<EdgeCopy> find_edge_copies(const Mesh& mesh, const Edges& edges) {
     std::vector<EdgeCopy> copies;
     for (std::size_t pair = 0; pair < mesh.periodic.size(); ++pair) {
-        const PeriodicNodes& nodes = mesh.periodic[pair];
-        std::vector<NodeId> original(mesh.node_count(), kNoOriginal);
-        for (std::size_t i = 0; i < nodes.size(); ++i) original[nodes.node[i]] = nodes.original[i];
+        const std::vector<NodeId> original = originals_of(mesh.periodic[pair], mesh.node_count());
         edges.visit(0, mesh.node_count(), [&](std::size_t edge, NodeId a, NodeId b) {
             if (original[a] == kNoOriginal || original[b] == kNoOriginal) return;
             const std::size_t image = edges.find(original[a], original[b]);

@@ -167,7 +167,8 @@ class Divider {
                 entry.solid = formula.value();
                 return;
             }
-            if (leaf && holds_patch(pieces) && !reach_cube(pieces, centre, (0.5 + kTouching) * size)) {
+            if (leaf && !entry.crowded && holds_patch(pieces) &&
+                !reach_cube(pieces, centre, (0.5 + kTouching) * size)) {
                 const double winding = winding_.at(centre);
                 const bool solid = winding > 0.5;
                 const bool is_certain = std::fabs(winding - std::round(winding)) < kCertain;

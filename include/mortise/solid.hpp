@@ -30,7 +30,8 @@ class Solid {
     /// The name of all surfaces of its primitives that have none yet; planes of boxes and caps of cylinders
     /// have a suffix: "plate_xmin".
     Solid named(std::string name) const;
-    /// Cells of at most `size` on its surfaces and inside, or on its surfaces alone; model units.
+    /// Cells of at most `size` on its surfaces and inside, or on its surfaces alone; model units. These are
+    /// the model's sizes: not with MeshOptions::model_sizes off.
     Solid sized(double size) const;
     Solid surface_sized(double size) const;
 
@@ -80,7 +81,7 @@ Model make_model(const Solid& solid, const std::string& region = "solid");
 Model make_model(const std::vector<std::pair<std::string, Solid>>& regions);
 
 /// The regions of a model as solids, to build on what was read from a file; the model's own box cuts them.
-/// Hints for sizes and periodic pairs are not theirs.
+/// Hints for sizes, periodic pairs and warnings are not theirs.
 std::vector<std::pair<std::string, Solid>> solids_of(const Model& model);
 
 }  // namespace mortise

@@ -238,6 +238,9 @@ TEST_CASE("options out of range are wrong usage") {
     repeats.periodic = "z";
     CHECK(contains(refusal(ExitCode::kUsage, [&] { generate_mesh(good_model(), repeats); }),
                    "periodic faces are those of a box that cuts the solid"));
+    Sink unused;
+    CHECK(contains(refusal(ExitCode::kUsage, [&] { Mesher().stream(good_model(), repeats, unused); }),
+                   "cannot have periodic faces"));
     CHECK(contains(refusal(ExitCode::kUsage, [&] { Mesher().estimate(good_model(), repeats); }),
                    "periodic faces are those of a box"));
     CHECK(contains(refusal(ExitCode::kUsage, [] { Mesher("", -1).generate(good_model(), coarse()); }),

@@ -178,7 +178,8 @@ TEST_CASE("numbers that make no solid are told") {
           "cylinder: the radius is -1; expected a positive, finite number");
     CHECK(message_of([] { cylinder(1, 0); }).find("the height is 0") != std::string::npos);
     CHECK(message_of([] { frustum(1, -2, 1); }).find("the radius at the top is -2") != std::string::npos);
-    CHECK(message_of([] { frustum(0, 0, 1); }).find("radius") != std::string::npos);
+    CHECK(message_of([] { frustum(0, 0, 1); }).find("frustum: the radius at the bottom is 0") !=
+          std::string::npos);
     const Solid ball = sphere(1);
     CHECK(message_of([&] { ball.sized(0); }).find("the size is 0") != std::string::npos);
     CHECK(message_of([&] { ball.scaled({1, 0, 1}); }).find("singular") != std::string::npos);

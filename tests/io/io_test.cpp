@@ -127,6 +127,15 @@ TEST_CASE("periodic nodes come back") {
             CHECK(read_mesh(path).periodic[0].shift[0] == 2 * mesh.periodic[0].shift[0]);
         }
     }
+    // Copies that share an original, and one that is its own.
+    for (const bool is_own : {false, true}) {
+        Mesh folded = periodic_grid(2);
+        PeriodicNodes& pair = folded.periodic[0];
+        pair.original[0] = is_own ? pair.node[0] : pair.original[1];
+        for (const char* name : {"folded.vtu", "folded.msh", "polyMesh"})
+            CHECK(error_of([&] { write_mesh(folded, folder.file(name)); }).code() == ExitCode::kMeshing);
+    }
+    // A pair without nodes comes back, too, from a .vtu.
     Mesh broken = periodic_grid(2);
     broken.periodic[1].original[0] = 1000;
     CHECK_THROWS_AS(write_mesh(broken, folder.file("broken.vtu")), Error);
@@ -405,14 +414,16 @@ TEST_CASE("truncated files are refused at every length") {
         CAPTURE(format);
         CAPTURE(options.compress);
         const std::string path = folder.file("whole" + format), cut = folder.file("cut" + format);
-        write_mesh(with_middles(mixed()), path, {}, options);
-        const std::string bytes = read_bytes(path);
-        for (std::size_t size = 0; size < bytes.size(); size += size < 200 ? 1 : 7) {
-            CAPTURE(size);
-            write_bytes(cut, bytes.substr(0, size));
-            const Error error = error_of([&] { read_mesh(cut); });
-            CHECK(error.code() == ExitCode::kInput);
-            CHECK(std::string(error.what()).find(cut) != std::string::npos);
+        for (const Mesh& mesh : {with_middles(mixed()), periodic_grid(2)}) {
+            write_mesh(mesh, path, {}, options);
+            const std::string bytes = read_bytes(path);
+            for (std::size_t size = 0; size < bytes.size(); size += size < 200 ? 1 : 7) {
+                CAPTURE(size);
+                write_bytes(cut, bytes.substr(0, size));
+                const Error error = error_of([&] { read_mesh(cut); });
+                CHECK(error.code() == ExitCode::kInput);
+                CHECK(std::string(error.what()).find(cut) != std::string::npos);
+            }
         }
     }
 }
@@ -426,9 +437,11 @@ TEST_CASE("damaged bytes give an error or a mesh in range, never a crash") {
         const std::string first_order = read_bytes(path);
         write_mesh(with_middles(mixed()), path, {}, options);
         const std::string second_order = read_bytes(path);
+        write_mesh(periodic_grid(2), path, {}, options);
+        const std::string periodic = read_bytes(path);
         int refused = 0;
-        for (int trial = 0; trial < 4000; ++trial) {
-            std::string damaged = trial % 2 == 0 ? first_order : second_order;
+        for (int trial = 0; trial < 6000; ++trial) {
+            std::string damaged = trial % 3 == 0 ? first_order : trial % 3 == 1 ? second_order : periodic;
             const int changes = 1 + trial % 3;
             for (int i = 0; i < changes; ++i) {
                 const char values[] = {'\0', '\xff', '9', '"', static_cast<char>(random()), '\x7f'};
@@ -436,10 +449,13 @@ TEST_CASE("damaged bytes give an error or a mesh in range, never a crash") {
             }
             write_bytes(bad, damaged);
             try {
-                check_mesh(read_mesh(bad));  // indices that are out of range would show here
+                const Mesh mesh = read_mesh(bad);
+                check_mesh(mesh);  // indices that are out of range would show here
+                if (trial % 3 == 2) write_mesh(mesh, folder.file("polyMesh"));
             } catch (const Error& error) {
                 ++refused;
-                CHECK((error.code() == ExitCode::kInput || error.code() == ExitCode::kDevice));
+                CHECK((error.code() == ExitCode::kInput || error.code() == ExitCode::kDevice ||
+                       error.code() == ExitCode::kMeshing || error.code() == ExitCode::kUsage));
             }
         }
         CHECK(refused > 500);

@@ -136,7 +136,7 @@ TEST_CASE("operations in formulas: volumes known on paper") {
     CHECK(formula_volume("max(hypot(y, z) - sqrt(x), x - 1)", 5) == doctest::Approx(kPi / 2).epsilon(0.02));
     CHECK(formula_volume("mod(x, 1)^2 - mod(x, 1) + (y^2 + z^2)*4 \nbounds 0 -1 -1 2 1 1", 6) ==
           doctest::Approx(2 * kPi / 4 / 6).epsilon(0.03));
-    // Constants beside max and min leave edges sharp; functions do not make them: smooth unions stay smooth.
+    // Constants beside max and min leave edges sharp.
     for (const char* cube : {"max(abs(x), max(abs(y), abs(z))) - 1", "2*max(x, -x, y, -y, z, -z) - 2",
                              "1 - min(1 - x, 1 + x, 1 - y, 1 + y, 1 - z, 1 + z) - 1"}) {
         CAPTURE(cube);

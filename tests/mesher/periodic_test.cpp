@@ -430,6 +430,18 @@ TEST_CASE("a box that does not repeat: a warning, and no pairs") {
     CHECK(m.report.warnings[0].find("the model differs, at ") != std::string::npos);
 }
 
+TEST_CASE("a solid that does not reach the faces of the box: a warning, and no pair") {
+    const Model ball = parse_model("sphere(3);", "csg", "ball.csg");
+    MeshOptions options;
+    options.level = 4;
+    options.box = Box3{{-5, -5, -5}, {5, 5, 5}};
+    options.periodic = "y";
+    const Meshed m = mesh_and_check(ball, options);
+    CHECK(m.mesh.periodic.empty());
+    REQUIRE(m.report.warnings.size() == 1);
+    CHECK(m.report.warnings[0] == "ball.csg: periodic faces across y: the solid does not reach these faces");
+}
+
 TEST_CASE("the corpora's periodic model") {
     const std::filesystem::path file = corpora_folder() / "netgen-tutorials" / "period.geo";
     if (!std::filesystem::exists(file)) {

@@ -207,7 +207,8 @@ class Module(unittest.TestCase):
         # Every operator and function, against numpy's own: |f - value| <= 0.1 where x, y, z are near a point.
         at = numpy.array([0.7, -0.4, 1.3])
         cases = [lambda x, y, z: x + y - 2 * z, lambda x, y, z: 1 - x / (z + 3) + 2 / z, lambda x, y, z: -x**3 + 2**y,
-                 lambda x, y, z: +abs(y) % 0.3, lambda x, y, z: numpy.sin(x) + numpy.cos(y) * numpy.tan(z / 2),
+                 lambda x, y, z: +abs(y) % 0.3, lambda x, y, z: x % -2 + y % 0.3, lambda x, y, z: 1 % y + x % z, lambda x, y, z: numpy.mod(z, y),
+                 lambda x, y, z: x * numpy.array(2.0), lambda x, y, z: numpy.sin(x) + numpy.cos(y) * numpy.tan(z / 2),
                  lambda x, y, z: numpy.arcsin(x) + numpy.arccos(y) + numpy.arctan(z) + numpy.arctan2(y, x),
                  lambda x, y, z: numpy.exp(y) + numpy.log(z) + numpy.hypot(x, z) + numpy.square(y),
                  lambda x, y, z: numpy.minimum(x, y) + numpy.maximum(y, 0.1) + numpy.clip(z, 0, 1),
@@ -241,8 +242,15 @@ class Module(unittest.TestCase):
             mortise.polyhedron([[0, 0, 0]], [[0, 1, 2]])
         with self.assertRaisesRegex(ValueError, "a matrix of 3 x 3"):
             mortise.sphere(1).transform([[1, 0], [0, 1]])
+        for wrong in ({"a": 3}, {}, {1: mortise.sphere(1)}, 3):
+            with self.assertRaisesRegex(TypeError, "a dict of regions' names"):
+                self.mesher.generate(wrong)
+            with self.assertRaisesRegex(TypeError, "a dict of regions' names"):
+                mortise.summarize(wrong)
         with self.assertRaisesRegex(TypeError, "a dict of regions' names"):
             mortise.Model({"a": 3})
+        with self.assertRaises(TypeError):
+            pow(mortise.coordinates()[0], 2, 3)
         with self.assertRaisesRegex(mortise.Error, "empty"):
             self.mesher.generate(mortise.extrude([(0, 0), (1, 0)], 1))
         with self.assertWarnsRegex(UserWarning, "size"):

@@ -262,6 +262,7 @@ TEST_CASE("absolute values become two surfaces where nothing but sums and multip
     CHECK(surfaces("abs(abs(x*z)-0.3)-0.1") == 4);
     CHECK(surfaces("max(abs(x*y), abs(z*x))-0.1") == 4);  // constants go into any max and min
     CHECK(surfaces("2*max(x*y, z)/3-0.1") == 2);
+    CHECK(surfaces("abs(max(x, y, z, x+y, x+z, y+z, x-y, x-z, y-z)) - 0.3") > 1);
     CHECK(surfaces("0.1-min(x*y, max(z, x-y))*-2") == 3);
     CHECK(surfaces("min(x*y, z)-x^2") == 1);  // functions do not: a smooth union is one surface
     CHECK(surfaces("a = x*y; b = z; h = max(0.3-abs(a-b), 0); min(a, b)-h*h/1.2") == 1);

@@ -10,18 +10,15 @@
 namespace mortise::io {
 
 /// Each facet of group `copy` is one of group `original`, moved by the shift of Mesh::periodic[pair].
-struct PeriodicGroups {
+struct PeriodicLink {
     std::size_t pair = 0;
     std::uint32_t copy = 0;
     std::uint32_t original = 0;
 };
 
-/// The groups of equal size that are copies, by pair, then by group. `group_of`: per facet; kNoGroup: none.
+/// All groups whose facets are the copies of all facets of another, by pair, then by group. `group_of`: per
+/// facet; kNoGroup: none.
 inline constexpr std::uint32_t kNoGroup = 0xffffffffu;
-std::vector<PeriodicGroups> periodic_groups(const Mesh& mesh, const std::vector<std::uint32_t>& group_of);
-
-/// Per node its original in a pair, or kNoOriginal.
-inline constexpr NodeId kNoOriginal = 0xffffffffu;
-std::vector<NodeId> originals_of(const PeriodicNodes& pair, std::size_t nodes);
+std::vector<PeriodicLink> periodic_links(const Mesh& mesh, const std::vector<std::uint32_t>& group_of);
 
 }  // namespace mortise::io
