@@ -14,6 +14,7 @@
 #include "host/pipeline/names.hpp"
 #include "host/pipeline/programs.hpp"
 #include "host/pipeline/snap.hpp"
+#include "host/pipeline/thin_solids.hpp"
 #include "host/probe/overlaps.hpp"
 #include "host/reposition/reposition.hpp"
 #include "host/triangles/divide.hpp"
@@ -29,6 +30,8 @@ constexpr double kNearSurface = 1e-4;
 /// Part of the merge distance within which surfaces that are alike are one from the start. A whole face is
 /// elsewhere then, so only by what rounding leaves.
 constexpr double kMergedAtOnce = 0.04;
+/// Rounded solids thinner than this get a surface for each side, cells.
+constexpr double kThinSolid = 1.6;
 /// What classification takes for each cell at the boundary, at least: as much where two regions meet, 380
 /// bytes on a ball.
 constexpr std::uint64_t kClassifyBytes = 150;
@@ -108,6 +111,8 @@ Sizes bind_model(const Model& model, const MeshOptions& options, Prepared& resul
     result.periodic = periodic_axes(compiled, model, &out.warnings);
     check_layers(options.layers, compiled, result.periodic);
     const Root root = result.root = find_root(compiled, bounds, options, result.periodic, out);
+    if (const std::optional<Model> parted = part_thin_solids(model, kThinSolid * root.cell()))
+        result.compiled = tape::compile(*parted, clip);
     tape::BoundModel& bound = result.bound;
     bound = tape::bind(compiled, root.origin, root.side);
     std::optional<Sizes> planned;

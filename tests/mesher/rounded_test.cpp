@@ -7,7 +7,9 @@
 #include <utility>
 
 #include "host/common/constants.hpp"
+#include "mortise/solid.hpp"
 #include "tests/mesher/meshed.hpp"
+#include "tests/mesher/random_source.hpp"
 #include "tests/mesher/rounded_solids.hpp"
 
 namespace mortise::test {
@@ -190,6 +192,65 @@ TEST_CASE("rounded solids are one smooth surface, whose volume converges at orde
         }
         CHECK(errors[0] < 0.02);
         CHECK(errors[1] < errors[0] / 3);
+    }
+}
+
+TEST_CASE("plates with round rims about a cell thick stay whole") {
+    struct Plate {
+        const char* name;
+        RoundedSolid solid;
+        double volume;
+        double tolerance;
+    };
+    // A rectangle rounded in its plane, upright; the same between two heights, and rounded there; balls at
+    // the corners of a rectangle; a lens.
+    const double a = 4, b = 13.6, r = 0.16;
+    const std::vector<Ball> corners = {{{0, 0, 0}, r}, {{a, 0, 0}, r}, {{a, b, 0}, r}, {{0, b, 0}, r}};
+    RoundedSolid column, plate, pillow, lens;
+    column.shape = RoundedSolid::Shape::kColumn;
+    column.balls = {{{0, 0, 0}, 0.05}, {{0.2, 0, 0}, 0.05}, {{0.2, b, 0}, 0.05}, {{0, b, 0}, 0.05}};
+    plate.shape = RoundedSolid::Shape::kPlate;
+    plate.balls = corners;
+    plate.high = 0.25;
+    plate.rounding = 0.05;
+    pillow.balls = corners;
+    lens.shape = RoundedSolid::Shape::kRevolution;
+    lens.balls = {{{0, 0, 0}, 0.2}, {{5, 0, 0}, 0.1}};
+    const double corner = kPi * r * r;
+    const double outline = 2 * (a + b), area = a * b + outline * r + corner;
+    const double turn = outline + 2 * kPi * r;  // length of the plate's outline
+    const Plate plates[] = {
+        {"column", column, 3 * ((0.2 + 0.1) * (b + 0.1) - (4 - kPi) * 0.05 * 0.05), 0.03},
+        {"plate", plate, (0.25 + 0.1) * area + turn * (0.05 * 0.25 + kPi * 0.05 * 0.05 / 2), 0.03},
+        {"pillow", pillow, 2 * r * a * b + corner * (a + b) + 4 * r * corner / 3, 0.03},
+        {"lens", lens, 0, 0},  // no closed form: against a mesh of small cells
+    };
+    RandomSource random(17);
+    for (const Plate& p : plates) {
+        CAPTURE(std::string(p.name));
+        for (int pose = 0; pose < 3; ++pose) {
+            CAPTURE(pose);
+            Solid solid = rounded(p.solid);
+            if (p.solid.shape == RoundedSolid::Shape::kColumn)
+                solid = solid & Solid(box({-9, -9, 0}, {99, 99, 3}));
+            if (pose > 0)
+                solid =
+                    solid.rotated(random.uniform(0, 360), {random.uniform(-1, 1), random.uniform(-1, 1), 1});
+            MeshOptions options;
+            options.size = 0.3;
+            const Meshed m = mesh_and_check(make_model(solid), options);
+            CHECK(m.defects == "");
+            CHECK(m.check.components == 1);
+            CHECK(m.check.euler_characteristic == 2);
+            CHECK(m.check.nonmanifold_edges == 0);
+            CHECK(m.check.nonmanifold_nodes == 0);
+            double volume = p.volume;
+            if (volume == 0) {
+                options.size = 0.08;
+                volume = mesh_and_check(make_model(solid), options).check.volume;
+            }
+            CHECK(m.check.volume == doctest::Approx(volume).epsilon(0.04));
+        }
     }
 }
 
