@@ -14,6 +14,7 @@
 #include "host/python/arrays.hpp"
 #include "host/python/formulas.hpp"
 #include "host/python/options.hpp"
+#include "host/python/reports.hpp"
 #include "host/python/solids.hpp"
 #include "mortise/check.hpp"
 #include "mortise/error.hpp"
@@ -149,75 +150,6 @@ void bind_models(py::module_& module) {
             return summarize(model);
         },
         "What a mesh of the model would have, without making one.", py::arg("model"));
-}
-
-void bind_report(py::module_& module) {
-    py::class_<StageTime>(module, "StageTime")
-        .def_readonly("stage", &StageTime::stage)
-        .def_readonly("wall_seconds", &StageTime::wall_seconds)
-        .def_readonly("cpu_seconds", &StageTime::cpu_seconds)
-        .def_readonly("items", &StageTime::items);
-    py::class_<MissedFeature>(module, "MissedFeature")
-        .def_readonly("position", &MissedFeature::position)
-        .def_readonly("size", &MissedFeature::size)
-        .def_readonly("thickness", &MissedFeature::thickness)
-        .def_readonly("material", &MissedFeature::material)
-        .def_readonly("kept", &MissedFeature::kept);
-    py::class_<LayerFigures>(module, "LayerFigures")
-        .def_readonly("facets", &LayerFigures::facets)
-        .def_readonly("lower", &LayerFigures::lower)
-        .def_readonly("bare", &LayerFigures::bare)
-        .def_readonly("elements", &LayerFigures::elements)
-        .def_readonly("thickness", &LayerFigures::thickness)
-        .def_readonly("first_bare", &LayerFigures::first_bare)
-        .def_readonly("asked", &LayerFigures::asked)
-        .def_readonly("edge", &LayerFigures::edge)
-        .def_readonly("surfaces", &LayerFigures::surfaces)
-        .def_readonly("unused", &LayerFigures::unused);
-    py::class_<MeshReport>(module, "MeshReport", "What happened besides the mesh.")
-        .def_readonly("device", &MeshReport::device)
-        .def_readonly("level", &MeshReport::level)
-        .def_readonly("finest_level", &MeshReport::finest_level)
-        .def_readonly("cell_size", &MeshReport::cell_size)
-        .def_readonly("warnings", &MeshReport::warnings)
-        .def_readonly("stages", &MeshReport::stages)
-        .def_readonly("missed", &MeshReport::missed)
-        .def_readonly("layers", &MeshReport::layers)
-        .def_readonly("merged_nodes", &MeshReport::merged_nodes)
-        .def_readonly("loosened_nodes", &MeshReport::loosened_nodes)
-        .def_readonly("below_min_angle", &MeshReport::below_min_angle)
-        .def_readonly("hinge_edges", &MeshReport::hinge_edges)
-        .def_readonly("hinge_nodes", &MeshReport::hinge_nodes)
-        .def_property_readonly(
-            "scaled_jacobians",
-            [](const py::object& self) {
-                return view(py::cast<const MeshReport&>(self).scaled_jacobians, 0, self);
-            },
-            "One per element, in the order of hexahedra, wedges, pyramids, tetrahedra.");
-}
-
-void bind_check(py::module_& module) {
-    py::class_<Defect>(module, "Defect")
-        .def_readonly("what", &Defect::what)
-        .def_readonly("count", &Defect::count)
-        .def_readonly("first", &Defect::first)
-        .def("__repr__", [](const Defect& defect) { return defect.what + ": " + defect.first; });
-    py::class_<CheckReport>(module, "CheckReport", "Figures of a mesh, and what is wrong with it.")
-        .def_property_readonly("valid", &CheckReport::valid)
-        .def_readonly("defects", &CheckReport::defects)
-        .def_readonly("nodes", &CheckReport::nodes)
-        .def_readonly("boundary_facets", &CheckReport::boundary_facets)
-        .def_readonly("interface_facets", &CheckReport::interface_facets)
-        .def_readonly("nonmanifold_edges", &CheckReport::nonmanifold_edges)
-        .def_readonly("nonmanifold_nodes", &CheckReport::nonmanifold_nodes)
-        .def_readonly("euler_characteristic", &CheckReport::euler_characteristic)
-        .def_readonly("components", &CheckReport::components)
-        .def_readonly("volume", &CheckReport::volume)
-        .def_readonly("boundary_area", &CheckReport::boundary_area)
-        .def_readonly("region_volume", &CheckReport::region_volume)
-        .def_readonly("min_scaled_jacobian", &CheckReport::min_scaled_jacobian)
-        .def_readonly("min_dihedral", &CheckReport::min_dihedral)
-        .def_readonly("max_dihedral", &CheckReport::max_dihedral);
 }
 
 /// Arrays of a member's vectors, as properties of the object that has them.
@@ -463,8 +395,7 @@ PYBIND11_MODULE(mortise, module) {
     mortise::python::bind_errors(module);
     mortise::python::bind_formulas(module);
     mortise::python::bind_models(module);
-    mortise::python::bind_report(module);
-    mortise::python::bind_check(module);
+    mortise::python::bind_reports(module);
     mortise::python::bind_meshes(module);
     mortise::python::bind_mesher(module);
 }

@@ -116,6 +116,7 @@ const std::vector<Option>& all_options() {
         plain("hanging", &MeshOptions::hanging, kFlag),
         plain("second_order", &MeshOptions::second_order, kFlag),
         converted("layers", &MeshOptions::layers, layers_of),
+        plain("quality", &MeshOptions::quality, kFlag),
         plain("strict", &MeshOptions::strict, kFlag),
         plain("threads", &MeshOptions::threads, kWhole),
     };

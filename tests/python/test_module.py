@@ -256,6 +256,26 @@ class Module(unittest.TestCase):
         with self.assertWarnsRegex(UserWarning, "size"):
             mortise.csg("union() { cube([1, 1, 1]); sphere(r = 0); }")
 
+    def test_quality_and_features(self):
+        mesh = self.mesher.generate(mortise.cylinder(1, 2).named("pin"), level=5, quality=True)
+        quality = mesh.report.quality
+        self.assertEqual(sum(shape.count for shape in quality.shapes), len(mesh.report.scaled_jacobians))
+        self.assertAlmostEqual(min(shape.minimum for shape in quality.shapes), mesh.report.scaled_jacobians.min(),
+                               places=6)
+        self.assertEqual(len(quality.shapes[0].histogram), 20)
+        self.assertGreater(quality.angles.minimum, 17)
+        self.assertLess(quality.mesh_to_model.maximum, 0.01)
+        self.assertEqual([figures.name for figures in quality.surfaces], mesh.surface_names)
+        self.assertEqual(len(quality.worst), 10)
+        curves = mesh.report.features.curves
+        self.assertEqual(len(curves), 2)
+        for curve in curves:
+            self.assertTrue(curve.closed)
+            self.assertAlmostEqual(curve.length, 2 * math.pi, delta=0.05)
+            self.assertTrue(numpy.allclose(numpy.linalg.norm(mesh.points[curve.nodes][:, :2], axis=1), 1, atol=1e-6))
+        self.assertEqual(mesh.report.features.corners, [])
+        self.assertIsNone(self.mesher.generate(self.ball, level=3).report.quality)
+
     def test_summary(self):
         summary = mortise.summarize(mortise.read_model(str(BRACKET)))
         self.assertIn("cube1_xmin", summary.surfaces)
