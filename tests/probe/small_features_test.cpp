@@ -232,15 +232,12 @@ TEST_CASE("a thin torus and a ball across an edge of the grid are reported with 
 
 TEST_CASE(
     "a round slot narrower than a cell, bridged where edges of the grid cross it, is reported as lost") {
-    // A row of slots of 0.7 cells, each between two planes of the grid.
+    // A row of slots of 0.7 cells, each between two planes of the grid: one surface each.
     const auto slots = [](double width) {
         std::string text = "difference() { cube([30, 30, 1]); ";
-        for (int i = 0; i < 5; ++i) {
-            const std::string x = std::to_string(4.55 + 5 * i);
-            const std::string disc = "circle(d = " + std::to_string(width) + ");";
-            text += "translate([" + x + ", 6, -1]) linear_extrude(height = 3) hull() { " + disc +
-                    " translate([0, 18]) " + disc + " } ";
-        }
+        for (int i = 0; i < 5; ++i)
+            text += "implicit(\"hypot(x - " + std::to_string(4.55 + 5 * i) + ", max(abs(y - 15) - 9, 0)) - " +
+                    std::to_string(width / 2) + "\"); ";
         return parse_model(text + "}", "csg", "slots.csg");
     };
     const Model narrow = slots(0.7);
@@ -257,6 +254,17 @@ TEST_CASE(
     const Model wide = slots(1.6);
     CHECK(mesh_valid(wide).check.euler_characteristic == 2 - 2 * 5);
     CHECK(strict_refusal(wide) == "");
+}
+
+TEST_CASE("round slots that OpenSCAD's hull makes have a surface on each side, and stay open") {
+    std::string text = "difference() { cube([30, 30, 1]); ";
+    for (int i = 0; i < 5; ++i)
+        text += "translate([" + std::to_string(4.55 + 5 * i) +
+                ", 6, -1]) linear_extrude(height = 3) hull() { circle(d = 0.7); translate([0, 18]) circle(d "
+                "= 0.7); } ";
+    const Model model = parse_model(text + "}", "csg", "slots.csg");
+    CHECK(mesh_valid(model).check.euler_characteristic == 2 - 2 * 5);
+    CHECK(strict_refusal(model) == "");
 }
 
 TEST_CASE("two features of one cell: one is kept, the other reported as lost") {
