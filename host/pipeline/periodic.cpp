@@ -268,9 +268,10 @@ std::vector<NodeId> match_planes(const std::vector<PeriodicAxis>& axes, const Mo
         const std::string text = start_of(model, model.periodic[axis.pair]) +
                                  std::to_string(unmatched.size()) +
                                  " facets have no image on the other plane";
-        std::string reason = "; the first is at " + place_text(facet_middle(mesh, unmatched[0].facet)) +
-                             ", where rounding may decide, or the balance of cells of several sizes; other "
-                             "cells (--level) or planes may match";
+        std::string reason =
+            "; the first is at " + place_text(facet_middle(mesh, unmatched[0].facet)) +
+            ", where rounding may decide, or the balance of cells of several sizes; cells of one size, other "
+            "cells (--level) or planes may match";
         for (const Matcher::Unmatched& u : unmatched) {
             const Vec3 x = facet_middle(mesh, u.facet);
             const std::int32_t here = matcher.region_inside(x, u.side);

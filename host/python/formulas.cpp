@@ -154,6 +154,12 @@ py::object combine_ufunc(const Formula&, const py::object& function, const std::
     return py::cast(operation_of(word->second, arguments));
 }
 
+[[noreturn]] void refuse_condition() {
+    throw py::type_error(
+        "a formula is neither true nor false: instead of conditions, min and max, take numpy.minimum and "
+        "numpy.maximum of two");
+}
+
 /// An operator with the formula on the left, and with it on the right.
 void bind_operator(py::class_<Formula>& bound, const char* name, const char* word) {
     const auto make = [word](bool is_left) {
@@ -179,6 +185,9 @@ void bind_formulas(py::module_& module) {
     bind_operator(bound, "mul", "*");
     bind_operator(bound, "truediv", "/");
     bind_operator(bound, "mod", "mod");
+    for (const char* comparison : {"__lt__", "__le__", "__gt__", "__ge__", "__eq__", "__ne__"})
+        bound.def(comparison, [](const Formula&, const py::object&) -> bool { refuse_condition(); });
+    bound.attr("__hash__") = py::none();
     for (const bool is_left : {true, false}) {
         bound.def(
             is_left ? "__pow__" : "__rpow__",
@@ -193,12 +202,9 @@ void bind_formulas(py::module_& module) {
     bound.def("__neg__", [](const Formula& self) { return combined("neg", {self}); })
         .def("__pos__", [](const Formula& self) { return self; })
         .def("__abs__", [](const Formula& self) { return combined("abs", {self}); })
-        .def("__bool__",
-             [](const Formula&) -> bool {
-                 throw py::type_error(
-                     "a formula is neither true nor false: instead of conditions, min and max, "
-                     "take numpy.minimum and numpy.maximum");
-             })
+        .def("__copy__", [](const Formula& self) { return self; })
+        .def("__deepcopy__", [](const Formula& self, const py::dict&) { return self; })
+        .def("__bool__", [](const Formula&) -> bool { refuse_condition(); })
         .def("__array_ufunc__", combine_ufunc)
         .def(
             "clip",  // which numpy.clip calls

@@ -34,19 +34,24 @@ Affine affine_of(const py::array_t<double, py::array::c_style | py::array::force
     return map;
 }
 
-/// Outlines as OpenSCAD's polygon; the first one, and holes in it.
-std::string polygon_text(const std::vector<std::vector<std::array<double, 2>>>& outlines) {
-    std::string points, paths;
-    std::size_t count = 0;
-    for (const auto& outline : outlines) {
-        std::string path;
-        for (const auto& [x, y] : outline) {
-            points += (points.empty() ? "[" : ", [") + number_text(x) + ", " + number_text(y) + "]";
-            path += (path.empty() ? "" : ", ") + std::to_string(count++);
-        }
-        paths += (paths.empty() ? "[" : ", [") + path + "]";
-    }
-    return "polygon(points = [" + points + "], paths = [" + paths + "]);";
+using Outline = std::vector<std::array<double, 2>>;
+
+std::string polygon_text(const Outline& outline) {
+    if (outline.size() < 3)
+        throw py::value_error("an outline of " + std::to_string(outline.size()) +
+                              " points has no area; expected three at least");
+    std::string points;
+    for (const auto& [x, y] : outline)
+        points += (points.empty() ? "[" : ", [") + number_text(x) + ", " + number_text(y) + "]";
+    return "polygon(points = [" + points + "]);";
+}
+
+/// An outline less the holes, as OpenSCAD's.
+std::string outline_text(const Outline& outline, const std::vector<Outline>& holes) {
+    if (holes.empty()) return polygon_text(outline);
+    std::string text = "difference() { " + polygon_text(outline);
+    for (const Outline& hole : holes) text += " " + polygon_text(hole);
+    return text + " }";
 }
 
 /// The one solid of a model; what its reader warned of is a warning of Python's.
@@ -57,19 +62,15 @@ Solid solid_of(const Model& model) {
     return solids_of(model).front().second;
 }
 
-Model parse_csg(const std::string& text, const std::string& source) {
+Model parse_text(const std::string& text, const char* format, const std::string& source) {
     const py::gil_scoped_release release;
-    return parse_model(text, "csg", source);
+    return parse_model(text, format, source);
 }
-
-using Outline = std::vector<std::array<double, 2>>;
 
 /// What a sweep of OpenSCAD makes of an outline with holes, whose surfaces' names begin with `name`.
 Solid swept(const std::string& kind, const std::string& arguments, const Outline& outline,
             const std::vector<Outline>& holes, const std::string& name) {
-    std::vector<Outline> all = {outline};
-    all.insert(all.end(), holes.begin(), holes.end());
-    Model model = parse_csg(kind + "(" + arguments + ") " + polygon_text(all), name);
+    Model model = parse_text(kind + "(" + arguments + ") " + outline_text(outline, holes), "csg", name);
     const std::string old = kind + "1";  // as the reader calls the first of its kind
     for (CsgNode& node : model.nodes) {
         if (node.name.compare(0, old.size(), old) == 0) node.name = name + node.name.substr(old.size());
@@ -90,28 +91,42 @@ Solid revolve(const Outline& outline, double angle, const std::vector<Outline>& 
     return swept("rotate_extrude", "angle = " + number_text(angle), outline, holes, name);
 }
 
+/// By way of the reader of .off files, which closes, turns and joins what can be, and refuses the rest.
 Solid polyhedron_of(const py::array_t<double, py::array::c_style | py::array::forcecast>& points,
-                    const py::array_t<std::int64_t, py::array::c_style | py::array::forcecast>& triangles,
-                    double sharp_angle) {
+                    const py::object& given, double sharp_angle) {
     const auto is_table = [](const py::array& array) { return array.ndim() == 2 && array.shape(1) == 3; };
-    if (!is_table(points) || !is_table(triangles))
-        throw py::value_error("expected arrays of count x 3 points and count x 3 triangles");
-    TriangleSurface surface;
-    for (py::ssize_t i = 0; i < points.shape(0); ++i)
-        surface.points.push_back({points.at(i, 0), points.at(i, 1), points.at(i, 2)});
-    for (py::ssize_t i = 0; i < triangles.shape(0); ++i) {
-        std::array<std::uint32_t, 3> corners{};
+    const py::array triangles = py::array::ensure(given);
+    if (!triangles) throw py::error_already_set();
+    const char kind = triangles.dtype().kind();
+    if (!is_table(points) || !is_table(triangles) || (kind != 'i' && kind != 'u'))
+        throw py::value_error(
+            "expected arrays of count x 3 points and count x 3 whole numbers, the triangles");
+    const auto corners =
+        py::cast<py::array_t<std::int64_t, py::array::c_style | py::array::forcecast>>(triangles);
+    std::string text =
+        "OFF\n" + std::to_string(points.shape(0)) + " " + std::to_string(corners.shape(0)) + " 0\n";
+    for (py::ssize_t i = 0; i < points.shape(0); ++i) {
+        for (py::ssize_t j = 0; j < 3; ++j) text += number_text(points.at(i, j)) + (j < 2 ? " " : "\n");
+    }
+    for (py::ssize_t i = 0; i < corners.shape(0); ++i) {
+        text += "3";
         for (py::ssize_t k = 0; k < 3; ++k) {
-            const std::int64_t corner = triangles.at(i, k);
+            const std::int64_t corner = corners.at(i, k);
             if (corner < 0 || corner >= points.shape(0))
                 throw py::value_error("triangle " + std::to_string(i) + " has corner " +
                                       std::to_string(corner) + "; there are " +
                                       std::to_string(points.shape(0)) + " points");
-            corners[static_cast<std::size_t>(k)] = static_cast<std::uint32_t>(corner);
+            text += " " + std::to_string(corner);
         }
-        surface.triangles.push_back(corners);
+        text += "\n";
     }
-    return polyhedron(std::move(surface), sharp_angle);
+    Model model = parse_text(text, "off", "polyhedron");
+    for (CsgNode& node : model.nodes) {
+        if (node.primitive.kind != Primitive::Kind::kPolyhedron) continue;
+        node.primitive = polyhedron(*node.primitive.triangles, sharp_angle);
+        node.name.clear();  // for Solid::named
+    }
+    return solid_of(model);
 }
 
 std::optional<Box3> bounds_of(const std::optional<std::pair<Vec3, Vec3>>& corners) {
@@ -145,6 +160,8 @@ void bind_class(py::module_& module) {
         .def(
             "__sub__", [](const Solid& a, const Solid& b) { return a - b; }, py::is_operator())
         .def("__invert__", [](const Solid& a) { return ~a; })
+        .def("__copy__", [](const Solid& self) { return self; })
+        .def("__deepcopy__", [](const Solid& self, const py::dict&) { return self; })
         .def("named", &Solid::named, "Names its surfaces that have no name yet.", py::arg("name"))
         .def(
             "sized",
@@ -210,11 +227,20 @@ void bind_makers(py::module_& module) {
                py::arg("outline"), py::arg("angle") = 360.0, py::kw_only(),
                py::arg("holes") = std::vector<Outline>(), py::arg("name") = "revolution");
     module.def(
-        "csg", [](const std::string& text) { return solid_of(parse_csg(text, "csg")); },
+        "csg", [](const std::string& text) { return solid_of(parse_text(text, "csg", "csg")); },
         "The solid of OpenSCAD's .csg: csg('hull() { sphere(1); translate([3, 0, 0]) sphere(2); }').",
         py::arg("text"));
-    module.def("unite", &unite, "The union of many.", py::arg("solids"));
-    module.def("intersect", &intersect, "What is in all of many.", py::arg("solids"));
+    const auto all_of = [](const py::iterable& solids) {
+        std::vector<Solid> all;
+        for (const py::handle solid : solids) all.push_back(py::cast<Solid>(solid));
+        return all;
+    };
+    module.def(
+        "unite", [all_of](const py::iterable& solids) { return unite(all_of(solids)); }, "The union of many.",
+        py::arg("solids"));
+    module.def(
+        "intersect", [all_of](const py::iterable& solids) { return intersect(all_of(solids)); },
+        "What is in all of many.", py::arg("solids"));
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
 """The Python module: the same meshes as the program's, as arrays; errors; stopping."""
+import copy
 import filecmp
 import math
 import os
@@ -181,12 +182,15 @@ class Module(unittest.TestCase):
         inner = [(1, 1), (3, 1), (3, 3), (1, 3)]
         frame = mortise.extrude(square, 2, holes=[inner], name="frame")
         self.assertAlmostEqual(self.volume(frame), 24, places=9)
+        across = mortise.extrude(square, 1, holes=[[(2, 1), (9, 1), (9, 3), (2, 3)]])
+        self.assertAlmostEqual(self.volume(across), 12, places=8)
+        self.assertAlmostEqual(self.volume(copy.deepcopy(frame)), 24, places=9)
         self.assertTrue(all(name.startswith("frame_") for name in self.mesher.generate(frame, level=4).surface_names))
         self.assertAlmostEqual(self.volume(mortise.extrude(square, 3, scale=0.5)), 16 * (1 + 0.5 + 0.25), places=6)
         self.assertAlmostEqual(self.volume(mortise.revolve([(1, 0), (2, 0), (2, 1)]), 6), math.pi * 5 / 3, delta=0.02)
         hull = mortise.csg("hull() { sphere(1); translate([3, 0, 0]) sphere(1); }")
         self.assertAlmostEqual(self.volume(hull), math.pi * (4 / 3 + 3), delta=0.2)
-        cubes = mortise.unite([mortise.box((i, 0, 0), (i + 0.5, 1, 1)) for i in range(5)])
+        cubes = mortise.unite(mortise.box((i, 0, 0), (i + 0.5, 1, 1)) for i in range(5))
         self.assertAlmostEqual(self.volume(cubes), 2.5, places=8)
         self.assertAlmostEqual(self.volume(mortise.intersect([cubes, ~mortise.box((-1, -1, -1), (2.25, 2, 2))])), 1.25,
                                places=9)
@@ -225,7 +229,7 @@ class Module(unittest.TestCase):
         self.assertTrue(str(total).endswith("v50000"))
         self.assertLess(len(repr(total)), 500)
         del total
-        for wrong, said in ((lambda: numpy.cbrt(x), "numpy.cbrt is no function"), (lambda: max(x, y), "not supported"),
+        for wrong, said in ((lambda: numpy.cbrt(x), "numpy.cbrt is no function"), (lambda: max(x, y), "numpy.maximum of two"), (lambda: x == y, "neither true nor false"),
                             (lambda: 1 if x else 0, "neither true nor false"), (lambda: x + "1", "unsupported"),
                             (lambda: mortise.implicit(lambda x, y, z: None), "expected a formula")):
             with self.assertRaisesRegex(TypeError, said):
@@ -251,8 +255,22 @@ class Module(unittest.TestCase):
             mortise.Model({"a": 3})
         with self.assertRaises(TypeError):
             pow(mortise.coordinates()[0], 2, 3)
-        with self.assertRaisesRegex(mortise.Error, "empty"):
-            self.mesher.generate(mortise.extrude([(0, 0), (1, 0)], 1))
+        for outline in ([], [(0, 0)], [(0, 0), (1, 0)]):
+            with self.assertRaisesRegex(ValueError, "has no area"):
+                mortise.extrude(outline, 1)
+            with self.assertRaisesRegex(ValueError, "has no area"):
+                mortise.revolve([(1, 0), (2, 0), (2, 1)], holes=[outline])
+        # Triangles that are turned, or do not close, as in a file.
+        corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
+        with self.assertWarnsRegex(UserWarning, "turned over"):
+            turned = mortise.polyhedron(corners, [[0, 2, 1], [0, 3, 1], [0, 3, 2], [1, 2, 3]])
+        self.assertAlmostEqual(self.volume(turned, 4), 1 / 6, places=9)
+        outside_in = mortise.polyhedron(corners, [[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]])
+        self.assertAlmostEqual(self.volume(outside_in, 4), 1 / 6, places=9)
+        with self.assertRaises(mortise.Error):
+            mortise.polyhedron(corners, [[0, 2, 1], [0, 1, 3]])
+        with self.assertRaisesRegex(ValueError, "whole numbers"):
+            mortise.polyhedron(corners, [[0., 2., 1.], [0., 1., 3.], [1., 2., 3.], [2., 0., 3.]])
         with self.assertWarnsRegex(UserWarning, "size"):
             mortise.csg("union() { cube([1, 1, 1]); sphere(r = 0); }")
 
