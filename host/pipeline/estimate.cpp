@@ -5,10 +5,8 @@
 #include "host/pipeline/estimate.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <optional>
-#include <string_view>
 
 #include "host/pipeline/check_options.hpp"
 #include "host/pipeline/prepare.hpp"
@@ -55,13 +53,6 @@ double nodes_of_element(const MeshOptions& options, bool is_inside) {
     return options.second_order ? 11.5 : 4.6;
 }
 
-/// Stages whose time is that of all elements; that of others is the boundary's.
-bool is_of_elements(std::string_view stage) {
-    constexpr std::array<std::string_view, 6> kStages = {"assemble", "merge",     "tetrahedra",
-                                                         "faces",    "jacobians", "second order"};
-    return std::find(kStages.begin(), kStages.end(), stage) != kStages.end();
-}
-
 /// What a mesh of cells of one size has, and took.
 struct Trial {
     double cell = 0, in = 0, nio = 0;
@@ -78,8 +69,9 @@ Trial measured(const Mesh& mesh, const MeshReport& report) {
     trial.elements = static_cast<double>(mesh.element_count());
     trial.nodes = static_cast<double>(mesh.node_count());
     for (const StageTime& stage : report.stages) {
-        if (stage.stage == "compile" || stage.stage == "device") continue;
-        (is_of_elements(stage.stage) ? trial.element_seconds : trial.nio_seconds) += stage.wall_seconds;
+        const Growth growth = growth_of(stage.stage);
+        if (growth == Growth::kOnce) continue;
+        (growth == Growth::kElements ? trial.element_seconds : trial.nio_seconds) += stage.wall_seconds;
     }
     return trial;
 }

@@ -8,21 +8,28 @@
 namespace mortise::pipeline {
 namespace {
 
-/// A stage, and how far a run is when it begins.
+/// A stage, how far a run is when it begins, and what its time grows with.
 struct Step {
     const char* stage;
     double progress;
+    Growth growth;
 };
 
-/// In their order; between "classify" and "merge" pieces are made, between 0.4 and 0.9.
-constexpr std::array<Step, 25> kSteps = {{
-    {"compile", 0},          {"polyhedra", 0.01}, {"device", 0.02},     {"octree", 0.05},
-    {"probe", 0.28},         {"overlaps", 0.29},  {"classify", 0.3},    {"snap", 0.31},
-    {"extract", 0.33},       {"merge", 0.9},      {"reposition", 0.91}, {"planes", 0.925},
-    {"improve", 0.93},       {"periodic", 0.945}, {"tetrahedra", 0.95}, {"raise", 0.952},
-    {"hanging", 0.954},      {"names", 0.9545},   {"layers", 0.9547},   {"faces", 0.955},
-    {"features", 0.96},      {"quality", 0.97},   {"films", 0.98},      {"jacobians", 0.99},
-    {"second order", 0.995},
+/// In their order; between "extract" and "merge" pieces are made, between 0.4 and 0.9.
+constexpr std::array<Step, 26> kSteps = {{
+    {"compile", 0, Growth::kOnce},          {"polyhedra", 0.01, Growth::kBoundary},
+    {"device", 0.02, Growth::kOnce},        {"octree", 0.05, Growth::kBoundary},
+    {"probe", 0.28, Growth::kBoundary},     {"overlaps", 0.29, Growth::kBoundary},
+    {"classify", 0.3, Growth::kBoundary},   {"snap", 0.31, Growth::kBoundary},
+    {"extract", 0.33, Growth::kBoundary},   {"assemble", 0.4, Growth::kElements},
+    {"merge", 0.9, Growth::kElements},      {"reposition", 0.91, Growth::kBoundary},
+    {"planes", 0.925, Growth::kBoundary},   {"improve", 0.93, Growth::kBoundary},
+    {"periodic", 0.945, Growth::kBoundary}, {"tetrahedra", 0.95, Growth::kElements},
+    {"raise", 0.952, Growth::kBoundary},    {"hanging", 0.954, Growth::kBoundary},
+    {"names", 0.9545, Growth::kBoundary},   {"layers", 0.9547, Growth::kBoundary},
+    {"faces", 0.955, Growth::kElements},    {"features", 0.96, Growth::kBoundary},
+    {"quality", 0.97, Growth::kBoundary},   {"films", 0.98, Growth::kBoundary},
+    {"jacobians", 0.99, Growth::kElements}, {"second order", 0.995, Growth::kElements},
 }};
 
 constexpr bool ascends() {
@@ -40,6 +47,12 @@ double process_seconds() {
 }
 
 }  // namespace
+
+Growth growth_of(std::string_view stage) {
+    const auto step = std::find_if(kSteps.begin(), kSteps.end(),
+                                   [stage](const Step& known) { return known.stage == stage; });
+    return step == kSteps.end() ? Growth::kBoundary : step->growth;
+}
 
 Stages::Stages(const MeshOptions& options, MeshReport& report) : options_(options), report_(report) {
     if (options.progress) watch_.emplace([this] { return options_.progress(told_, progress_); });

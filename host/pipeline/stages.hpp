@@ -4,11 +4,16 @@
 #include <chrono>
 #include <cstdint>
 #include <optional>
+#include <string_view>
 
 #include "host/common/watch.hpp"
 #include "mortise/mesher.hpp"
 
 namespace mortise::pipeline {
+
+/// What a stage's time grows with: nothing, the elements of a mesh, or its cells at the boundary.
+enum class Growth { kOnce, kElements, kBoundary };
+Growth growth_of(std::string_view stage);
 
 /// Times the stages of one run and reports progress, by the thread that made the object. Throws Interrupted
 /// if the caller wants no more.
