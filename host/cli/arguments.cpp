@@ -82,12 +82,8 @@ void read_size_words(const Words& words, MeshOptions& options) {
     options.refine = parse_levels("--refine", words.refine);
     options.interior_coarsening = parse_levels("--interior-coarsening", words.coarsening);
     options.model_sizes = !words.no_model_sizes;
-    if (!words.curvature.empty()) {
+    if (!words.curvature.empty())
         options.curvature_elements = parse_number("--curvature-elements", words.curvature);
-        if (options.curvature_elements < 3) {
-            refuse("--curvature-elements '" + words.curvature + "': expected a number from 3");
-        }
-    }
     if (!words.size_max.empty()) options.size_max = parse_length("--size-max", words.size_max);
     for (std::size_t i = 0; i + 1 < words.size_of.size(); i += 2) {
         options.named_sizes.emplace_back(words.size_of[i], parse_length("--size-of", words.size_of[i + 1]));
@@ -98,9 +94,6 @@ void read_size_words(const Words& words, MeshOptions& options) {
         for (std::size_t j = 0; j < 3; ++j) source.at[j] = parse_number("--size-at", words.size_at[i + j]);
         source.size = parse_length("--size-at", words.size_at[i + 3]);
         source.grading = parse_number("--size-at", words.size_at[i + 4]);
-        if (source.grading < 0) {
-            refuse("--size-at '" + words.size_at[i + 4] + "': expected a growth of 0 or more");
-        }
         options.sizes.push_back(source);
     }
 }
@@ -136,13 +129,7 @@ void read_layer_words(const Words& words, MeshOptions& options) {
     }
     layers.count = parse_integer("--layers", words.layers, 1, kMostLayers);
     if (!words.first_layer.empty()) layers.first = parse_length("--first-layer", words.first_layer);
-    if (!words.layer_growth.empty()) {
-        layers.growth = parse_number("--layer-growth", words.layer_growth);
-        if (!(layers.growth >= kLeastLayerGrowth && layers.growth <= kMostLayerGrowth))
-            refuse("--layer-growth '" + words.layer_growth + "': expected 0.5 to 3");
-    }
-    if (options.hanging) refuse("--layers and --hanging: layers need a mesh that conforms; leave one away");
-    if (options.second_order) refuse("--layers and --order 2: layers are of first order; leave one away");
+    if (!words.layer_growth.empty()) layers.growth = parse_number("--layer-growth", words.layer_growth);
 }
 
 void read_mesh_words(const Words& words, Arguments& arguments) {
@@ -165,16 +152,10 @@ void read_mesh_words(const Words& words, Arguments& arguments) {
     }
     options.tetrahedra = words.elements == "tet";
     options.hanging = words.hanging;
-    if (options.hanging && options.tetrahedra)
-        refuse("--hanging and --elements tet: only hexahedra have hanging nodes; leave one away");
     if (!words.order.empty() && words.order != "1" && words.order != "2")
         refuse("--order '" + words.order + "': expected 1 or 2");
     options.second_order = words.order == "2";
-    if (options.hanging && options.second_order)
-        refuse("--hanging and --order 2: only elements of first order have hanging nodes; leave one away");
     read_layer_words(words, options);
-    if (options.layers.count > 0 && !options.periodic.empty())
-        refuse("--layers and --periodic: layers do not go with periodic faces yet; leave one away");
     options.templates = !words.no_templates;
     options.snap = !words.no_snap;
     options.improve = !words.no_improve;
@@ -185,18 +166,8 @@ void read_mesh_words(const Words& words, Arguments& arguments) {
             refuse("--scale '" + words.scale + "': expected 1e-12 to 1e12");
     }
     if (!words.smooth.empty()) options.smooth = parse_integer("--smooth", words.smooth, 0, kMostSmooth);
-    if (!words.min_angle.empty()) {
-        options.min_angle = parse_number("--min-angle", words.min_angle);
-        if (!(options.min_angle >= kLeastMinAngle && options.min_angle <= kMostMinAngle))
-            refuse("--min-angle '" + words.min_angle + "': expected 18 to 44 degrees");
-        if (words.no_improve && options.min_angle > kLeastMinAngle)
-            refuse("--min-angle and --no-improve: elements reach larger angles by being improved only");
-    }
-    if (!words.merge.empty()) {
-        options.merge_distance = parse_number("--merge", words.merge);
-        if (options.merge_distance < 0 || options.merge_distance > kMostMergeDistance)
-            refuse("--merge '" + words.merge + "': expected a part of a cell, from 0 to 0.25");
-    }
+    if (!words.min_angle.empty()) options.min_angle = parse_number("--min-angle", words.min_angle);
+    if (!words.merge.empty()) options.merge_distance = parse_number("--merge", words.merge);
     options.quality = arguments.quality;
     if (!words.floor.empty()) {
         arguments.quality_floor = parse_number("--quality-floor", words.floor);
@@ -206,6 +177,7 @@ void read_mesh_words(const Words& words, Arguments& arguments) {
     }
     read_device_words(words, arguments);
     arguments.file_options.threads = options.threads;
+    check_options(options);
 }
 
 /// Where the picture is cut: x, y or z, or with a place: x=4.5.

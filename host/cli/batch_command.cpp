@@ -119,6 +119,7 @@ std::vector<Item> read_list(const Arguments& arguments) {
         const std::size_t end = line.find_last_not_of(" \t\r");
         items.push_back({line.substr(begin, end - begin + 1), {}, number});
     }
+    if (in.bad()) throw Error(ExitCode::kFiles, arguments.file + ": cannot be read to its end");
     if (items.empty()) throw Error(ExitCode::kUsage, arguments.file + ": lists no models");
     name_outputs(arguments, items);
     return items;

@@ -22,11 +22,12 @@ namespace {
 
 constexpr std::uint64_t kIdle = ~std::uint64_t{0};
 
-/// In memory that parent and children share.
+/// In memory that parent and children share, before the items at hand, one per worker.
 struct Shared {
     std::atomic<std::uint64_t> next{0};
-    std::atomic<std::uint64_t> current[1];  ///< per worker: the item at hand; as many as there are workers
 };
+using AtHand = std::atomic<std::uint64_t>;
+static_assert(sizeof(Shared) % alignof(AtHand) == 0 && AtHand::is_always_lock_free);
 
 struct Worker {
     pid_t process = -1;
@@ -54,12 +55,13 @@ class Pool {
   public:
     Pool(std::size_t count, std::size_t jobs, const std::function<std::string(std::size_t)>& work,
          const std::function<void(std::size_t, std::string, int)>& done)
-        : count_(count), work_(work), done_(done), workers_(jobs) {
-        bytes_ = sizeof(Shared) + jobs * sizeof(std::atomic<std::uint64_t>);
+        : count_(count), work_(work), done_(done), workers_(jobs), is_done_(count, false) {
+        bytes_ = sizeof(Shared) + jobs * sizeof(AtHand);
         void* memory = mmap(nullptr, bytes_, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
         if (memory == MAP_FAILED) throw std::bad_alloc();
         shared_ = new (memory) Shared;
-        for (std::size_t w = 0; w < jobs; ++w) new (&shared_->current[w]) std::atomic<std::uint64_t>(kIdle);
+        at_hand_ = reinterpret_cast<AtHand*>(static_cast<char*>(memory) + sizeof(Shared));
+        for (std::size_t w = 0; w < jobs; ++w) new (at_hand_ + w) AtHand(kIdle);
     }
     ~Pool() {
         for (const Worker& worker : workers_) {
@@ -83,6 +85,8 @@ class Pool {
                 if ((files[w].revents & (POLLIN | POLLHUP)) != 0) receive(w);
             }
         }
+        // A worker may end between taking an item and saying so.
+        for (std::size_t i = 0; i < count_; ++i) finish(i, {}, last_end_);
     }
 
   private:
@@ -116,12 +120,12 @@ class Pool {
     [[noreturn]] void serve(std::size_t w, int file) noexcept {
         try {
             for (std::uint64_t item = shared_->next++; item < count_; item = shared_->next++) {
-                shared_->current[w] = item;
+                at_hand_[w] = item;
                 const std::string result = work_(static_cast<std::size_t>(item));
                 const Header header{item, result.size()};
                 write_all(file, &header, sizeof header);
                 write_all(file, result.data(), result.size());
-                shared_->current[w] = kIdle;
+                at_hand_[w] = kIdle;
             }
         } catch (...) {
             _exit(static_cast<int>(ExitCode::kDevice));  // out of memory, where not even that can be told
@@ -142,14 +146,13 @@ class Pool {
         close(worker.pipe);
         int status = 0;
         waitpid(worker.process, &status, 0);
-        const std::uint64_t item = shared_->current[w].exchange(kIdle);
+        const std::uint64_t item = at_hand_[w].exchange(kIdle);
         const bool complete = worker.received.empty();
         worker = Worker{};
-        if (item == kIdle && complete) return;
-        if (item != kIdle) {
-            done_(static_cast<std::size_t>(item), {},
-                  WIFSIGNALED(status) ? WTERMSIG(status) : -WEXITSTATUS(status));
-        }
+        const int end = WIFSIGNALED(status) ? WTERMSIG(status) : -WEXITSTATUS(status);
+        if (item == kIdle && complete && end == 0) return;
+        last_end_ = end;
+        if (item != kIdle) finish(static_cast<std::size_t>(item), {}, end);
         if (shared_->next >= count_) return;
         try {
             start(w);
@@ -166,15 +169,25 @@ class Pool {
             if (worker.received.size() - sizeof header < header.length) return;
             std::string result = worker.received.substr(sizeof header, header.length);
             worker.received.erase(0, sizeof header + header.length);
-            done_(static_cast<std::size_t>(header.item), std::move(result), 0);
+            finish(static_cast<std::size_t>(header.item), std::move(result), 0);
         }
+    }
+
+    /// Once for each item: a worker may end after its result, before it takes the next one.
+    void finish(std::size_t item, std::string result, int end) {
+        if (is_done_[item]) return;
+        is_done_[item] = true;
+        done_(item, std::move(result), end);
     }
 
     std::size_t count_;
     const std::function<std::string(std::size_t)>& work_;
     const std::function<void(std::size_t, std::string, int)>& done_;
     std::vector<Worker> workers_;
+    std::vector<bool> is_done_;  ///< per item
+    int last_end_ = 0;           ///< of the worker that ended last without being done
     Shared* shared_ = nullptr;
+    AtHand* at_hand_ = nullptr;
     std::size_t bytes_ = 0;
 };
 

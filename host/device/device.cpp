@@ -29,15 +29,23 @@ void Device::Implementation::harvest(bool all) {
     while (!pending.empty()) {
         const compute::event held = pending.front().event;
         const cl_event event = held.get();
-        if (all)
-            check(clWaitForEvents(1, &event), "clWaitForEvents", times[pending.front().time_index].entry);
+        KernelTime& time = times[pending.front().time_index];
+        // A launch that failed is told by its state, which says more than the waiting does.
+        const cl_int waited = all ? clWaitForEvents(1, &event) : CL_SUCCESS;
         cl_int status = CL_COMPLETE;
         check(clGetEventInfo(event, CL_EVENT_COMMAND_EXECUTION_STATUS, sizeof status, &status, nullptr),
               "clGetEventInfo", "asking for a launch's state");
-        if (status > CL_COMPLETE) return;
-        KernelTime& time = times[pending.front().time_index];
+        if (status > CL_COMPLETE) {
+            check(waited, "clWaitForEvents", "kernel " + time.entry);
+            return;
+        }
+        if (status < 0) {
+            // Those behind it belong to the run that fails here: the next one shall not be told of them.
+            clFinish(queue.get());
+            pending.clear();
+            fail(status, "clEnqueueNDRangeKernel", "kernel " + time.entry);
+        }
         pending.pop_front();
-        if (status < 0) fail(status, "clEnqueueNDRangeKernel", "kernel " + time.entry);
         cl_ulong start = 0;
         cl_ulong end = 0;
         if (clGetEventProfilingInfo(event, CL_PROFILING_COMMAND_START, sizeof start, &start, nullptr) ==

@@ -2,10 +2,14 @@
 // digits), the content. The whole key is compared, so that a collision of names costs time only.
 #include "host/device/disk_cache.hpp"
 
+#include <fcntl.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
+#include <atomic>
+#include <cerrno>
+#include <chrono>
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
@@ -46,15 +50,42 @@ std::optional<std::string> load_file(const std::string& path, const std::string&
     return content;
 }
 
+/// Files that are being written are called so; those of runs that were killed meanwhile stay, and are removed
+/// after an hour.
+constexpr char kUnfinished[] = ".new";
+constexpr std::chrono::hours kLongestWriting{1};
+
+/// A file of its own for this writer, which the umask lets others read as it does any file: what is installed
+/// for all users is made here too. Empty if there can be none.
+std::string make_unfinished(const std::string& folder) {
+    constexpr int kMostTries = 100;  // names may be taken: in containers, processes have the same numbers
+    static std::atomic<unsigned> number{0};
+    for (int i = 0; i < kMostTries; ++i) {
+        const std::string path =
+            folder + "/" + std::to_string(getpid()) + "-" + std::to_string(number++) + kUnfinished;
+        const int handle = open(path.c_str(), O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, 0666);
+        if (handle < 0 && errno == EEXIST) continue;
+        if (handle < 0) break;
+        close(handle);
+        return path;
+    }
+    return {};
+}
+
 /// Removes the oldest cache files beyond the limit; a file that vanishes meanwhile is another run's doing.
 void trim(const std::string& folder) {
     std::error_code error;
     std::vector<std::pair<fs::file_time_type, fs::path>> files;
+    std::vector<fs::path> left;
+    const fs::file_time_type oldest = fs::file_time_type::clock::now() - kLongestWriting;
     for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
         std::error_code gone;
-        if (entry->path().extension() == ".bin")
-            files.emplace_back(entry->last_write_time(gone), entry->path());
+        const fs::file_time_type time = entry->last_write_time(gone);
+        const fs::path extension = entry->path().extension();
+        if (extension == ".bin") files.emplace_back(time, entry->path());
+        if (extension == kUnfinished && !gone && time < oldest) left.push_back(entry->path());
     }
+    for (const fs::path& file : left) fs::remove(file, error);
     if (files.size() <= DiskCache::kMaxFiles) return;
     std::sort(files.begin(), files.end());
     for (std::size_t i = 0; i + DiskCache::kMaxFiles < files.size(); ++i) fs::remove(files[i].second, error);
@@ -100,10 +131,8 @@ void DiskCache::store(const std::string& key, const std::string& bytes) const {
     if (!keeps()) return;
     std::error_code error;
     fs::create_directories(folder_, error);
-    std::string temporary = folder_ + "/new-XXXXXX";
-    const int handle = mkstemp(temporary.data());
-    if (handle < 0) return;
-    close(handle);
+    const std::string temporary = make_unfinished(folder_);
+    if (temporary.empty()) return;
     std::ofstream file(temporary, std::ios::binary);
     file << header(key) << hash_text(bytes) << bytes;
     file.close();

@@ -1,10 +1,7 @@
 // The one table of elements in file formats: a row per element type, columns per format.
 //
-// `nodes` lists, for each node of the file's element, the local node of mesh.hpp. VTK_WEDGE's triangle 0-1-2
-// has its normal pointing away from 3-5, opposite to ours and Gmsh's: so documented, and so measured by cell
-// volumes and outward faces in VTK 9.2 to 9.6 (ParaView up to then). VTK 9.7 turned the convention round
-// without a mark in the file, and finds negative volumes in wedges wound for its predecessors. All
-// permutations of corners are their own inverse, so the same column serves reading and writing.
+// `nodes` lists, for each node of the file's element, the local node of mesh.hpp (VTK's wedge: kVtkNodes
+// there). All permutations of corners are their own inverse, so the same column serves reading and writing.
 #pragma once
 
 #include <array>
@@ -31,16 +28,16 @@ struct ElementRow {
 /// In the order of ElementType.
 inline constexpr std::array<ElementRow, kElementTypes> kElementTable = {{
     // hexahedron
-    {{12, {0, 1, 2, 3, 4, 5, 6, 7}, 25, {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11}},
+    {{12, kVtkNodes[0], 25, {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11}},
      {5, {0, 1, 2, 3, 4, 5, 6, 7}, 17, {0, 3, 8, 1, 9, 2, 10, 11, 4, 7, 5, 6}}},
     // wedge
-    {{13, {0, 2, 1, 3, 5, 4, 6, 7}, 26, {2, 1, 0, 5, 4, 3, 6, 8, 7, 9, 10, 11}},
+    {{13, kVtkNodes[1], 26, {2, 1, 0, 5, 4, 3, 6, 8, 7, 9, 10, 11}},
      {6, {0, 1, 2, 3, 4, 5, 6, 7}, 18, {0, 2, 6, 1, 7, 8, 3, 5, 4, 9, 10, 11}}},
     // pyramid
-    {{14, {0, 1, 2, 3, 4, 5, 6, 7}, 27, {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11}},
+    {{14, kVtkNodes[2], 27, {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11}},
      {7, {0, 1, 2, 3, 4, 5, 6, 7}, 19, {0, 3, 4, 1, 5, 2, 6, 7, 8, 9, 10, 11}}},
     // tetrahedron
-    {{10, {0, 1, 2, 3, 4, 5, 6, 7}, 24, {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11}},
+    {{10, kVtkNodes[3], 24, {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11}},
      {4, {0, 1, 2, 3, 4, 5, 6, 7}, 11, {0, 1, 2, 3, 5, 4, 6, 7, 8, 9, 10, 11}}},
 }};
 

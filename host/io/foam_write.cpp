@@ -143,6 +143,7 @@ void write_zones(const Mesh& mesh, FoamFolder& folder) {
 
 void write_foam(const Mesh& mesh, const std::string& path, const MeshFileOptions& options) {
     const PolyhedralFaces faces(mesh, options.threads);
+    check_numbers(faces.faces().size(), path);
     FoamFolder folder(path);
     write_points(mesh, options.scale, folder);
     write_faces(faces, folder);

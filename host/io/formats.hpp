@@ -29,6 +29,10 @@ void write_inp(const Mesh& mesh, const MeshFileOptions& options, TemporaryFile& 
 /// Writes a folder; MeshFileOptions::compress is not for it.
 void write_foam(const Mesh& mesh, const std::string& path, const MeshFileOptions& options);
 
+/// Throws Error(kUsage) for more elements or faces than programs that number them with 32 bits and a sign
+/// (OpenFOAM as it is usually built, CalculiX) can read.
+void check_numbers(std::uint64_t count, const std::string& path);
+
 /// Reads Gmsh's text formats 4.1 and 2.2, as other programs write them.
 Mesh read_gmsh_text(const FileReader& file);
 

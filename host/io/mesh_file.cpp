@@ -107,6 +107,14 @@ std::string io::find_range_error(const Mesh& mesh) {
     return {};
 }
 
+void io::check_numbers(std::uint64_t count, const std::string& path) {
+    constexpr std::uint64_t kMost = 0x7fffffff;
+    if (count <= kMost) return;
+    throw Error(ExitCode::kUsage, "cannot write '" + path + "': " + std::to_string(count) +
+                                      " elements or faces, where the format's programs number " +
+                                      std::to_string(kMost) + " at most; use .vtu, or larger cells");
+}
+
 void write_mesh(const Mesh& mesh, const std::string& path, const std::vector<float>& jacobians,
                 const MeshFileOptions& options) {
     check_mesh_format(path, {mesh.hanging.size() > 0, mesh.is_second_order(),
@@ -119,6 +127,7 @@ void write_mesh(const Mesh& mesh, const std::string& path, const std::vector<flo
         throw Error(ExitCode::kMeshing,
                     "cannot write '" + path + "': invalid mesh: " + error + "; see check_mesh");
     io::check_scale(options.scale, path);
+    if (format == Format::kFoam || format == Format::kInp) io::check_numbers(mesh.element_count(), path);
     if (format == Format::kFoam) return io::write_foam(mesh, path, options);
     io::TemporaryFile file(path);
     switch (format) {

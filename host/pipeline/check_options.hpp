@@ -1,4 +1,4 @@
-// What MeshOptions may hold.
+// What MeshOptions may hold: check_options of mortise/mesher.hpp, and what is asked apart from it.
 #pragma once
 
 #include "mortise/mesher.hpp"
@@ -7,8 +7,5 @@ namespace mortise::pipeline {
 
 /// Throws Error(kUsage) for a negative size.
 void check_work_group(int size);
-
-/// Throws Error(kUsage) for options out of range, and for those that exclude each other, with name and value.
-void check_options(const MeshOptions& options);
 
 }  // namespace mortise::pipeline

@@ -1,5 +1,6 @@
 #include "host/pipeline/memory_limit.hpp"
 
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <cstdio>
@@ -10,12 +11,16 @@
 namespace mortise::pipeline {
 
 std::uint64_t memory_now() {
-    std::FILE* file = std::fopen("/proc/self/statm", "r");
-    if (file == nullptr) return 0;
     unsigned long long total = 0, resident = 0;
-    const int read = std::fscanf(file, "%llu %llu", &total, &resident);
-    std::fclose(file);
-    return read == 2 ? resident * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE)) : 0;
+    if (std::FILE* const file = std::fopen("/proc/self/statm", "r")) {
+        const int read = std::fscanf(file, "%llu %llu", &total, &resident);
+        std::fclose(file);
+        if (read == 2) return resident * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
+    }
+    // Without /proc: what the process has had at most, which is no less.
+    rusage usage{};
+    constexpr std::uint64_t kUnit = 1024;  // bytes, Linux's unit of ru_maxrss
+    return getrusage(RUSAGE_SELF, &usage) == 0 ? static_cast<std::uint64_t>(usage.ru_maxrss) * kUnit : 0;
 }
 
 void check_memory(std::uint64_t needed, const char* what, const MeshOptions& options) {

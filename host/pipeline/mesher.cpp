@@ -2,6 +2,7 @@
 #include "mortise/mesher.hpp"
 
 #include <atomic>
+#include <new>
 #include <optional>
 
 #include "host/common/watch.hpp"
@@ -119,6 +120,16 @@ class Work {
     std::atomic<bool>& is_busy_;
 };
 
+/// What `run` returns. Memory that is out ends it with an Error, like all that can go wrong.
+template <class Run>
+auto with_memory_told(Run run) {
+    try {
+        return run();
+    } catch (const std::bad_alloc&) {
+        throw Error(ExitCode::kDevice, "out of memory; use a smaller --level, a larger --size, or --memory");
+    }
+}
+
 }  // namespace
 
 Mesh generate_mesh(const Model& model, const MeshOptions& options, MeshReport* report) {
@@ -143,7 +154,7 @@ Mesh Mesher::Implementation::generate(const Model& model, const MeshOptions& ask
     assembly::Arena local_arena = std::move(arena);  // gone if the run fails
     arena = {};
     assembly::Arena* const kept = recycles ? &local_arena : nullptr;
-    pipeline::check_options(options);
+    check_options(options);
     const std::optional<jacobian::Method> jacobian_method = jacobian::wanted_method();
     Stages stages(options, out);
     const auto open_device = [&]() -> device::Device& { return open(options); };
@@ -175,9 +186,11 @@ Mesh Mesher::Implementation::generate(const Model& model, const MeshOptions& ask
 Mesh Mesher::generate(const Model& model, const MeshOptions& options, MeshReport* report) {
     refuse_moved(implementation_ == nullptr);
     const Work work(implementation_->is_busy);
-    if (options.periodic.empty()) return implementation_->generate(model, options, report);
-    const pipeline::PeriodicTask task = pipeline::repeat_in_box(model, options);
-    return implementation_->generate(task.model, task.options, report);
+    return with_memory_told([&] {
+        if (options.periodic.empty()) return implementation_->generate(model, options, report);
+        const pipeline::PeriodicTask task = pipeline::repeat_in_box(model, options);
+        return implementation_->generate(task.model, task.options, report);
+    });
 }
 
 MeshEstimate Mesher::Implementation::estimate(const Model& model, const MeshOptions& options) {
@@ -189,9 +202,11 @@ MeshEstimate Mesher::Implementation::estimate(const Model& model, const MeshOpti
 MeshEstimate Mesher::estimate(const Model& model, const MeshOptions& options) {
     refuse_moved(implementation_ == nullptr);
     const Work work(implementation_->is_busy);
-    if (options.periodic.empty()) return implementation_->estimate(model, options);
-    const pipeline::PeriodicTask task = pipeline::repeat_in_box(model, options);
-    return implementation_->estimate(task.model, task.options);
+    return with_memory_told([&] {
+        if (options.periodic.empty()) return implementation_->estimate(model, options);
+        const pipeline::PeriodicTask task = pipeline::repeat_in_box(model, options);
+        return implementation_->estimate(task.model, task.options);
+    });
 }
 
 void Mesher::stream(const Model& model, const MeshOptions& options, MeshSink& sink, MeshReport* report) {
@@ -200,8 +215,10 @@ void Mesher::stream(const Model& model, const MeshOptions& options, MeshSink& si
     MeshReport local;
     MeshReport& out = report != nullptr ? *report : local;
     out = MeshReport{};
-    pipeline::stream([&]() -> device::Device& { return implementation_->open(options); }, model, options,
-                     sink, out);
+    with_memory_told([&] {
+        pipeline::stream([&]() -> device::Device& { return implementation_->open(options); }, model, options,
+                         sink, out);
+    });
 }
 
 }  // namespace mortise

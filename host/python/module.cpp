@@ -33,9 +33,8 @@ struct ReportedMesh {
 
 constexpr std::array<const char*, kElementTypes> kBlockNames = {"hexahedra", "wedges", "pyramids",
                                                                 "tetrahedra"};
-/// As VTK and meshio call them, and the order of nodes there.
+/// As VTK and meshio call them.
 constexpr std::array<const char*, kElementTypes> kCellNames = {"hexahedron", "wedge", "pyramid", "tetra"};
-constexpr std::array<int, 6> kVtkWedge = {0, 2, 1, 3, 5, 4};
 
 /// A path as str, bytes or pathlib has it.
 std::string path_of(const py::object& path) {
@@ -57,10 +56,10 @@ py::array_t<NodeId> cell_array(const ElementBlock& block, ElementType type) {
     const auto count = static_cast<std::size_t>(kElementNodes[static_cast<std::size_t>(type)]);
     py::array_t<NodeId> array({static_cast<py::ssize_t>(block.size()), static_cast<py::ssize_t>(count)});
     NodeId* const to = array.mutable_data();
+    const std::array<int, 8>& order = kVtkNodes[static_cast<std::size_t>(type)];
     for (std::size_t i = 0; i < block.nodes.size(); ++i) {
         const std::size_t k = i % count;
-        const std::size_t from = type == ElementType::kWedge ? static_cast<std::size_t>(kVtkWedge[k]) : k;
-        to[i] = block.nodes[i - k + from];
+        to[i] = block.nodes[i - k + static_cast<std::size_t>(order[k])];
     }
     return array;
 }
@@ -141,7 +140,8 @@ void bind_models(py::module_& module) {
                                    return py::make_tuple(summary.bounds->min, summary.bounds->max);
                                })
         .def_readonly("unbounded", &ModelSummary::unbounded)
-        .def_readonly("surfaces", &ModelSummary::surfaces);
+        .def_readonly("surfaces", &ModelSummary::surfaces)
+        .def_readonly("surface_size", &ModelSummary::surface_size);
     module.def(
         "summarize",
         [](const py::object& given) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <string>
 
 #include "host/common/compaction.hpp"
@@ -185,6 +186,8 @@ Share plan(ElementType type, const ElementBlock& block, const Order& order, std:
            std::vector<double>& points) {
     Share share{Splitter(type, order), {}, static_cast<NodeId>(points.size() / 3), begin};
     if (type != ElementType::kTetrahedron) share.turned = find_turned(points, block, share.splitter, threads);
+    if (points.size() / 3 + share.turned.size() > std::numeric_limits<NodeId>::max())
+        throw Error(ExitCode::kMeshing, "more than 2^32 nodes; choose larger cells");
     const std::size_t size = share.splitter.size();
     for (const std::size_t i : share.turned) {
         for (std::size_t j = 0; j < 3; ++j) {

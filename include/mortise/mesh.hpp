@@ -17,6 +17,18 @@ inline constexpr int kElementTypes = 4;
 inline constexpr std::array<int, kElementTypes> kElementNodes = {8, 6, 5, 4};
 inline constexpr std::array<int, kElementTypes> kElementEdges = {12, 9, 8, 6};
 
+/// By element type and local node of VTK's cell: the local node here; each row is its own inverse. VTK_WEDGE
+/// is wound the other way: triangle 0-1-2 has its normal pointing away from 3-5. So documented, and so
+/// measured by cell volumes and outward faces in VTK 9.2 to 9.6 (ParaView up to then). VTK 9.7 turned the
+/// convention round without a mark in the file, and finds negative volumes in wedges wound for its
+/// predecessors.
+inline constexpr std::array<std::array<int, 8>, kElementTypes> kVtkNodes = {{
+    {0, 1, 2, 3, 4, 5, 6, 7},
+    {0, 2, 1, 3, 5, 4, 6, 7},
+    {0, 1, 2, 3, 4, 5, 6, 7},
+    {0, 1, 2, 3, 4, 5, 6, 7},
+}};
+
 inline constexpr std::size_t nodes_per(ElementType type) {
     return static_cast<std::size_t>(kElementNodes[static_cast<std::size_t>(type)]);
 }
@@ -105,8 +117,8 @@ struct PeriodicNodes {
 /// Node order of elements (VTK's for hexahedra, pyramids and tetrahedra), all right-handed:
 /// - hexahedron: 0-3 counter-clockwise seen from inside looking from face 4-7, i.e. 0 (0,0,0), 1 (1,0,0),
 ///   2 (1,1,0), 3 (0,1,0), 4-7 the same with z = 1.
-/// - wedge: triangle 0 (0,0,0), 1 (1,0,0), 2 (0,1,0), and 3-5 above them with z = 1 (Gmsh's order; VTK_WEDGE
-///   is documented with the opposite winding: host/io/formats states the permutation of each format).
+/// - wedge: triangle 0 (0,0,0), 1 (1,0,0), 2 (0,1,0), and 3-5 above them with z = 1 (Gmsh's order, not
+///   VTK's: kVtkNodes).
 /// - pyramid: base 0 (0,0,0), 1 (1,0,0), 2 (1,1,0), 3 (0,1,0), apex 4 with z > 0.
 /// - tetrahedron: 0 (0,0,0), 1 (1,0,0), 2 (0,1,0), 3 (0,0,1).
 ///

@@ -15,7 +15,8 @@ struct MeshTotals {
     std::array<std::uint64_t, kElementTypes> elements{};
 };
 
-/// Receives a mesh part by part, so that it need not fit into memory. Called by the thread that meshes.
+/// Receives a mesh part by part, so that it need not fit into memory. Called by the thread that meshes. What
+/// it throws ends the run, and goes to the caller of Mesher::stream.
 class MeshSink {
   public:
     virtual ~MeshSink() = default;
@@ -25,7 +26,8 @@ class MeshSink {
     virtual void begin(const MeshTotals& totals, const Mesh& outline) = 0;
 
     /// The next nodes (points and model_dimension), and the next elements of each type, with the node numbers
-    /// of the whole mesh, which may be those of nodes to come; their scaled Jacobians.
+    /// of the whole mesh, which may be those of nodes to come; their scaled Jacobians, type by type. A part
+    /// has no facets and no names: begin() had them.
     virtual void add(const Mesh& part, const std::vector<float>& scaled_jacobians) = 0;
 };
 

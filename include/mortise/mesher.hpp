@@ -20,12 +20,13 @@ namespace mortise {
 /// of one size, ends at kMostLevel. 3 × 19 bits of coordinate, 5 of level and 2 of axis fill a 64-bit key.
 inline constexpr int kMaxLevel = 18;
 
-/// Limits of MeshOptions::level, min_angle, smooth and merge_distance.
+/// Limits of MeshOptions::level, min_angle, smooth, merge_distance and curvature_elements.
 inline constexpr int kMostLevel = 11;
 inline constexpr double kLeastMinAngle = 18;
 inline constexpr double kMostMinAngle = 44;
 inline constexpr int kMostSmooth = 100;
 inline constexpr double kMostMergeDistance = 0.25;
+inline constexpr double kLeastCurvatureElements = 3;
 /// Those of LayerOptions.
 inline constexpr int kMostLayers = 100;
 inline constexpr double kLeastLayerGrowth = 0.5;
@@ -55,7 +56,7 @@ struct MeshOptions {
     // What follows makes cells of several sizes, in steps of two, and `level` or `size` those at a boundary
     // that asks for nothing else.
     int refine = 0;                 ///< levels by which cells may be smaller where features ask for it
-    double curvature_elements = 0;  ///< cells per full turn of a curved surface, within `refine`; 0: any
+    double curvature_elements = 0;  ///< cells per full turn of a surface, from 3, within `refine`; 0: any
     bool model_sizes = true;        ///< follow the sizes in the model's file
     std::vector<SizeSource> sizes;  ///< smaller cells around points
     /// Smaller cells on surfaces and in regions, by their names: no cell is larger than the length.
@@ -137,9 +138,9 @@ struct LayerFigures {
 
 /// What happened besides the mesh.
 struct MeshReport {
-    std::string device;
-    int level = 0;
-    double cell_size = 0;
+    std::string device;                  ///< its name, as `mortise devices` prints it
+    int level = 0;                       ///< of cells at a boundary that asks for nothing else
+    double cell_size = 0;                ///< their edge, model units
     int finest_level = 0;                ///< of the smallest cells
     std::vector<std::uint64_t> leaves;   ///< cells that are not OUT, by level; empty: all have `level`
     std::uint64_t transition_cells = 0;  ///< inside a region, beside smaller ones: elements of kTransition
@@ -149,9 +150,9 @@ struct MeshReport {
     std::uint64_t relaxed_edges = 0;     ///< that would be curved more, but for the shape of elements there
     LayerFigures layers;                 ///< if there are any
     Box3 root{};                         ///< the root box, a cube
-    std::uint64_t cells_evaluated = 0;
-    std::uint64_t in_cells = 0;
-    std::uint64_t nio_cells = 0;
+    std::uint64_t cells_evaluated = 0;   ///< of all levels, against the model
+    std::uint64_t in_cells = 0;          ///< inside a region: one hexahedron each, as a rule
+    std::uint64_t nio_cells = 0;         ///< neither in nor out: at the boundary
     std::uint64_t snio_cells = 0;        ///< meshed by templates
     std::uint64_t cnio_cells = 0;        ///< meshed by the certificate
     std::uint64_t refused_splits = 0;    ///< bisections that would have made an element too flat
@@ -195,12 +196,25 @@ struct MeshEstimate {
     std::vector<std::string> warnings;  ///< of that mesh
 };
 
+/// Throws Error(kUsage), with name, value and what to use, for the first option that is out of range, or that
+/// excludes another. Whatever takes options calls it; what they ask of the model (names, a box, formulas) and
+/// of the device is looked at later.
+void check_options(const MeshOptions& options);
+
 /// Throws Error(kInput) for a model that check_model refuses, or that is empty by its structure.
 ModelSummary summarize(const Model& model);
 
 /// Meshes a model. Deterministic: the same model and options give the same mesh, bit for bit, whatever the
-/// device, thread count and work-group size. Throws Error(kInput) for an empty or unbounded solid and what
-/// check_model refuses, Error(kDevice) and Error(kUsage) as their names say.
+/// device, thread count and work-group size. Throws
+/// - Error(kUsage) for what check_options refuses, and for names that the model does not have;
+/// - Error(kInput) for what check_model refuses, for an empty or unbounded solid, and for formulas that are
+///   not understood;
+/// - Error(kMeshing) if no valid mesh comes out, if it would have more than 2^32 nodes, and for what `strict`
+///   refuses; Interrupted, one of these, if `progress` returned false;
+/// - Error(kDevice) without a device, for kernels that cannot be built or fail, and when memory is out.
+///
+/// The first use of OpenCL in a process sets environment variables of PoCL that are not set yet (POCL_…,
+/// docs/options.md), so that no other thread should read or write the environment meanwhile.
 ///
 /// With PoCL, the first mesh of a process loads LLVM, which sets handlers for SIGINT, SIGTERM, SIGHUP,
 /// SIGABRT, SIGSEGV and the like. They remove LLVM's own files, put back the handlers that were there before
@@ -238,9 +252,10 @@ class Mesher {
     /// Meshes in parts that are handed on and forgotten: `sink` receives what generate() returns, in the
     /// same order and with the same numbers. What is kept takes memory with the model's boundary, not with
     /// its volume. Each part is made two or three times. In the report, scaled_jacobians and
-    /// Features::model_dimension stay empty. Throws also Error(kUsage) for options that need the whole mesh
-    /// (cells of several sizes, tetrahedra, second order, quality), Error(kDevice) if the boundary alone does
-    /// not fit into MeshOptions::memory.
+    /// Features::model_dimension stay empty. Throws what generate() throws, what the sink throws, and
+    /// Error(kUsage) for options that need the whole mesh (cells of several sizes, tetrahedra, second order,
+    /// layers, periodic, quality), Error(kDevice) if the boundary alone does not fit into
+    /// MeshOptions::memory. A model's own periodic planes do not match; a warning says so.
     void stream(const Model& model, const MeshOptions& options, MeshSink& sink, MeshReport* report = nullptr);
 
   private:

@@ -151,7 +151,7 @@ struct PeriodicPair {
 /// A whole model as read from a file or built in code.
 struct Model {
     std::vector<CsgNode> nodes;
-    std::vector<Region> regions;  ///< at least one, at most 4095
+    std::vector<Region> regions;  ///< at least one, at most 4095: the mesher refuses others
     std::optional<Box3>
         clip;  ///< the file's own bounding box: the solid ends there, its faces are boundaries
     std::vector<SizeHint> hints;

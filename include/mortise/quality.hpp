@@ -41,7 +41,7 @@ struct Features {
 struct ElementShape {
     std::uint64_t count = 0;
     double minimum = 1;                       ///< scaled Jacobian
-    double percentile = 1;                    ///< 1 % of the elements are below
+    double percentile = 1;                    ///< the first: 1 % of the elements are below
     double mean = 1;                          ///< 1 where there are no elements
     std::uint64_t not_positive = 0;           ///< not counted in the histogram
     std::array<std::uint64_t, 20> histogram;  ///< of scaled Jacobians, bins of 0.05
@@ -99,8 +99,8 @@ struct QualityReport {
     AngleFigures angles;
     std::vector<WorstElement> worst;  ///< by scaled Jacobian, ascending
 
-    bool has_model = false;
-    double cell_size = 0;
+    bool has_model = false;         ///< false: what follows is empty
+    double cell_size = 0;           ///< edge of a cell, model units: to see distances by
     DistanceFigures mesh_to_model;  ///< from the facets to their own surfaces
     DistanceFigures model_to_mesh;  ///< from points of the solid's boundary to the nearest facet
     double max_normal_angle = 0;    ///< degrees between facet normals and surface normals

@@ -180,9 +180,10 @@ TEST_CASE("a model with wrong fields is refused by all that take one") {
 TEST_CASE("options out of range are wrong usage") {
     const std::pair<const char*, std::function<void(MeshOptions&)>> cases[] = {
         {"level 12", [](MeshOptions& o) { o.level = 12; }},
-        {"both given", [](MeshOptions& o) { o.size = 0.1; }},
-        {"smooth -5 is out of range; use 0 to 100 rounds", [](MeshOptions& o) { o.smooth = -5; }},
-        {"smooth 101", [](MeshOptions& o) { o.smooth = 101; }},
+        {"level and size (--level, --size) are both given; leave one of the two away",
+         [](MeshOptions& o) { o.size = 0.1; }},
+        {"smooth (--smooth) -5 is out of range; use 0 to 100 rounds", [](MeshOptions& o) { o.smooth = -5; }},
+        {"smooth (--smooth) 101", [](MeshOptions& o) { o.smooth = 101; }},
         {"threads -3", [](MeshOptions& o) { o.threads = -3; }},
         {"work-group size -1", [](MeshOptions& o) { o.work_group_size = -1; }},
         {"smallest cell size 1 is above",
@@ -190,8 +191,8 @@ TEST_CASE("options out of range are wrong usage") {
              o.size_min = 1;
              o.size_max = 0.1;
          }},
-        {"size_min nan", [](MeshOptions& o) { o.size_min = NAN; }},
-        {"size_max -1", [](MeshOptions& o) { o.size_max = -1; }},
+        {"size_min (--size-min) nan", [](MeshOptions& o) { o.size_min = NAN; }},
+        {"size_max (--size-max) -1", [](MeshOptions& o) { o.size_max = -1; }},
         {"size of 'ball' 0",
          [](MeshOptions& o) {
              o.named_sizes = {{"ball", 0}};
@@ -200,13 +201,19 @@ TEST_CASE("options out of range are wrong usage") {
          [](MeshOptions& o) {
              o.sizes = {{{0, 0, 0}, -1, 1}};
          }},
-        {"grading -1 of the size around (1, 2, 3)",
+        {"growth -1 of the size around (1, 2, 3)",
          [](MeshOptions& o) {
              o.sizes = {{{1, 2, 3}, 0.1, -1}};
          }},
-        {"refine 99 is out of range; use 0 to 18 levels", [](MeshOptions& o) { o.refine = 99; }},
-        {"interior_coarsening 99", [](MeshOptions& o) { o.interior_coarsening = 99; }},
-        {"curvature_elements 12 works within refine", [](MeshOptions& o) { o.curvature_elements = 12; }},
+        {"refine (--refine) 99 is out of range; use 0 to 18 levels", [](MeshOptions& o) { o.refine = 99; }},
+        {"interior_coarsening (--interior-coarsening) 99",
+         [](MeshOptions& o) { o.interior_coarsening = 99; }},
+        {"12 works within refine (--refine), which is 0", [](MeshOptions& o) { o.curvature_elements = 12; }},
+        {"curvature_elements (--curvature-elements) 2 is out of range; use a number from 3",
+         [](MeshOptions& o) {
+             o.refine = 1;
+             o.curvature_elements = 2;
+         }},
         {"pieces 0", [](MeshOptions& o) { o.pieces = 0; }},
         {"the box is not finite along x",
          [](MeshOptions& o) {
@@ -234,6 +241,10 @@ TEST_CASE("options out of range are wrong usage") {
         CHECK(contains(refusal(ExitCode::kUsage, [&] { Mesher().stream(good_model(), options, sink); }),
                        message));
     }
+    MeshOptions short_of_memory = coarse();
+    short_of_memory.progress = [](const char*, double) -> bool { throw std::bad_alloc(); };
+    CHECK(contains(refusal(ExitCode::kDevice, [&] { generate_mesh(good_model(), short_of_memory); }),
+                   "out of memory"));
     MeshOptions repeats = coarse();
     repeats.periodic = "z";
     CHECK(contains(refusal(ExitCode::kUsage, [&] { generate_mesh(good_model(), repeats); }),

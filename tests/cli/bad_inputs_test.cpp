@@ -162,18 +162,18 @@ TEST_CASE("a command line that is not understood") {
                    {model, "-o", out, "--size-formula", "1", "--size-formula", "1"});
     expect_failure(scratch, kUsage, "--level: expected a value", {model, "-o", out, "--level"});
     expect_failure(scratch, kUsage, "--size", {model, "-o", out, "--level", "3", "--size", "1"});
-    expect_failure(scratch, kUsage, "--min-angle '17': expected 18 to 44 degrees",
+    expect_failure(scratch, kUsage, "min_angle (--min-angle) 17 is out of range; use 18 to 44 degrees",
                    {model, "-o", out, "--min-angle", "17"});
-    expect_failure(scratch, kUsage, "--min-angle and --no-improve",
+    expect_failure(scratch, kUsage, "(--no-improve): elements reach larger angles",
                    {model, "-o", out, "--min-angle", "25", "--no-improve"});
-    expect_failure(scratch, kUsage, "--hanging and --elements tet",
+    expect_failure(scratch, kUsage, "(--hanging, --elements tet)",
                    {model, "-o", out, "--hanging", "--elements", "tet"});
     expect_failure(scratch, kUsage, "--level '12': expected a whole number from 1 to 11; the default is 6",
                    {model, "-o", out, "--level", "12"});
     expect_failure(scratch, kInput, "the solid is empty, or lies outside of the box that cuts it",
                    {model, "-o", out, "--box", "100", "100", "100", "101", "101", "101"});
     expect_failure(scratch, kUsage, "--order '3': expected 1 or 2", {model, "-o", out, "--order", "3"});
-    expect_failure(scratch, kUsage, "--hanging and --order 2",
+    expect_failure(scratch, kUsage, "(--hanging, --order 2)",
                    {model, "-o", out, "--hanging", "--order", "2"});
     expect_failure(scratch, kUsage, "--order 2 needs the whole mesh",
                    {model, "-o", out, "--memory", "1G", "--order", "2"});
@@ -191,15 +191,15 @@ TEST_CASE("a command line that is not understood") {
                    {model, "-o", out, "--layers-on", "block"});
     expect_failure(scratch, kUsage, "--first-layer '-1': expected a positive length",
                    {model, "-o", out, "--layers", "2", "--first-layer", "-1"});
-    expect_failure(scratch, kUsage, "--layer-growth '9': expected 0.5 to 3",
+    expect_failure(scratch, kUsage, "growth of layers (--layer-growth) 9 is out of range; use 0.5 to 3",
                    {model, "-o", out, "--layers", "2", "--layer-growth", "9"});
-    expect_failure(scratch, kUsage, "--layers and --hanging",
+    expect_failure(scratch, kUsage, "(--layers, --hanging)",
                    {model, "-o", out, "--layers", "2", "--hanging"});
-    expect_failure(scratch, kUsage, "--layers and --order 2",
+    expect_failure(scratch, kUsage, "(--layers, --order 2)",
                    {model, "-o", out, "--layers", "2", "--order", "2"});
     expect_failure(scratch, kUsage, "--layers needs the whole mesh",
                    {model, "-o", out, "--layers", "2", "--memory", "1G"});
-    expect_failure(scratch, kUsage, "--layers and --periodic",
+    expect_failure(scratch, kUsage, "(--layers, --periodic)",
                    {model, "-o", out, "--layers", "2", "--periodic", "x"});
     expect_failure(scratch, kUsage, "--periodic needs the whole mesh",
                    {model, "-o", out, "--memory", "1G", "--periodic", "x"});
@@ -211,7 +211,8 @@ TEST_CASE("a command line that is not understood") {
                    {model, "-o", scratch.file("out/a.MSH"), "--hanging"});
     expect_failure(scratch, kUsage, "a folder polyMesh (OpenFOAM)", {model, "-o", scratch.file("out/mesh")});
     expect_failure(scratch, kUsage, "OpenFOAM's meshes are written only", {"check", "case/polyMesh"});
-    expect_failure(scratch, kUsage, "--merge '0.3'", {model, "-o", out, "--merge", "0.3"});
+    expect_failure(scratch, kUsage, "merge_distance (--merge) 0.3 is out of range; use 0 to 0.25 of a cell",
+                   {model, "-o", out, "--merge", "0.3"});
     expect_failure(scratch, kUsage, "no mesh given", {"check"});
     expect_failure(scratch, kUsage, "no model given", {"info"});
     expect_failure(scratch, kUsage, "'--level'", {"check", out, "--level", "3"});

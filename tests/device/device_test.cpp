@@ -2,8 +2,10 @@
 #include "host/device/device.hpp"
 
 #include <doctest/doctest.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <fstream>
 #include <numeric>
 #include <thread>
@@ -357,8 +359,20 @@ TEST_CASE("programs come from the cache folder, and a damaged one does not matte
         device.launch(device.kernel("example.cl", "scale", "-DOFFSET=0"), 1, buffer, 2.0);
         CHECK(device.download<double>(buffer, 1)[0] == 3.0);
     };
+    const mode_t before = umask(022);
+    const std::string unfinished = cache.path() + "/1-0.new";  // of a run that was killed yesterday
+    std::ofstream(unfinished) << "half of a program";
+    std::filesystem::last_write_time(unfinished,
+                                     std::filesystem::file_time_type::clock::now() - std::chrono::hours(24));
     run();
+    umask(before);
     CHECK(entries().size() == 3);  // the probe's program and result, and this one
+    using std::filesystem::perms;
+    for (const auto& file : entries()) {
+        const perms readable =
+            perms::owner_read | perms::owner_write | perms::group_read | perms::others_read;
+        CHECK(std::filesystem::status(file).permissions() == readable);
+    }
     std::vector<std::pair<std::filesystem::path, std::filesystem::file_time_type>> stamps;
     for (const auto& file : entries()) stamps.emplace_back(file, std::filesystem::last_write_time(file));
     run();

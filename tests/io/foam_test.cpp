@@ -10,6 +10,7 @@
 #include <map>
 #include <sstream>
 
+#include "host/io/formats.hpp"
 #include "mortise/error.hpp"
 #include "mortise/io.hpp"
 #include "tests/io/folder.hpp"
@@ -255,6 +256,12 @@ TEST_CASE("periodic surfaces are cyclic patches: the same faces in the same orde
             }
         }
     }
+}
+
+TEST_CASE("numbers that OpenFOAM and CalculiX do not have are refused") {
+    CHECK_NOTHROW(io::check_numbers(0x7fffffff, "polyMesh"));
+    CHECK_THROWS_WITH_AS(io::check_numbers(0x80000000, "polyMesh"),
+                         doctest::Contains("2147483648 elements or faces"), Error);
 }
 
 TEST_CASE("a face with hanging nodes is four") {

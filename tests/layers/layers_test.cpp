@@ -318,22 +318,24 @@ TEST_CASE("layers are refused where they cannot be") {
     MeshOptions options = with_layers(3, 2);
     options.hanging = true;
     CHECK_THROWS_WITH_AS(generate(model, options),
-                         "layers need a mesh that conforms; leave them or hanging nodes away", Error);
+                         doctest::Contains("layers need a mesh that conforms; leave one of the two away"),
+                         Error);
     options.hanging = false;
     options.second_order = true;
     CHECK_THROWS_WITH_AS(generate(model, options),
-                         "layers are of first order; leave them or second_order away", Error);
+                         doctest::Contains("layers are of first order; leave one of the two away"), Error);
     options.second_order = false;
     options.layers.on = {"wing"};
     CHECK_THROWS_WITH_AS(generate(model, options), doctest::Contains("no region or surface is called 'wing'"),
                          Error);
     options = with_layers(3, 101);
-    CHECK_THROWS_WITH_AS(generate(model, options), "count of layers 101 is out of range; use 0 to 100",
-                         Error);
+    CHECK_THROWS_WITH_AS(generate(model, options),
+                         "count of layers (--layers) 101 is out of range; use 0 to 100", Error);
     options = with_layers(3, 2, -1);
     CHECK_THROWS_AS(generate(model, options), Error);
     options = with_layers(3, 2, 0, 5);
-    CHECK_THROWS_WITH_AS(generate(model, options), "growth of layers 5 is out of range; use 0.5 to 3", Error);
+    CHECK_THROWS_WITH_AS(generate(model, options),
+                         "growth of layers (--layer-growth) 5 is out of range; use 0.5 to 3", Error);
     const Model periodic = parse_model(
         "algebraic3d\n"
         "solid p = plane(0,0,0; -1,0,0); solid q = plane(1,0,0; 1,0,0);\n"

@@ -4,6 +4,7 @@ import filecmp
 import math
 import os
 import pathlib
+import re
 import signal
 import subprocess
 import tempfile
@@ -293,6 +294,22 @@ class Module(unittest.TestCase):
             self.assertTrue(numpy.allclose(numpy.linalg.norm(mesh.points[curve.nodes][:, :2], axis=1), 1, atol=1e-6))
         self.assertEqual(mesh.report.features.corners, [])
         self.assertIsNone(self.mesher.generate(self.ball, level=3).report.quality)
+
+    def test_all_members_of_reports(self):
+        for header, name in (("mesher", "MeshReport"), ("mesher", "LayerFigures"), ("mesher", "MissedFeature"),
+                             ("mesher", "StageTime"), ("mesher", "MeshEstimate"), ("mesher", "ModelSummary"),
+                             ("check", "CheckReport"), ("check", "Defect"), ("quality", "QualityReport"),
+                             ("quality", "WorstElement"), ("quality", "ElementShape"), ("quality", "AngleFigures"),
+                             ("quality", "DistanceFigures"), ("quality", "ModelCorner"), ("quality", "FeatureCurve"),
+                             ("quality", "FeatureCorner"), ("quality", "SurfaceFigures")):
+            text = (SOURCE / "include" / "mortise" / (header + ".hpp")).read_text()
+            body = re.search(r"^struct " + name + r" \{\n(.*?)^\};", text, re.MULTILINE | re.DOTALL).group(1)
+            body = re.sub(r"//.*", "", body)
+            members = re.findall(r"^    [\w:<>, ]+? ((?:\w+(?: = \w+)?, )*\w+)(?:\{[^}]*\})?(?: = [\w:.-]+)?;", body, re.MULTILINE)
+            members = [member.split()[0] for several in members for member in several.split(", ")]
+            self.assertGreater(len(members), 1, name)
+            for member in members:
+                self.assertTrue(hasattr(getattr(mortise, name), member), name + "." + member)
 
     def test_summary(self):
         summary = mortise.summarize(mortise.read_model(str(BRACKET)))
