@@ -9,6 +9,7 @@
 #include "host/assembly/pieces.hpp"
 #include "host/common/large_array.hpp"
 #include "host/common/parallel.hpp"
+#include "host/common/sort_unique.hpp"
 #include "host/snio/face_plans.hpp"
 
 namespace mortise::assembly {
@@ -435,8 +436,7 @@ class Assembler {
                 }
             }
         }
-        std::sort(grid.begin(), grid.end());
-        grid.erase(std::unique(grid.begin(), grid.end()), grid.end());
+        sort_unique(grid);
         auto& extras = numbering_.foreign_extras;
         std::sort(extras.begin(), extras.end());
         extras.erase(std::unique(extras.begin(), extras.end(),

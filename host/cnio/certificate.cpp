@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "host/common/sort_unique.hpp"
 #include "host/common/watch.hpp"
 
 namespace mortise::cnio {
@@ -281,8 +282,7 @@ void Certificate::list_edges(std::size_t p, bool different) {
             }
         }
     }
-    std::sort(mixed_.begin(), mixed_.end());
-    mixed_.erase(std::unique(mixed_.begin(), mixed_.end()), mixed_.end());
+    sort_unique(mixed_);
 }
 
 /// Lists in around_ the simplices at an edge; false if a node at `at` would make a part of one flat.

@@ -4,6 +4,7 @@
 
 #include "host/cnio/cell.hpp"
 #include "host/common/cube_grid.hpp"
+#include "host/common/sort_unique.hpp"
 #include "host/common/watch.hpp"
 #include "host/tape/reference.hpp"
 
@@ -425,8 +426,7 @@ void Cell::list_mixed_edges(const Patch& patch, std::size_t p) {
                                     }),
                      mixed_.end());
     }
-    std::sort(mixed_.begin(), mixed_.end());
-    mixed_.erase(std::unique(mixed_.begin(), mixed_.end()), mixed_.end());
+    sort_unique(mixed_);
 }
 
 /// Whether a node on an edge of the fan makes one of the triangles there flat.

@@ -6,10 +6,9 @@
 namespace mortise {
 
 /// ASCII letters only, whatever the locale.
+inline char lower_case(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
 inline std::string lower_case(std::string text) {
-    for (char& c : text) {
-        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-    }
+    for (char& c : text) c = lower_case(c);
     return text;
 }
 

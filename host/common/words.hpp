@@ -10,6 +10,8 @@
 #include <utility>
 #include <vector>
 
+#include "host/common/lower_case.hpp"
+
 namespace mortise {
 
 /// The start of a text from a file, for messages: without control characters, "..." where it was cut.
@@ -47,7 +49,6 @@ inline std::string with_short_words(const std::string& message) {
 inline std::string nearest_hint(std::string_view word, const std::vector<std::string_view>& known) {
     constexpr std::size_t kLongest = 40;
     if (word.empty() || word.size() > kLongest) return {};
-    const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; };
     std::string_view best;
     std::size_t fewest = std::max<std::size_t>(1, std::min<std::size_t>(3, word.size() / 3)) + 1;
     for (const std::string_view other : known) {
@@ -60,7 +61,7 @@ inline std::string nearest_hint(std::string_view word, const std::vector<std::st
             above = row;
             row[0] = i;
             for (std::size_t j = 1; j <= other.size(); ++j) {
-                const bool equal = lower(word[i - 1]) == lower(other[j - 1]);
+                const bool equal = lower_case(word[i - 1]) == lower_case(other[j - 1]);
                 row[j] = std::min({above[j] + 1, row[j - 1] + 1, above[j - 1] + (equal ? 0 : 1)});
                 const bool swapped =
                     i > 1 && j > 1 && word[i - 1] == other[j - 2] && word[i - 2] == other[j - 1];

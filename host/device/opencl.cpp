@@ -4,9 +4,9 @@
 #include <sys/resource.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cstdlib>
 
+#include "host/common/lower_case.hpp"
 #include "host/device/environment.hpp"
 #include "mortise/error.hpp"
 
@@ -60,12 +60,6 @@ T number(cl_device_id id, cl_device_info what) {
     return value;
 }
 
-std::string lower(std::string value) {
-    std::transform(value.begin(), value.end(), value.begin(),
-                   [](unsigned char letter) { return static_cast<char>(std::tolower(letter)); });
-    return value;
-}
-
 std::string listing(const std::vector<DeviceInfo>& devices) {
     std::string lines;
     for (std::size_t i = 0; i < devices.size(); ++i) {
@@ -80,12 +74,12 @@ bool is_all_digits(const std::string& value) {
 }
 
 bool matches(const std::string& choice, const DeviceInfo& device) {
-    const std::string wanted = lower(choice);
+    const std::string wanted = lower_case(choice);
     if (wanted == "gpu") return device.is_gpu;
     // A CPU's name may hold "GPU" or "CPU" or neither; what counts is its type.
     if (wanted == "cpu") return !device.is_gpu;
-    return lower(device.name).find(wanted) != std::string::npos ||
-           lower(device.platform).find(wanted) != std::string::npos;
+    return lower_case(device.name).find(wanted) != std::string::npos ||
+           lower_case(device.platform).find(wanted) != std::string::npos;
 }
 
 std::size_t default_device(const std::vector<DeviceInfo>& devices) {

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "host/common/index_set.hpp"
+#include "host/common/sort_unique.hpp"
 #include "host/features/surfaces.hpp"
 
 namespace mortise::features {
@@ -77,8 +78,7 @@ std::vector<Incidence> surfaces_around(const Mesh& mesh, const std::vector<std::
             if (marked[node] != 0) list.push_back({node, facet_surface[f], mesh.facets.surface[f]});
         }
     }
-    std::sort(list.begin(), list.end());
-    list.erase(std::unique(list.begin(), list.end()), list.end());
+    sort_unique(list);
     return list;
 }
 
@@ -154,9 +154,7 @@ Features find_features(const Mesh& mesh, const std::vector<std::uint32_t>& facet
         ends.push_back(node);
         FeatureCorner corner{node, {}, on_crease ? crease->model_angle : 360};
         for (std::size_t k = i; k < j; ++k) corner.surfaces.push_back(around[k].named);
-        std::sort(corner.surfaces.begin(), corner.surfaces.end());
-        corner.surfaces.erase(std::unique(corner.surfaces.begin(), corner.surfaces.end()),
-                              corner.surfaces.end());
+        sort_unique(corner.surfaces);
         features.corners.push_back(std::move(corner));
     }
     features.curves = chain(mesh, found.edges, ends);

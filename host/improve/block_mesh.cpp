@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/common/sort_unique.hpp"
+
 namespace mortise::improve {
 bool BlockMesh::is_inside(const std::array<Local, 4>& node) const {
     return std::all_of(node.begin(), node.end(), [this](Local n) { return free_[n] != 0; });
@@ -113,8 +115,7 @@ std::vector<BlockMesh::Local> BlockMesh::neighbours(Local node) const {
             if (n != node) result.push_back(n);
         }
     }
-    std::sort(result.begin(), result.end());
-    result.erase(std::unique(result.begin(), result.end()), result.end());
+    sort_unique(result);
     return result;
 }
 

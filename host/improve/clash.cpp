@@ -7,6 +7,7 @@
 #include "host/common/large_array.hpp"
 #include "host/common/parallel.hpp"
 #include "host/common/parallel_sort.hpp"
+#include "host/common/sort_unique.hpp"
 #include "host/improve/crossing.hpp"
 
 namespace mortise::improve {
@@ -247,8 +248,7 @@ std::vector<std::uint32_t> find_clashes(const PassResult& pass, int threads) {
     for (Pair& pair : clashing) {
         if (pair.second < pair.first) std::swap(pair.first, pair.second);
     }
-    std::sort(clashing.begin(), clashing.end());
-    clashing.erase(std::unique(clashing.begin(), clashing.end()), clashing.end());
+    sort_unique(clashing);
     const auto is_changed = [&](std::uint32_t block) {
         return block < pass.changed.size() && pass.changed[block] != 0;
     };
@@ -261,8 +261,7 @@ std::vector<std::uint32_t> find_clashes(const PassResult& pass, int threads) {
         else if (is_changed(pair.first))
             back.push_back(pair.first);
     }
-    std::sort(back.begin(), back.end());
-    back.erase(std::unique(back.begin(), back.end()), back.end());
+    sort_unique(back);
     return back;
 }
 

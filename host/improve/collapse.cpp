@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "host/common/sort_unique.hpp"
 #include "host/improve/block.hpp"
 
 namespace mortise::improve {
@@ -32,8 +33,7 @@ std::size_t Block::count_feature_edges(Local node) {
             }
         }
     }
-    std::sort(spokes_.begin(), spokes_.end());
-    spokes_.erase(std::unique(spokes_.begin(), spokes_.end()), spokes_.end());
+    sort_unique(spokes_);
     std::size_t count = 0;
     for (std::size_t i = 0; i < spokes_.size();) {
         std::size_t end = i + 1;
@@ -120,8 +120,7 @@ bool Block::is_joined_link_whole(Local gone, Local kept) const {
             }
         }
     }
-    std::sort(nodes.begin(), nodes.end());
-    nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+    sort_unique(nodes);
     std::sort(rim.begin(), rim.end());
     for (std::size_t i = 0; i < rim.size(); i += 2) {
         if (i + 1 == rim.size() || rim[i] != rim[i + 1] || (i + 2 < rim.size() && rim[i + 2] == rim[i]))

@@ -6,6 +6,7 @@
 // almost. Topology is that of any collapse: sheets are never joined or parted.
 #include <algorithm>
 
+#include "host/common/sort_unique.hpp"
 #include "host/common/watch.hpp"
 #include "host/improve/block.hpp"
 
@@ -178,8 +179,7 @@ void Block::renew_strata(const Change& merge) {
     for (const std::uint32_t i : merge.removed) {
         nodes.insert(nodes.end(), tetrahedra_[i].node.begin(), tetrahedra_[i].node.end());
     }
-    std::sort(nodes.begin(), nodes.end());
-    nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+    sort_unique(nodes);
     for (const Local n : nodes) {
         // Of others not all facets are in the block.
         if (free_[n] == 0 || star_[n].empty()) continue;
@@ -190,8 +190,7 @@ void Block::renew_strata(const Change& merge) {
                 if (t.tag[f] != 0 && t.node[f] != n) on.push_back(tag_surface(t.tag[f]));
             }
         }
-        std::sort(on.begin(), on.end());
-        on.erase(std::unique(on.begin(), on.end()), on.end());
+        sort_unique(on);
         if (on == strata_[n]) continue;
         strata_[n] = on;
         renewed_.push_back(n);

@@ -6,6 +6,7 @@
 #include "host/common/cubes.hpp"
 #include "host/common/good_elements.hpp"
 #include "host/common/parallel.hpp"
+#include "host/common/sort_unique.hpp"
 #include "kernels/shared/corners.h"
 
 namespace mortise::improve {
@@ -107,8 +108,7 @@ std::vector<CellId> poor_cells(const Mesh& mesh, const CellFrame& frame, const C
         });
         for (const auto& list : found) poor.insert(poor.end(), list.begin(), list.end());
     }
-    std::sort(poor.begin(), poor.end());
-    poor.erase(std::unique(poor.begin(), poor.end()), poor.end());
+    sort_unique(poor);
     return poor;
 }
 

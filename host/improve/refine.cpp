@@ -9,6 +9,7 @@
 #include <queue>
 
 #include "host/common/disjoint_sets.hpp"
+#include "host/common/sort_unique.hpp"
 #include "host/improve/block.hpp"
 
 namespace mortise::improve {
@@ -110,8 +111,7 @@ Block::Local Block::split_edge(Local a, Local b) {
             stratum.push_back(tag_surface(t.tag[f]));
         }
     }
-    std::sort(stratum.begin(), stratum.end());
-    stratum.erase(std::unique(stratum.begin(), stratum.end()), stratum.end());
+    sort_unique(stratum);
     trial_.clear();
     const Local middle = add_node(0.5 * (points_[a] + points_[b]), std::min(size_[a], size_[b]), stratum);
     for (const std::uint32_t i : ring_.tetrahedra) {

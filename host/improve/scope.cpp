@@ -1,17 +1,13 @@
 #include "host/improve/scope.hpp"
 
 #include "host/common/parallel.hpp"
+#include "host/common/sort_unique.hpp"
 #include "host/improve/poor_cells.hpp"
 
 namespace mortise::improve {
 namespace {
 
 constexpr std::size_t kScopeChunk = 65536;
-
-void make_unique(std::vector<std::uint64_t>& list) {
-    std::sort(list.begin(), list.end());
-    list.erase(std::unique(list.begin(), list.end()), list.end());
-}
 
 }  // namespace
 
@@ -28,7 +24,7 @@ void Scope::add_poor(const Mesh& part) {
 }
 
 void Scope::spread(int reach) {
-    make_unique(poor_);
+    sort_unique(poor_);
     bricks_.clear();
     const std::int64_t last = (std::int64_t{1} << frame_.level) - 1;
     for (const CellId cell : poor_) {
@@ -46,9 +42,9 @@ void Scope::spread(int reach) {
                 }
             }
         }
-        if (bricks_.size() > kScopeChunk && bricks_.size() == bricks_.capacity()) make_unique(bricks_);
+        if (bricks_.size() > kScopeChunk && bricks_.size() == bricks_.capacity()) sort_unique(bricks_);
     }
-    make_unique(bricks_);
+    sort_unique(bricks_);
 }
 
 ElementNumbers Scope::select(const Mesh& part) const {

@@ -4,17 +4,10 @@
 #include <limits>
 #include <utility>
 
+#include "host/common/face_key.hpp"
+
 namespace mortise::io {
 namespace {
-
-/// The nodes of a face, ascending; of a triangle three, whichever of them is repeated.
-using FaceNodes = std::array<NodeId, 4>;
-
-FaceNodes sorted(FaceNodes nodes) {
-    if (nodes[2] == nodes[3]) nodes[3] = std::numeric_limits<NodeId>::max();
-    std::sort(nodes.begin(), nodes.end());
-    return nodes;
-}
 
 /// The eye sees from the right, front and above: what lies on these sides of the cut is taken away.
 class Cut {
@@ -72,10 +65,10 @@ std::vector<DrawnFace> faces_behind(const Mesh& mesh, const PictureCut& wanted) 
     const Cut cut(mesh, wanted);
     // A face that is seen has all its nodes on the boundary, or all at elements that are taken away.
     std::vector<std::uint8_t> on_boundary(mesh.node_count(), 0), at_taken(mesh.node_count(), 0);
-    std::vector<std::pair<FaceNodes, std::uint32_t>> outer;  // with their surfaces
+    std::vector<std::pair<FaceKey, std::uint32_t>> outer;  // with their surfaces
     for (const DrawnFace& facet : outer_faces(mesh)) {
         for (const NodeId node : facet.node) on_boundary[node] = 1;
-        outer.emplace_back(sorted(facet.node), facet.surface);
+        outer.emplace_back(facet_key(facet.node), facet.surface);
     }
     std::sort(outer.begin(), outer.end());
     for_elements(mesh,
@@ -83,7 +76,7 @@ std::vector<DrawnFace> faces_behind(const Mesh& mesh, const PictureCut& wanted) 
                      if (!cut.takes(nodes, count)) return;
                      for (std::size_t k = 0; k < count; ++k) at_taken[nodes[k]] = 1;
                  });
-    std::vector<std::pair<FaceNodes, DrawnFace>> faces;
+    std::vector<std::pair<FaceKey, DrawnFace>> faces;
     for_elements(mesh, [&](ElementType type, const NodeId* nodes, std::size_t count,
                            const ElementBlock& block, std::size_t i) {
         if (cut.takes(nodes, count)) return;
@@ -100,7 +93,7 @@ std::vector<DrawnFace> faces_behind(const Mesh& mesh, const PictureCut& wanted) 
             if (!is_boundary && !is_cut) continue;
             face.region = block.region[i];
             face.kind = block.kind[i];
-            faces.emplace_back(sorted(face.node), face);
+            faces.emplace_back(facet_key(face.node), face);
         }
     });
     std::sort(faces.begin(), faces.end(), [](const auto& a, const auto& b) { return a.first < b.first; });

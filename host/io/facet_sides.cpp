@@ -8,6 +8,7 @@
 #include <memory>
 #include <string>
 
+#include "host/common/face_key.hpp"
 #include "host/common/parallel.hpp"
 #include "mortise/error.hpp"
 
@@ -15,17 +16,8 @@ namespace mortise::io {
 namespace {
 
 constexpr std::size_t kChunk = 8192;
-constexpr NodeId kNoNode = 0xffffffffu;
 constexpr std::uint64_t kMostFaces = 8;  ///< of an element, and more
 constexpr std::uint64_t kNoSide = ~std::uint64_t{0};
-
-/// Nodes of a face, ascending; of a triangle the last is kNoNode.
-using SideKey = std::array<NodeId, 4>;
-
-SideKey side_key(SideKey corners) {
-    std::sort(corners.begin(), corners.end());
-    return corners;
-}
 
 class FacetsByNode {
   public:
@@ -45,7 +37,7 @@ class FacetsByNode {
 
     /// Calls visit(facet) for those with these nodes and this region behind them.
     template <class Visit>
-    void find(const SideKey& face, std::uint16_t region, const Visit& visit) const {
+    void find(const FaceKey& face, std::uint16_t region, const Visit& visit) const {
         for (std::uint32_t i = first_[face[0]]; i < first_[face[0] + 1]; ++i) {
             const std::uint32_t f = list_[i];
             if (mesh_.facets.inside[f] == region && corners(f) == face) visit(f);
@@ -53,9 +45,9 @@ class FacetsByNode {
     }
 
   private:
-    SideKey corners(std::size_t f) const {
+    FaceKey corners(std::size_t f) const {
         const FacetNodes nodes = mesh_.facets.facet(f);
-        return side_key({nodes[0], nodes[1], nodes[2], nodes.size() == 4 ? nodes[3] : kNoNode});
+        return face_key(nodes.begin(), nodes.size());
     }
 
     const Mesh& mesh_;
@@ -84,7 +76,7 @@ std::vector<FacetSide> facet_sides(const Mesh& mesh, int threads) {
         const auto find_faces = [&](std::size_t i) {
             const NodeId* const node = block.nodes.data() + static_cast<std::size_t>(kElementNodes[t]) * i;
             for (int f = 0; f < local.count; ++f) {
-                SideKey face{kNoNode, kNoNode, kNoNode, kNoNode};
+                std::array<NodeId, 4> face{};
                 const std::size_t corners = corner_count(local.faces[f]);
                 bool may_be_facet = true;
                 for (std::size_t k = 0; k < corners && may_be_facet; ++k) {
@@ -93,7 +85,8 @@ std::vector<FacetSide> facet_sides(const Mesh& mesh, int threads) {
                 }
                 if (!may_be_facet) continue;
                 const std::uint64_t side = kMostFaces * (first[t] + i) + static_cast<std::uint64_t>(f);
-                facets.find(side_key(face), block.region[i], [&](std::uint32_t facet) { note(facet, side); });
+                facets.find(face_key(face.data(), corners), block.region[i],
+                            [&](std::uint32_t facet) { note(facet, side); });
             }
         };
         parallel_chunks(block.size(), kChunk, threads, [&](std::size_t begin, std::size_t end, int) {

@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "host/common/face_key.hpp"
 #include "host/io/element_table.hpp"
 #include "host/io/formats.hpp"
 
@@ -23,7 +24,6 @@ namespace {
 /// Points, lines, triangles and quadrilaterals, which are left out.
 constexpr std::array<int, 8> kLowerTypes = {
     15, 1, kGmshTriangle, kGmshQuadrilateral, 8, kGmshSecondTriangle, 10, kGmshSecondQuadrilateral};
-constexpr NodeId kUnused = 0xffffffffu;
 
 /// Numbers of one line.
 class Line {
@@ -98,7 +98,7 @@ class GmshTextReader {
         if (!places_.emplace(tag, static_cast<NodeId>(mesh_.node_count())).second) {
             file_.damaged("node " + std::to_string(tag) + " is listed twice");
         }
-        if (mesh_.node_count() >= kUnused) file_.damaged("too many nodes");
+        if (mesh_.node_count() >= kNoNode) file_.damaged("too many nodes");
         for (int j = 0; j < 3; ++j) mesh_.points.push_back(coordinates.number());
     }
 
@@ -213,7 +213,7 @@ class GmshTextReader {
     }
 
     void take_used_nodes() {
-        std::vector<NodeId> place(mesh_.node_count(), kUnused);
+        std::vector<NodeId> place(mesh_.node_count(), kNoNode);
         for (const ElementBlock& block : mesh_.elements) {
             for (const auto* list : {&block.nodes, &block.middles}) {
                 for (const NodeId node : *list) place[node] = 0;
@@ -221,7 +221,7 @@ class GmshTextReader {
         }
         NodeId next = 0;
         for (std::size_t i = 0; i < place.size(); ++i) {
-            if (place[i] == kUnused) continue;
+            if (place[i] == kNoNode) continue;
             for (std::size_t j = 0; j < 3; ++j)
                 mesh_.points[3 * std::size_t{next} + j] = mesh_.points[3 * i + j];
             place[i] = next++;
@@ -251,7 +251,7 @@ class GmshTextReader {
     /// Faces of elements without a partner, and those between two regions, seen from the lower region.
     void list_facets() {
         struct Face {
-            std::array<NodeId, 4> key;  ///< sorted; a triangle ends with kUnused
+            FaceKey key;
             std::array<NodeId, 4> nodes;
             std::array<NodeId, 4> middles;  ///< of second order: as FacetBlock::middles
             std::uint16_t region;
@@ -268,7 +268,7 @@ class GmshTextReader {
                         const int corner = local.faces[f][k];
                         face.key[k] =
                             corner < 0
-                                ? kUnused
+                                ? kNoNode
                                 : block.nodes[nodes_per_element(t) * i + static_cast<std::size_t>(corner)];
                         face.nodes[k] = corner < 0 ? face.nodes[k - 1] : face.key[k];
                     }

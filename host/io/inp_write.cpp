@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "host/common/parallel.hpp"
+#include "host/common/sort_unique.hpp"
 #include "host/io/coordinates.hpp"
 #include "host/io/element_table.hpp"
 #include "host/io/facet_groups.hpp"
@@ -250,8 +251,7 @@ class InpWriter {
                 nodes.insert(nodes.end(), mesh_.facets.middles.data() + 4 * std::size_t{f},
                              mesh_.facets.middles.data() + 4 * std::size_t{f} + corners.size());
         }
-        std::sort(nodes.begin(), nodes.end());
-        nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+        sort_unique(nodes);
         return nodes;
     }
 

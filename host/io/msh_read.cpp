@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "host/common/sort_unique.hpp"
 #include "host/io/element_table.hpp"
 #include "host/io/facet_groups.hpp"
 #include "host/io/formats.hpp"
@@ -202,8 +203,7 @@ class MshReader {
         }
         for (std::size_t pair = 0; pair < nodes.size(); ++pair) {
             // Surfaces of one plane share the nodes between them.
-            std::sort(nodes[pair].begin(), nodes[pair].end());
-            nodes[pair].erase(std::unique(nodes[pair].begin(), nodes[pair].end()), nodes[pair].end());
+            sort_unique(nodes[pair]);
             for (const auto& [node, original] : nodes[pair]) {
                 mesh_.periodic[pair].node.push_back(node);
                 mesh_.periodic[pair].original.push_back(original);

@@ -20,6 +20,7 @@
 #include <vector>
 
 #include "host/common/periodic_originals.hpp"
+#include "host/common/sort_unique.hpp"
 #include "host/common/vec3.hpp"
 #include "host/io/coordinates.hpp"
 #include "host/io/element_table.hpp"
@@ -298,8 +299,7 @@ class MshWriter {
                 }
             }
         }
-        std::sort(nodes.begin(), nodes.end());
-        nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+        sort_unique(nodes);
         return nodes;
     }
 

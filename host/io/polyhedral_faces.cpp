@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <string>
 
+#include "host/common/face_key.hpp"
 #include "host/common/large_array.hpp"
 #include "host/common/parallel.hpp"
 #include "host/common/parallel_sort.hpp"
@@ -15,21 +16,11 @@ namespace mortise::io {
 namespace {
 
 constexpr std::size_t kChunk = 16384;
-constexpr NodeId kNoNode = 0xffffffffu;
-using Key = std::array<NodeId, 4>;  ///< nodes in ascending order; a triangle ends with kNoNode
-
-Key key_of(const NodeId* nodes, std::size_t count) {
-    Key key;
-    std::copy_n(nodes, count, key.begin());
-    if (count == 3) key[3] = kNoNode;
-    std::sort(key.begin(), key.end());
-    return key;
-}
 
 /// Keys with what they stand for, to be found by key.
-using KeyTable = std::vector<std::pair<Key, std::uint32_t>>;
+using KeyTable = std::vector<std::pair<FaceKey, std::uint32_t>>;
 
-const std::uint32_t* find_key(const KeyTable& table, const Key& key) {
+const std::uint32_t* find_key(const KeyTable& table, const FaceKey& key) {
     const auto found = std::lower_bound(table.begin(), table.end(), std::make_pair(key, std::uint32_t{0}));
     return found != table.end() && found->first == key ? &found->second : nullptr;
 }
@@ -37,7 +28,7 @@ const std::uint32_t* find_key(const KeyTable& table, const Key& key) {
 }  // namespace
 
 struct PolyhedralFaces::Entry {
-    Key key;
+    FaceKey key;
     std::uint32_t cell;
     std::uint8_t local;
 
@@ -60,7 +51,7 @@ PolyhedralFaces::PolyhedralFaces(const Mesh& mesh, int threads) : mesh_(mesh) {
                     entry.cell = static_cast<std::uint32_t>(first_[t] + i);
                     entry.local = static_cast<std::uint8_t>(f);
                     NodeId nodes[4];
-                    entry.key = key_of(nodes, local_nodes(entry.cell, entry.local, nodes));
+                    entry.key = face_key(nodes, local_nodes(entry.cell, entry.local, nodes));
                     parts[begin / kChunk].push_back(entry);
                 }
             }
@@ -116,8 +107,8 @@ std::vector<PolyhedralFaces::Entry> PolyhedralFaces::add_hanging(const std::vect
     const std::vector<HangingFace> pairs = hanging_faces(hanging);
     KeyTable wholes, quarters;
     for (std::uint32_t i = 0; i < pairs.size(); ++i) {
-        wholes.emplace_back(key_of(pairs[i].whole.data(), 4), i);
-        for (const auto& quarter : pairs[i].quarters) quarters.emplace_back(key_of(quarter.data(), 4), i);
+        wholes.emplace_back(face_key(pairs[i].whole.data(), 4), i);
+        for (const auto& quarter : pairs[i].quarters) quarters.emplace_back(face_key(quarter.data(), 4), i);
     }
     std::sort(wholes.begin(), wholes.end());
     std::sort(quarters.begin(), quarters.end());
@@ -144,7 +135,7 @@ void PolyhedralFaces::add_outer(const std::vector<Entry>& unmatched) {
     for (std::size_t i = 0; i < mesh_.facets.size(); ++i) {
         const FacetNodes nodes = mesh_.facets.facet(i);
         if (mesh_.facets.outside[i] == 0)
-            surfaces.emplace_back(key_of(nodes.begin(), nodes.size()), mesh_.facets.surface[i]);
+            surfaces.emplace_back(face_key(nodes.begin(), nodes.size()), mesh_.facets.surface[i]);
     }
     parallel_sort(surfaces, 0);
     std::vector<std::pair<std::uint32_t, Face>> outer;
@@ -202,7 +193,7 @@ std::vector<PolyhedralFaces::Face> PolyhedralFaces::images(const Patch& original
         const Face& face = faces_[copy.first + i];
         const std::size_t count = local_nodes(face.cell, face.local, nodes);
         for (std::size_t k = 0; k < count; ++k) nodes[k] = original_of[nodes[k]];
-        places.emplace_back(key_of(nodes, count), static_cast<std::uint32_t>(i));
+        places.emplace_back(face_key(nodes, count), static_cast<std::uint32_t>(i));
     }
     std::sort(places.begin(), places.end());
     std::vector<Face> ordered;
@@ -210,7 +201,7 @@ std::vector<PolyhedralFaces::Face> PolyhedralFaces::images(const Patch& original
         NodeId nodes[4];
         const Face& face = faces_[original.first + i];
         const std::uint32_t* const found =
-            find_key(places, key_of(nodes, local_nodes(face.cell, face.local, nodes)));
+            find_key(places, face_key(nodes, local_nodes(face.cell, face.local, nodes)));
         if (found == nullptr) break;
         Face image = faces_[copy.first + *found];
         NodeId corners[4];

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "host/common/sort_unique.hpp"
 #include "host/io/coordinates.hpp"
 #include "host/io/vtk_xml.hpp"
 #include "mortise/error.hpp"
@@ -36,8 +37,7 @@ void add_points(const Mesh& mesh, const Features& features, double scale, Featur
     for (const FeatureCurve& curve : features.curves) {
         out.node.insert(out.node.end(), curve.nodes.begin(), curve.nodes.end());
     }
-    std::sort(out.node.begin(), out.node.end());
-    out.node.erase(std::unique(out.node.begin(), out.node.end()), out.node.end());
+    sort_unique(out.node);
     const io::Coordinates points(mesh.points, scale);
     for (const std::int64_t node : out.node) {
         for (std::size_t j = 0; j < 3; ++j)

@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "host/common/parallel.hpp"
+#include "host/common/sort_unique.hpp"
 #include "host/common/vec3.hpp"
 #include "host/layers/slides.hpp"
 
@@ -146,8 +147,7 @@ void find_neighbours(const Mesh& mesh, int threads, Band& band) {
                     while (node[k] != band.node[slot]) ++k;
                     for (const std::uint8_t other : ends[t][k]) near.push_back(node[other]);
                 }
-                std::sort(near.begin(), near.end());
-                near.erase(std::unique(near.begin(), near.end()), near.end());
+                sort_unique(near);
                 const std::size_t before = edges.end.size();
                 const Vec3 at = point_of(mesh, band.node[slot]);
                 for (const NodeId node : near) {

@@ -9,6 +9,7 @@
 
 #include "host/common/element_jacobian.hpp"
 #include "host/common/parallel.hpp"
+#include "host/common/sort_unique.hpp"
 #include "host/common/vec3.hpp"
 #include "host/layers/cuts.hpp"
 #include "host/layers/moves.hpp"
@@ -156,8 +157,7 @@ class Fitting {
                 }
             }
         }
-        std::sort(slots.begin(), slots.end());
-        slots.erase(std::unique(slots.begin(), slots.end()), slots.end());
+        sort_unique(slots);
         return slots;
     }
 

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "host/common/parallel.hpp"
+#include "host/common/sort_unique.hpp"
 #include "host/common/vec3.hpp"
 #include "host/tape/projection.hpp"
 #include "kernels/shared/surface.h"
@@ -27,8 +28,7 @@ std::vector<std::pair<NodeId, std::uint32_t>> list_surfaces(const Mesh& mesh, co
         if (walls.role[f] != FacetRole::kOpen && walls.role[f] != FacetRole::kInner) continue;
         for (std::size_t k = 0; k < 4; ++k) list.emplace_back(mesh.facets.nodes[4 * f + k], facet_surface[f]);
     }
-    std::sort(list.begin(), list.end());
-    list.erase(std::unique(list.begin(), list.end()), list.end());
+    sort_unique(list);
     return list;
 }
 

@@ -1,7 +1,7 @@
 // 2:1 balance of a tree given by its split nodes.
-#include <algorithm>
 
 #include "host/common/parallel.hpp"
+#include "host/common/sort_unique.hpp"
 #include "host/octree/octree.hpp"
 
 namespace mortise::octree {
@@ -10,11 +10,6 @@ namespace {
 constexpr std::size_t kBalanceChunk = 8192;
 /// Children on the low and high side of each axis.
 constexpr std::uint32_t kSide[3][2] = {{0x55, 0xaa}, {0x33, 0xcc}, {0x0f, 0xf0}};
-
-void sort_unique(std::vector<std::uint64_t>& codes) {
-    std::sort(codes.begin(), codes.end());
-    codes.erase(std::unique(codes.begin(), codes.end()), codes.end());
-}
 
 /// Nodes of the level above `level` that the closed cubes of some children of one node touch; bit c of
 /// `children`: child c is one of them. A child touches the 2³ nodes on its side.

@@ -272,13 +272,10 @@ class MeshGluer {
         return at;
     }
 
-    using FacetKey = std::array<NodeId, 4>;
-    FacetKey key(std::size_t f) const {
-        FacetKey nodes;
+    FaceKey key(std::size_t f) const {
+        FaceKey nodes;
         for (std::size_t k = 0; k < 4; ++k) nodes[k] = glued_at_[mesh_.facets.nodes[4 * f + k]];
-        if (nodes[2] == nodes[3]) nodes[3] = kNoNode;
-        std::sort(nodes.begin(), nodes.end());
-        return nodes;
+        return facet_key(nodes);
     }
 
     void glue_facets() {
@@ -289,7 +286,7 @@ class MeshGluer {
             std::size_t pair;
         };
         std::vector<Near> near;
-        std::vector<std::pair<FacetKey, std::uint32_t>> second;  ///< of second planes
+        std::vector<std::pair<FaceKey, std::uint32_t>> second;  ///< of second planes
         for (std::uint32_t f = 0; f < from.size(); ++f) {
             const NodeId* node = from.nodes.data() + 4 * std::size_t{f};
             const std::size_t side = gluing_.side_of_nodes(mesh_, node, 4, reach_);

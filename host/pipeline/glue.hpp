@@ -10,13 +10,12 @@
 #include <optional>
 #include <vector>
 
+#include "host/common/face_key.hpp"
 #include "host/improve/scope.hpp"
 #include "host/pipeline/periodic.hpp"
 #include "host/pipeline/prepare.hpp"
 
 namespace mortise::pipeline {
-
-inline constexpr NodeId kNoNode = 0xffffffffu;  ///< also: no facet, no surface
 
 /// A pair of planes on the grid. Arrays: of the first and of the second plane.
 struct GluedPair {

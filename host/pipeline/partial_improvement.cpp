@@ -4,6 +4,7 @@
 #include <string>
 
 #include "host/common/parallel.hpp"
+#include "host/common/sort_unique.hpp"
 #include "host/pipeline/findings.hpp"
 #include "host/pipeline/memory_limit.hpp"
 
@@ -32,11 +33,6 @@ struct Place {
     std::array<double, 3> point;
     bool operator<(const Place& other) const { return node < other.node; }
 };
-
-void make_unique(std::vector<NodeId>& list) {
-    std::sort(list.begin(), list.end());
-    list.erase(std::unique(list.begin(), list.end()), list.end());
-}
 
 class Selector {
   public:
@@ -92,7 +88,7 @@ class Selector {
             if ((use[i] & kBeyond) != 0 && (is_shared || (use[i] & kInScope) != 0))
                 open_.push_back(part.number(i));
         }
-        make_unique(open_);
+        sort_unique(open_);
         check_memory(memory_now() + kBytesPerElement * result_.mesh.element_count(),
                      "the elements around poor ones", options_);
         stages_.end(part.mesh.element_count());
@@ -103,7 +99,7 @@ class Selector {
         skipped_.push_back(parts_.own_nodes(p));
         const std::vector<NodeId>& foreign = parts_.foreign_nodes(p);
         open_.insert(open_.end(), foreign.begin(), foreign.end());
-        make_unique(open_);
+        sort_unique(open_);
     }
 
     void number_nodes() {

@@ -5,14 +5,15 @@
 #include <cmath>
 #include <cstdio>
 
+#include "host/common/face_key.hpp"
 #include "host/common/facet_middle.hpp"
+#include "host/common/sort_unique.hpp"
 #include "host/pipeline/message_text.hpp"
 #include "host/tape/reference.hpp"
 
 namespace mortise::pipeline {
 namespace {
 
-constexpr NodeId kNone = 0xffffffffu;
 /// Two roots of the same edge differ by the rounding of positions: two steps of the lattice, in cells.
 constexpr double kSamePlace = 3.1e-8;
 constexpr double kAcross = 1e-12;
@@ -54,7 +55,7 @@ class Matcher {
         std::vector<NodeId> copies = nodes_of(facets_[1]);
         const auto less = [&](NodeId a, NodeId b) { return at(a, u) < at(b, u); };
         std::sort(originals.begin(), originals.end(), less);
-        partner_.assign(mesh_.node_count(), kNone);
+        partner_.assign(mesh_.node_count(), kNoNode);
         const double reach = kSamePlace * cell_;
         for (const NodeId node : copies) {
             auto candidate = std::lower_bound(originals.begin(), originals.end(), at(node, u) - reach,
@@ -66,7 +67,7 @@ class Matcher {
         for (const NodeId n : originals) at(n, pair_.axis) = pair_.first;
         for (const NodeId n : copies) {
             at(n, pair_.axis) = pair_.second;
-            if (partner_[n] == kNone) continue;
+            if (partner_[n] == kNoNode) continue;
             at(n, u) = at(partner_[n], u);
             at(n, v) = at(partner_[n], v);
             copy_of[n] = copy_of[partner_[n]];
@@ -112,7 +113,7 @@ class Matcher {
 
   private:
     struct Key {
-        std::array<NodeId, 4> node;  ///< originals, ascending
+        FaceKey node;  ///< of originals
         std::uint16_t inside;
         bool operator<(const Key& other) const {
             return node != other.node ? node < other.node : inside < other.inside;
@@ -136,8 +137,7 @@ class Matcher {
             const auto first = mesh_.facets.nodes.begin() + 4 * static_cast<std::ptrdiff_t>(f);
             nodes.insert(nodes.end(), first, first + 4);
         }
-        std::sort(nodes.begin(), nodes.end());
-        nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+        sort_unique(nodes);
         return nodes;
     }
 
@@ -148,9 +148,7 @@ class Matcher {
             const NodeId node = mesh_.facets.nodes[4 * std::size_t{facet} + k];
             key.node[k] = is_copy ? partner_[node] : node;
         }
-        // A triangle repeats a node: which one is of no account.
-        if (key.node[2] == key.node[3]) key.node[3] = kNone;
-        std::sort(key.node.begin(), key.node.end());
+        key.node = facet_key(key.node);
         return key;
     }
 
@@ -159,7 +157,7 @@ class Matcher {
     double cell_;
     Mesh& mesh_;
     std::array<std::vector<std::uint32_t>, 2> facets_;
-    std::vector<NodeId> partner_;  ///< per node of the second plane, else kNone
+    std::vector<NodeId> partner_;  ///< per node of the second plane, else kNoNode
 };
 
 }  // namespace
@@ -298,7 +296,7 @@ std::vector<PeriodicNodes> pair_nodes(const std::vector<PeriodicAxis>& axes, con
         PeriodicNodes nodes;
         nodes.shift[axis.axis] = axis.second - axis.first;
         for (std::size_t n = 0; n < mesh.node_count(); ++n) {
-            if (matcher.partners()[n] == kNone) continue;
+            if (matcher.partners()[n] == kNoNode) continue;
             nodes.node.push_back(static_cast<NodeId>(n));
             nodes.original.push_back(matcher.partners()[n]);
         }

@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "host/common/element_block.hpp"
+#include "host/common/sort_unique.hpp"
 #include "host/features/features.hpp"
 #include "host/jacobian/jacobian.hpp"
 #include "host/pipeline/check_options.hpp"
@@ -82,8 +83,7 @@ class Streamer {
             const Part part = parts_.make(p, done, done);
             const FacetBlock& facets = part.mesh.facets;
             std::vector<NodeId> on_facets = facets.nodes;
-            std::sort(on_facets.begin(), on_facets.end());
-            on_facets.erase(std::unique(on_facets.begin(), on_facets.end()), on_facets.end());
+            sort_unique(on_facets);
             for (const NodeId local : on_facets) {
                 const double* point = part.mesh.points.data() + 3 * std::size_t{local};
                 outer_.push_back({part.number(local), {point[0], point[1], point[2]}});
@@ -110,8 +110,7 @@ class Streamer {
 
     void make_skin() {
         skin_.node = changes_.facets.nodes;
-        std::sort(skin_.node.begin(), skin_.node.end());
-        skin_.node.erase(std::unique(skin_.node.begin(), skin_.node.end()), skin_.node.end());
+        sort_unique(skin_.node);
         std::sort(outer_.begin(), outer_.end());
         auto outer = outer_.begin();
         auto placed = changes_.placed.begin();

@@ -8,6 +8,7 @@
 
 #include "host/common/constants.hpp"
 #include "host/common/parallel.hpp"
+#include "host/common/sort_unique.hpp"
 #include "host/common/watch.hpp"
 #include "host/tape/local_tape.hpp"
 #include "host/tape/projection.hpp"
@@ -152,8 +153,7 @@ class Search {
             tape::list_surfaces(candidate.tape.data(), candidate.tape.size(), own_);
             surfaces_.insert(surfaces_.end(), own_.begin(), own_.end());
         }
-        std::sort(surfaces_.begin(), surfaces_.end());
-        surfaces_.erase(std::unique(surfaces_.begin(), surfaces_.end()), surfaces_.end());
+        sort_unique(surfaces_);
         if (surfaces_.size() > kMostSurfaces) surfaces_.resize(kMostSurfaces);
         const double edge = 2 * node.cell.half;
         const tape::ProjectionLimits limits{edge, 0.5, 1e-3 * kLeastDepth};

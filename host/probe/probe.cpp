@@ -8,6 +8,7 @@
 
 #include "host/common/disjoint_sets.hpp"
 #include "host/common/parallel.hpp"
+#include "host/common/sort_unique.hpp"
 #include "host/probe/leaf.hpp"
 #include "host/probe/regions.hpp"
 #include "kernels/shared/surface.h"
@@ -198,8 +199,7 @@ class Clusters {
                 bases.push_back(base);
             }
         }
-        std::sort(bases.begin(), bases.end());
-        bases.erase(std::unique(bases.begin(), bases.end()), bases.end());
+        sort_unique(bases);
         DisjointSets sets(bases.size());
         for (std::uint32_t i = 0; i < bases.size(); ++i) {
             const Base& at = bases[i];

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "host/common/sort_unique.hpp"
+
 namespace mortise::probe {
 namespace {
 
@@ -15,13 +17,13 @@ Rays::Rays(const Skin& skin, const std::vector<Vec3>& starts, double reach)
     : skin_(skin), box_(reach / kBoxesPerReach) {
     std::vector<Key> near;
     for (const Vec3& start : starts) near.push_back(key_of(start, reach));
-    make_unique(near);
+    sort_unique(near);
     for (std::size_t i = near.size(); i-- > 0;) {
         const Key own = near[i];
         for (int k = 0; k < 27; ++k)
             near.push_back({own[0] + k % 3 - 1, own[1] + k / 3 % 3 - 1, own[2] + k / 9 - 1});
     }
-    make_unique(near);
+    sort_unique(near);
     for (std::uint32_t f = 0; f < skin.size(); ++f) {
         if (std::binary_search(near.begin(), near.end(), key_of(skin.middle(f), reach))) list(f);
     }
@@ -66,11 +68,6 @@ Rays::Key Rays::key_of(const Vec3& x, double box) {
     Key key{};
     for (std::size_t j = 0; j < 3; ++j) key[j] = static_cast<std::int32_t>(std::floor(x[j] / box));
     return key;
-}
-
-void Rays::make_unique(std::vector<Key>& keys) {
-    std::sort(keys.begin(), keys.end());
-    keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
 }
 
 /// In all boxes that the facet's bounds touch.

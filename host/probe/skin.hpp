@@ -70,7 +70,6 @@ class Rays {
     using Key = std::array<std::int32_t, 3>;
 
     static Key key_of(const Vec3& x, double box);
-    static void make_unique(std::vector<Key>& keys);
     static double hit(const Triangle& t, const Vec3& x, const Vec3& direction, double most);
     void list(std::uint32_t facet);
 

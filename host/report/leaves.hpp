@@ -7,6 +7,7 @@
 
 #include "host/common/leaf_grid.hpp"
 #include "host/common/parallel.hpp"
+#include "host/common/sort_unique.hpp"
 #include "host/common/watch.hpp"
 #include "host/features/surfaces.hpp"
 #include "host/tape/reference.hpp"
@@ -93,8 +94,7 @@ inline void list_surfaces(Leaf& leaf) {
     for (const std::uint32_t word : leaf.tape) {
         if (tape_operation(word) == kTapeLiteral) leaf.surfaces.push_back(tape_surface(word));
     }
-    std::sort(leaf.surfaces.begin(), leaf.surfaces.end());
-    leaf.surfaces.erase(std::unique(leaf.surfaces.begin(), leaf.surfaces.end()), leaf.surfaces.end());
+    sort_unique(leaf.surfaces);
 }
 
 /// Child in Morton order.

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "host/common/parallel.hpp"
+#include "host/common/sort_unique.hpp"
 #include "kernels/shared/lattice.h"
 
 namespace mortise::reposition {
@@ -71,8 +72,7 @@ void NearCubes::find_bricks(const IndexSet& nodes) {
             }
         }
     }
-    std::sort(bricks_.begin(), bricks_.end());
-    bricks_.erase(std::unique(bricks_.begin(), bricks_.end()), bricks_.end());
+    sort_unique(bricks_);
 }
 
 bool NearCubes::are_near(std::size_t begin, std::size_t end) const {

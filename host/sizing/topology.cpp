@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "host/common/sort_unique.hpp"
+
 namespace mortise::sizing {
 namespace {
 
@@ -31,8 +33,7 @@ Topology::Topology(const tape::BoundModel& model, double finest)
         root_is_spatial_ = root_is_spatial_ || tape_operation(word) == kTapeSpatial;
         if (tape_operation(word) == kTapeLiteral) root_surfaces_.push_back(tape_surface(word));
     }
-    std::sort(root_surfaces_.begin(), root_surfaces_.end());
-    root_surfaces_.erase(std::unique(root_surfaces_.begin(), root_surfaces_.end()), root_surfaces_.end());
+    sort_unique(root_surfaces_);
     for (const tape::BoundPolyhedron& polyhedron : model.polyhedra) {
         for (const std::uint32_t surface : polyhedron.surface) of_polyhedron_[surface] = true;
     }

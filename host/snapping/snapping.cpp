@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "host/common/parallel.hpp"
+#include "host/common/sort_unique.hpp"
 #include "host/tape/local_tape.hpp"
 #include "host/tape/projection.hpp"
 #include "kernels/shared/lattice.h"
@@ -90,8 +91,7 @@ class VertexSearch {
             leaves_.push_back(leaf.index);
         }
         level_ = level;
-        std::sort(surfaces_.begin(), surfaces_.end());
-        surfaces_.erase(std::unique(surfaces_.begin(), surfaces_.end()), surfaces_.end());
+        sort_unique(surfaces_);
         if (surfaces_.size() > kMostSurfaces) return false;
         cell_ = octree::Octree::edge_of(level);
         x_[0] = x * tree_.finest_edge();
@@ -211,8 +211,7 @@ std::vector<SnappedVertex> find_snapped(const tape::BoundModel& model, const oct
         const std::uint64_t code = tree.nio[leaf].morton;
         for (u32 c = 0; c < 8; ++c) codes.push_back(tree.vertex_of(code, tree.level_of(code), c));
     }
-    std::sort(codes.begin(), codes.end());
-    codes.erase(std::unique(codes.begin(), codes.end()), codes.end());
+    sort_unique(codes);
     std::vector<std::vector<SnappedVertex>> found(chunk_count(codes.size(), kChunk));
     parallel_chunks(codes.size(), kChunk, threads, [&](std::size_t begin, std::size_t end, int) {
         VertexSearch search(model, tree);

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <tuple>
 
+#include "host/common/sort_unique.hpp"
 #include "host/tape/compile.hpp"
 #include "host/tape/polyhedron.hpp"
 #include "host/tape/surface_merge.hpp"
@@ -45,8 +46,7 @@ std::vector<Namesake> find_namesakes(const CompiledModel& compiled, const BoundM
             for (const std::uint32_t surface : compiled.polyhedra[tape_surface(word)].surface) add(surface);
         }
         if (operation != kTapeSelect && operation != kTapeSelectConst) continue;
-        std::sort(own.begin(), own.end());
-        own.erase(std::unique(own.begin(), own.end()), own.end());
+        sort_unique(own);
         for (const std::uint32_t surface : own)
             namesakes.push_back({bound.bound_surface[surface], tape_region(word), surface});
         own.clear();
@@ -92,8 +92,7 @@ BoundModel bind(const CompiledModel& compiled, const Vec3& origin, double side, 
         for (const auto& group : hint.groups) {
             std::vector<std::uint32_t> surfaces;
             for (const std::uint32_t surface : group) surfaces.push_back(target[surface]);
-            std::sort(surfaces.begin(), surfaces.end());
-            surfaces.erase(std::unique(surfaces.begin(), surfaces.end()), surfaces.end());
+            sort_unique(surfaces);
             local.groups.push_back(std::move(surfaces));
         }
         bound.hints.push_back(std::move(local));

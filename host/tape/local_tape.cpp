@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "host/common/sort_unique.hpp"
 #include "kernels/shared/tape.h"
 
 namespace mortise::tape {
@@ -19,8 +20,7 @@ void list_surfaces(const std::uint32_t* words, std::size_t length, std::vector<s
     for (std::size_t i = 0; i < length; ++i) {
         if (tape_operation(words[i]) == kTapeLiteral) surfaces.push_back(tape_surface(words[i]));
     }
-    std::sort(surfaces.begin(), surfaces.end());
-    surfaces.erase(std::unique(surfaces.begin(), surfaces.end()), surfaces.end());
+    sort_unique(surfaces);
 }
 
 void LocalTape::load(const std::uint32_t* words, std::size_t length,

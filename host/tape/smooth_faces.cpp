@@ -10,6 +10,7 @@
 
 #include "host/common/disjoint_sets.hpp"
 #include "host/common/parting.hpp"
+#include "host/common/sort_unique.hpp"
 #include "host/tape/affine_map.hpp"
 
 namespace mortise::tape {
@@ -139,10 +140,7 @@ class Turns {
 /// Two planes of a patch with an edge in common, the lower first.
 using PlanePair = std::pair<std::uint32_t, std::uint32_t>;
 
-void sort_once(std::vector<PlanePair>& pairs) {
-    std::sort(pairs.begin(), pairs.end());
-    pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
-}
+void sort_once(std::vector<PlanePair>& pairs) { sort_unique(pairs); }
 
 double turn_between(const Facets& facets, std::uint32_t a, std::uint32_t b) {
     const glm::dvec3 n = normal_of(facets, a), m = normal_of(facets, b);

@@ -7,6 +7,7 @@
 #include <set>
 #include <tuple>
 
+#include "host/common/sort_unique.hpp"
 #include "kernels/shared/tape.h"
 
 namespace mortise::triangles {
@@ -36,8 +37,7 @@ void CellFormula::make(const std::vector<Polygon>& polygons, const glm::dvec3& c
     words_.clear();
     surfaces_.clear();
     for (const Polygon& polygon : polygons) surfaces_.push_back(polygon.surface);
-    std::sort(surfaces_.begin(), surfaces_.end());
-    surfaces_.erase(std::unique(surfaces_.begin(), surfaces_.end()), surfaces_.end());
+    sort_unique(surfaces_);
     const bool flat = std::all_of(surfaces_.begin(), surfaces_.end(), [this](std::uint32_t surface) {
         return model_.surfaces[surface].kind == kSurfacePlane;
     });

@@ -5,6 +5,7 @@
 #include <iterator>
 #include <utility>
 
+#include "host/common/sort_unique.hpp"
 #include "mortise/error.hpp"
 
 namespace mortise::model_reader {
@@ -356,8 +357,7 @@ Contours wound(const Contours& loops) {
 Contours convex_hull(const Contours& contours) {
     std::vector<Vec2> points;
     for (const auto& loop : contours) points.insert(points.end(), loop.begin(), loop.end());
-    std::sort(points.begin(), points.end());
-    points.erase(std::unique(points.begin(), points.end()), points.end());
+    sort_unique(points);
     // Andrew's monotone chain: the lower hull, then the upper one.
     std::vector<Vec2> hull;
     for (int pass = 0; pass < 2; ++pass) {

@@ -12,6 +12,7 @@ extern "C" {
 #include <libqhull_r/qhull_ra.h>
 }
 
+#include "host/common/sort_unique.hpp"
 #include "host/common/vec3.hpp"
 #include "host/model/affine.hpp"
 #include "host/model/agreement.hpp"
@@ -146,8 +147,7 @@ std::optional<Polytope> convex_hull(const std::vector<Vec3>& points) {
 
     std::vector<std::uint32_t> used;
     for (const auto& face : faces) used.insert(used.end(), face.begin(), face.end());
-    std::sort(used.begin(), used.end());
-    used.erase(std::unique(used.begin(), used.end()), used.end());
+    sort_unique(used);
     Polytope polytope;
     Vec3 inside{};
     for (const std::uint32_t i : used) {

@@ -1,9 +1,11 @@
 // STL, ascii and binary. A binary file may start with the word "solid", too, and some programs append bytes:
 // what decides is whether the size fits the count of triangles at byte 80, then whether the start is text.
 // Normals are not used: the order of the corners tells the outside.
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 
+#include "host/common/lower_case.hpp"
 #include "host/model/triangles/triangle_files.hpp"
 #include "host/model/triangles/triangle_text.hpp"
 
@@ -28,13 +30,9 @@ bool is_text(const std::string& content) {
     return true;
 }
 
-bool equal_word(std::string_view found, std::string_view lower_case) {
-    if (found.size() != lower_case.size()) return false;
-    for (std::size_t i = 0; i < found.size(); ++i) {
-        const char c = found[i];
-        if ((c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c) != lower_case[i]) return false;
-    }
-    return true;
+bool equal_word(std::string_view found, std::string_view word) {
+    return std::equal(found.begin(), found.end(), word.begin(), word.end(),
+                      [](char a, char b) { return lower_case(a) == b; });
 }
 
 bool take_word(TextCursor& cursor, std::string_view word) {
