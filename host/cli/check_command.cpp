@@ -9,13 +9,6 @@
 namespace mortise::cli {
 namespace {
 
-/// " (2 of them hang on others by an edge or a node only)", or nothing.
-std::string touching_text(const CheckReport& report) {
-    if (report.parts >= report.components) return "";
-    return " (" + std::to_string(report.components - report.parts) +
-           " of them hang on others by an edge or a node only)";
-}
-
 std::string figures_text(const CheckReport& report) {
     std::string text;
     text += "  elements   " + list_elements(report.elements) + "\n";

@@ -108,6 +108,8 @@ Json mesh_document(const MeshReport& report, const MeshFigures& figures) {
     json["crumbs"] = report.crumbs;
     json["hinge_edges"] = report.hinge_edges;
     json["hinge_nodes"] = report.hinge_nodes;
+    json["loose_pieces"] = report.loose_pieces;
+    json["closed_hollows"] = report.closed_hollows;
     json["dropped_features"] = report.dropped_features;
     json["first_dropped_feature"] = report.first_dropped ? Json(*report.first_dropped) : Json(nullptr);
     json["missed_features"] = missed_document(report.missed);

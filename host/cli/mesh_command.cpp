@@ -61,7 +61,9 @@ std::uint64_t peak_memory() {
     return static_cast<std::uint64_t>(usage.ru_maxrss) << 10;
 }
 
-std::string summary(const Arguments& arguments, const MeshReport& report, const MeshFigures& figures) {
+/// `check`: none if it was not asked for.
+std::string summary(const Arguments& arguments, const MeshReport& report, const MeshFigures& figures,
+                    const CheckReport* check) {
     std::string text = arguments.file + ": " + std::to_string(figures.element_count()) + " elements, " +
                        std::to_string(figures.nodes) + " nodes; level " + std::to_string(report.level) +
                        ", cell size " + short_number(report.cell_size) + "\n";
@@ -103,6 +105,12 @@ std::string summary(const Arguments& arguments, const MeshReport& report, const 
     text += "  worst      scaled Jacobian " + list_jacobians(figures.elements, figures.min_scaled_jacobian);
     if (figures.worst_place) text += "; the lowest at " + place_text(*figures.worst_place);
     text += "\n";
+    if (check != nullptr) {
+        text += "  check      valid; volume " + short_number(check->volume, 9) + ", area " +
+                short_number(check->boundary_area, 9) + ", Euler characteristic " +
+                std::to_string(check->euler_characteristic) + ", " + std::to_string(check->components) +
+                (check->components == 1 ? " component" : " components") + touching_text(*check) + "\n";
+    }
     double total = 0;
     std::string stages;
     for (const StageTime& stage : report.stages) {
@@ -265,7 +273,8 @@ ExitCode mesh_command(const Arguments& arguments) {
         if (!arguments.report.empty()) write_text(arguments.report, text);
         if (arguments.json) print(text);
     }
-    if (!arguments.json && !arguments.quiet) print(summary(arguments, report, out.figures));
+    if (!arguments.json && !arguments.quiet)
+        print(summary(arguments, report, out.figures, arguments.check ? &out.check : nullptr));
     if (!arguments.json && report.quality) print(quality_text(*report.quality, &report.features));
     refuse_below(out.below_floor);
     return ExitCode::kOk;

@@ -38,4 +38,10 @@ std::string describe(const Defect& defect) {
     return std::to_string(defect.count) + " × " + defect.what + ", first: " + defect.first;
 }
 
+std::string touching_text(const CheckReport& report) {
+    if (report.parts >= report.components) return "";
+    return " (" + std::to_string(report.components - report.parts) +
+           " of them hang on others by an edge or a node only)";
+}
+
 }  // namespace mortise::cli

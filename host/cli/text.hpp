@@ -29,4 +29,7 @@ std::string short_number(double value, int digits = 4);
 /// What, how often and where, in one line.
 std::string describe(const Defect& defect);
 
+/// " (2 of them hang on others by an edge or a node only)", or nothing.
+std::string touching_text(const CheckReport& report);
+
 }  // namespace mortise::cli

@@ -5,6 +5,7 @@
 
 #include "host/pipeline/message_text.hpp"
 #include "host/probe/false_facets.hpp"
+#include "host/probe/loose_pieces.hpp"
 #include "mortise/error.hpp"
 
 namespace mortise::pipeline {
@@ -12,6 +13,14 @@ namespace {
 
 /// Degrees: from here on one element in four and more is short of what is asked.
 constexpr double kFewHaveIt = 35;
+
+/// From which on cells show what is so thick: a ball holds a vertex of the grid, wherever it lies, if its
+/// diameter is that of a cell. What rises from other material is seen by coarser cells as a rule.
+int level_to_see(double thickness, const Root& root) {
+    int level = root.level;
+    while (level < kMaxLevel && std::ldexp(root.side, -level) * std::sqrt(3.0) > thickness) ++level;
+    return level;
+}
 
 /// One line on the features smaller than a cell: how many, the largest, and which cells would show them.
 std::string describe_missed(const std::vector<MissedFeature>& missed, const Root& root, int refine) {
@@ -23,10 +32,7 @@ std::string describe_missed(const std::vector<MissedFeature>& missed, const Root
         thinnest = std::min(thinnest, feature.thickness);
         if (largest == nullptr || (largest->kept && !feature.kept)) largest = &feature;
     }
-    // A ball holds a vertex of the grid, wherever it lies, if its diameter is that of a cell. What rises from
-    // other material is seen by coarser cells as a rule.
-    int level = root.level;
-    while (level < kMaxLevel && std::ldexp(root.side, -level) * std::sqrt(3.0) > thinnest) ++level;
+    const int level = level_to_see(thinnest, root);
     std::string text = std::to_string(missed.size()) + " feature" + (missed.size() == 1 ? "" : "s") +
                        " between the vertices of the grid, ";
     text += lost == 0 ? "kept coarsely" : std::to_string(lost) + " of them lost";
@@ -100,6 +106,39 @@ void report_overlaps(const std::vector<probe::Overlap>& overlaps, const Model& m
         out.warnings.push_back(std::to_string(others) + (others == 1 ? " other pair of regions overlaps"
                                                                      : " other pairs of regions overlap"));
     }
+}
+
+void report_small_pieces(const Prepared& prepared, const std::vector<double>& points,
+                         const FacetBlock& facets, const MeshOptions& options, const std::string& source,
+                         MeshReport& out) {
+    if (prepared.folded.empty() && out.missed.empty()) return;
+    const probe::SmallPieces pieces =
+        probe::find_small_pieces(prepared.bound, prepared.tree, points, facets, options.threads);
+    for (MissedFeature& feature : out.missed) {
+        feature.kept |= std::any_of(
+            pieces.sound.begin(), pieces.sound.end(), [&feature](const probe::SmallPieces::Sound& piece) {
+                const auto holds = [&](std::size_t j) {
+                    return piece.low[j] <= feature.position[j] && feature.position[j] <= piece.high[j];
+                };
+                return piece.material == feature.material && holds(0) && holds(1) && holds(2);
+            });
+    }
+    if (pieces.torn.empty()) return;
+    for (const MissedFeature& piece : pieces.torn) ++(piece.material ? out.loose_pieces : out.closed_hollows);
+    const MissedFeature& first = pieces.torn.front();
+    const auto counted = [](std::uint64_t count, const char* what) {
+        return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
+    };
+    std::string what = out.loose_pieces > 0 ? counted(out.loose_pieces, "loose piece") : "";
+    if (out.closed_hollows > 0)
+        what += (what.empty() ? "" : " and ") + counted(out.closed_hollows, "closed hollow");
+    const int finest = prepared.root.level + options.refine;
+    const int more = std::max(level_to_see(first.thickness, prepared.root), finest + 1) - prepared.root.level;
+    warn_or_refuse("the mesh has " + what + " where the model is whole, the first around " +
+                       place_text(first.position) + ": parts of something about " +
+                       number_text(first.thickness) + " thick, which the cells miss between them; --refine " +
+                       std::to_string(more) + ", or smaller cells, would show it",
+                   options, source, out);
 }
 
 void report_false_facets(const Prepared& prepared, const std::vector<double>& points,

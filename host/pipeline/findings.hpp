@@ -37,6 +37,12 @@ void report_improvement(const improve::Counters& counters, const MeshOptions& op
 void report_hinges(const features::Hinges& hinges, const std::vector<double>& points,
                    const MeshOptions& options, const std::string& source, MeshReport& out);
 
+/// Warns of small pieces and hollows that are more in the model (probe/loose_pieces.hpp); Error(kMeshing) if
+/// MeshOptions::strict is set. Missed features that the mesh has as pieces of their own are kept.
+void report_small_pieces(const Prepared& prepared, const std::vector<double>& points,
+                         const FacetBlock& facets, const MeshOptions& options, const std::string& source,
+                         MeshReport& out);
+
 /// Adds to MeshReport::missed what the finished mesh closes or tears where surfaces fold within a cell
 /// (probe/false_facets.hpp). Throws Error(kMeshing) if MeshOptions::strict is set and there is any.
 void report_false_facets(const Prepared& prepared, const std::vector<double>& points,

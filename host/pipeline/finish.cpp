@@ -150,6 +150,7 @@ void Finish::describe(Mesh& mesh) {
     stages_.end(mesh.facets.size());
     if (options_.quality) assess(mesh);
     stages_.begin("films");
+    report_small_pieces(prepared_, mesh.points, mesh.facets, options_, model_.source, out_);
     report_false_facets(prepared_, mesh.points, mesh.facets, options_, model_.source, out_);
     stages_.end(mesh.facets.size());
     warn_of_empty_regions(mesh.region_names, regions_present(mesh), model_.source, out_);

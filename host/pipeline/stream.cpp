@@ -144,6 +144,7 @@ class Streamer {
         out.features.model_dimension = {};
         report_hinges(features::find_hinges(skin_.mesh.facets, skin_.mesh.node_count(), options_.threads),
                       skin_.mesh.points, options_, source, out);
+        report_small_pieces(prepared_, skin_.mesh.points, skin_.mesh.facets, options_, source, out);
         report_false_facets(prepared_, skin_.mesh.points, skin_.mesh.facets, options_, source, out);
         const auto number = [this](NodeId local) { return changes_.final_number(skin_.node[local]); };
         for (FeatureCurve& curve : out.features.curves) {

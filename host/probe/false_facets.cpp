@@ -45,6 +45,7 @@ struct DeepPlace {
     double edge;  ///< of the leaf
     std::int32_t region;
     std::uint32_t facet;
+    Vec3 film{};  ///< a place in the film behind it, once that is found
 };
 
 /// Whether this is the region at x and around it.
@@ -90,7 +91,7 @@ bool reaches_walls(Regions& regions, const Rays& rays, const DeepPlace& place, c
 
 /// Whether behind a place lies a film of what the mesh alone has, and closes the way. Where it leaves a way,
 /// a narrow bar is pinched, or a hole has a shelf; that is how cells of their size show them.
-bool has_film(Regions& regions, const Skin& skin, const Rays& rays, const DeepPlace& place) {
+bool find_film(Regions& regions, const Skin& skin, const Rays& rays, DeepPlace& place) {
     const bool is_outside = place.region == skin.outside(place.facet);
     if (!is_outside && place.region != skin.inside(place.facet)) return false;
     const Vec3 direction = scaled(place.normal, is_outside ? -1 : 1);
@@ -100,7 +101,8 @@ bool has_film(Regions& regions, const Skin& skin, const Rays& rays, const DeepPl
         return false;
     // Its other side may be a wedge.
     return std::any_of(std::begin(kDepths), std::end(kDepths), [&](double depth) {
-        return reaches_walls(regions, rays, place, sum(place.at, scaled(direction, depth * thickness)));
+        place.film = sum(place.at, scaled(direction, depth * thickness));
+        return reaches_walls(regions, rays, place, place.film);
     });
 }
 
@@ -147,13 +149,13 @@ void find_deep_places(Regions& regions, const Triangle& p, double edge, std::uin
     found.resize(before + kMostPlaces);
 }
 
-/// Length of what holds x along a direction, both ways.
+/// Length of the region of a film along a direction, both ways from the film.
 double chord(Regions& regions, const DeepPlace& place, const Vec3& direction) {
     double length = 0;
     for (const double side : {-1.0, 1.0}) {
         double reach = 0;
         while (reach < kFarthest * place.edge &&
-               regions.at(sum(place.at, scaled(direction, side * (reach + kStep * place.edge)))) ==
+               regions.at(sum(place.film, scaled(direction, side * (reach + kStep * place.edge)))) ==
                    place.region)
             reach += kStep * place.edge;
         length += reach;
@@ -170,7 +172,7 @@ MissedFeature describe_false(const tape::BoundModel& model, Regions& regions, co
         feature.thickness = std::min(feature.thickness, model.side * length);
         feature.size = std::max(feature.size, model.side * length);
     }
-    for (std::size_t j = 0; j < 3; ++j) feature.position[j] = model.origin[j] + model.side * place.at[j];
+    for (std::size_t j = 0; j < 3; ++j) feature.position[j] = model.origin[j] + model.side * place.film[j];
     feature.material = place.region != 0;
     return feature;
 }
@@ -219,14 +221,15 @@ double widest_cell(const std::vector<DeepPlace>& places) {
 
 /// Of these, those with a film behind them, one for each facet.
 std::vector<DeepPlace> with_films(const tape::BoundModel& model, const octree::Octree& tree, const Skin& skin,
-                                  const std::vector<DeepPlace>& deep, int threads) {
+                                  std::vector<DeepPlace> deep, int threads) {
     std::vector<Vec3> starts;
     for (const DeepPlace& place : deep) starts.push_back(place.at);
     const Rays rays(skin, starts, kWidest * widest_cell(deep));
     std::vector<std::uint8_t> is_film(deep.size());
     parallel_chunks(deep.size(), kPlaces, threads, [&](std::size_t begin, std::size_t end, int) {
         Regions regions(model, tree);
-        for (std::size_t i = begin; i < end; ++i) is_film[i] = has_film(regions, skin, rays, deep[i]) ? 1 : 0;
+        for (std::size_t i = begin; i < end; ++i)
+            is_film[i] = find_film(regions, skin, rays, deep[i]) ? 1 : 0;
     });
     std::vector<DeepPlace> films;
     for (std::size_t i = 0; i < deep.size(); ++i) {
@@ -267,11 +270,11 @@ std::vector<MissedFeature> find_false_facets(const tape::BoundModel& model, cons
                                              int threads) {
     if (folded.empty()) return {};
     const Skin skin(model, points, facets);
-    const std::vector<DeepPlace> deep = find_all_deep(model, tree, folded, skin, threads);
+    std::vector<DeepPlace> deep = find_all_deep(model, tree, folded, skin, threads);
     if (deep.empty()) return {};
     Regions regions(model, tree);
     std::vector<MissedFeature> result;
-    for (const DeepPlace& place : first_of_each(with_films(model, tree, skin, deep, threads)))
+    for (const DeepPlace& place : first_of_each(with_films(model, tree, skin, std::move(deep), threads)))
         result.push_back(describe_false(model, regions, place));
     return result;
 }

@@ -133,6 +133,8 @@ void bind_report(py::module_& module) {
         .def_readonly("refused_splits", &MeshReport::refused_splits)
         .def_readonly("unresolved", &MeshReport::unresolved)
         .def_readonly("crumbs", &MeshReport::crumbs)
+        .def_readonly("loose_pieces", &MeshReport::loose_pieces)
+        .def_readonly("closed_hollows", &MeshReport::closed_hollows)
         .def_readonly("dropped_features", &MeshReport::dropped_features)
         .def_readonly("first_dropped", &MeshReport::first_dropped)
         .def_readonly("warnings", &MeshReport::warnings)

@@ -163,6 +163,8 @@ struct MeshReport {
     std::uint64_t crumbs = 0;            ///< loose pieces left out, of less than 5e-5 of a cell in volume
     std::uint64_t hinge_edges = 0;       ///< with more than two boundary facets
     std::uint64_t hinge_nodes = 0;       ///< others at which parts of the boundary touch
+    std::uint64_t loose_pieces = 0;      ///< small pieces of the mesh where the model goes on
+    std::uint64_t closed_hollows = 0;    ///< the same of holes: small hollows without a way out
     std::uint64_t dropped_features = 0;  ///< complex cells with a refused split or an unresolved tetrahedron
     std::optional<Vec3> first_dropped;   ///< centre of the first of these, in Morton order
     std::vector<MissedFeature> missed;   ///< features smaller than a cell, the largest first

@@ -328,6 +328,8 @@ TEST_CASE("a mesh of second order as .vtu and .msh, which check reads") {
     CHECK(outcome.code == 0);
     CHECK(outcome.err.empty());
     CHECK(contains(outcome.out, "nodes in the middles of edges"));
+    CHECK(contains(outcome.out, "check      valid; volume "));
+    CHECK(contains(outcome.out, ", 1 component\n"));
     for (const std::string& file : {vtu, msh}) {
         const Outcome check = run({"check", file});
         CHECK(check.code == 0);

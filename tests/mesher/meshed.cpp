@@ -68,6 +68,11 @@ Meshed mesh_and_check(const Model& model, int level, bool templates) {
     return mesh_and_check(model, options);
 }
 
+std::int64_t lost_features(const MeshReport& report) {
+    return std::count_if(report.missed.begin(), report.missed.end(),
+                         [](const MissedFeature& feature) { return !feature.kept; });
+}
+
 float worst(const Meshed& meshed) {
     const std::vector<float>& all = meshed.report.scaled_jacobians;
     return *std::min_element(all.begin(), all.end());

@@ -23,6 +23,9 @@ Mesh generate(const Model& model, const MeshOptions& options = {}, MeshReport* r
 Meshed mesh_and_check(const Model& model, const MeshOptions& options);
 Meshed mesh_and_check(const Model& model, int level, bool templates = true);
 
+/// Missed features that the mesh does not show.
+std::int64_t lost_features(const MeshReport& report);
+
 /// The lowest scaled Jacobian: as the mesher tells it, and as the check finds it.
 float worst(const Meshed& meshed);
 double worst_jacobian(const CheckReport& check);

@@ -42,12 +42,6 @@ Model bridge(unsigned seed) {
     return parse_model(text.str(), "csg", "bridge");
 }
 
-std::int64_t lost(const MeshReport& report) {
-    std::int64_t count = 0;
-    for (const MissedFeature& feature : report.missed) count += feature.kept ? 0 : 1;
-    return count;
-}
-
 MeshOptions unit_cells() {
     MeshOptions options;
     options.level = 5;
@@ -66,10 +60,10 @@ TEST_CASE("holes that a mesh closes are told of one by one") {
         CHECK(result.defects == "");
         const auto missing = static_cast<int>(result.check.euler_characteristic - (2 - 2 * kHoles)) / 2;
         closed += missing;
-        told += static_cast<int>(lost(result.report));
+        told += static_cast<int>(lost_features(result.report));
         if (missing != 0) ++wrong;
-        if (missing != 0 && lost(result.report) == 0) ++silent;
-        if (missing == 0 && lost(result.report) > 0) ++alarms;
+        if (missing != 0 && lost_features(result.report) == 0) ++silent;
+        if (missing == 0 && lost_features(result.report) > 0) ++alarms;
     }
     MESSAGE(closed, " of ", 24 * kHoles, " holes are closed, in ", wrong, " plates; ", told, " told of; ",
             alarms, " plates are right and told of");
@@ -86,8 +80,8 @@ TEST_CASE("bars that a mesh tears are told of") {
         CHECK(result.defects == "");
         const bool whole = result.check.euler_characteristic == 2;
         if (!whole) ++torn;
-        if (!whole && lost(result.report) == 0) ++silent;
-        if (whole && lost(result.report) > 0) ++alarms;
+        if (!whole && lost_features(result.report) == 0) ++silent;
+        if (whole && lost_features(result.report) > 0) ++alarms;
     }
     MESSAGE(torn, " of 60 bars are torn, ", silent, " silently; ", alarms, " are whole and told of");
     CHECK(torn > 5);
@@ -101,7 +95,7 @@ TEST_CASE("a hole that a mesh closes is refused by --strict and told alike for a
     MeshOptions options = unit_cells();
     const Meshed whole = mesh_and_check(model, options);
     REQUIRE(whole.check.euler_characteristic != 2 - 2 * kHoles);
-    REQUIRE(lost(whole.report) > 0);
+    REQUIRE(lost_features(whole.report) > 0);
     options.threads = 1;
     const Meshed alone = mesh_and_check(model, options);
     REQUIRE(alone.report.missed.size() == whole.report.missed.size());
@@ -115,7 +109,7 @@ TEST_CASE("a hole that a mesh closes is refused by --strict and told alike for a
     MeshReport streamed;
     options.pieces = 3;
     Mesher().stream(model, options, discard, &streamed);
-    CHECK(lost(streamed) == lost(whole.report));
+    CHECK(lost_features(streamed) == lost_features(whole.report));
 
     options = unit_cells();
     options.strict = true;
