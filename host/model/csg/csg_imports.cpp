@@ -288,13 +288,15 @@ CsgOperand read_surface(CsgScene& scene, const CsgNodeText& node) {
 CsgOperand hull_of_solids(CsgScene& scene, const std::vector<CsgOperand>& children, const std::string& name,
                           SourceLocation where) {
     const std::vector<std::uint32_t> nodes = solids_of(scene, children, "hull", where);
-    return solid_or_nothing(scene, add_hull(scene.model, nodes, name, where, &scene.extents), where);
+    const SweptShapes swept = {scene.flat, scene.sweeps};
+    return solid_or_nothing(scene, add_hull(scene.model, nodes, name, where, &scene.extents, &swept), where);
 }
 
 CsgOperand minkowski_of_solids(CsgScene& scene, const std::vector<CsgOperand>& children,
                                const std::string& name, SourceLocation where) {
     const std::vector<std::uint32_t> nodes = solids_of(scene, children, "minkowski", where);
-    return solid_or_nothing(scene, add_minkowski(scene.model, nodes, name, where), where);
+    const SweptShapes swept = {scene.flat, scene.sweeps};
+    return solid_or_nothing(scene, add_minkowski(scene.model, nodes, name, where, &swept), where);
 }
 
 }  // namespace mortise::model_reader

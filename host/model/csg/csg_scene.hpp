@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "host/model/outlines/flat_tree.hpp"
+#include "host/model/solids/extrusion_pieces.hpp"
 #include "host/model/solids/section.hpp"
 #include "host/model/solids/solid_bounds.hpp"
 #include "mortise/model.hpp"
@@ -55,6 +56,7 @@ struct CsgScene {
     Model model;
     FlatTree flat;
     KnownExtents extents;  ///< of extrusions
+    KnownSweeps sweeps;    ///< of those without a twist
     Fragments fragments;   ///< of round solids inside nodes that count in `flat_counts`
     int flat_counts = 0;   ///< open nodes for which a solid without volume counts: hull, minkowski, shadows
 

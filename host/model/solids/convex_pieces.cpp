@@ -10,6 +10,7 @@
 #include "host/model/agreement.hpp"
 #include "host/model/solids/convex_differences.hpp"
 #include "host/model/solids/convex_leaves.hpp"
+#include "host/model/solids/extrusion_pieces.hpp"
 #include "host/model/solids/rounded_facets.hpp"
 
 namespace mortise::model_reader {
@@ -81,6 +82,15 @@ std::vector<Leaf> leaves_below(const Model& model, std::uint32_t root, const Aff
                        "convex intersections");
 }
 
+/// Of an extrusion whose shape is not convex; none: it is something else.
+std::optional<std::vector<ConvexPiece>> sweep_pieces(std::uint32_t index, const Affine& map,
+                                                     const Wanted& wanted) {
+    if (wanted.swept == nullptr) return std::nullopt;
+    const auto known = wanted.swept->sweeps.find(index);
+    if (known == wanted.swept->sweeps.end()) return std::nullopt;
+    return extrusion_pieces(wanted.swept->shapes, known->second, map, wanted);
+}
+
 /// Refuses pieces with round faces: what is left of them is not convex.
 void require_flat(const std::vector<ConvexPiece>& pieces, const Wanted& wanted) {
     for (const ConvexPiece& piece : pieces) {
@@ -144,6 +154,17 @@ std::vector<ConvexPiece> convex_pieces(const Model& model, std::uint32_t root, c
                 continue;
             }
         }
+        const auto add_made = [&, below = cuts](std::vector<ConvexPiece> made) {
+            for (std::size_t set = below; set != kNone; set = sets[set].next) {
+                require_flat(made, wanted);
+                take_away(made, sets[set].cuts, wanted);
+            }
+            for (ConvexPiece& piece : made) pieces.push_back(std::move(piece));
+        };
+        if (auto swept = sweep_pieces(index, map, wanted)) {
+            add_made(std::move(*swept));
+            continue;
+        }
         const CsgNode& node = model.nodes[index];
         switch (node.op) {
             case CsgNode::Op::kTransform:
@@ -162,11 +183,7 @@ std::vector<ConvexPiece> convex_pieces(const Model& model, std::uint32_t root, c
                 } else {
                     add_intersection(leaves_below(model, index, map, here), here, made);
                 }
-                for (std::size_t set = cuts; set != kNone; set = sets[set].next) {
-                    require_flat(made, wanted);
-                    take_away(made, sets[set].cuts, wanted);
-                }
-                for (ConvexPiece& piece : made) pieces.push_back(std::move(piece));
+                add_made(std::move(made));
                 break;
             }
             case CsgNode::Op::kDifference: {

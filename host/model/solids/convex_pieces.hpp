@@ -40,6 +40,8 @@ inline bool is_prism(const ConvexPiece& piece) {
 /// Number of straight pieces of a full circle where a curved solid has to be facetted.
 inline constexpr int kFacets = 96;
 
+struct SweptShapes;  // extrusion_pieces.hpp
+
 /// The operation that needs the pieces, for errors.
 struct Wanted {
     std::string name;  ///< e.g. "hull"
@@ -48,11 +50,12 @@ struct Wanted {
     const KnownExtents* known = nullptr;  ///< hulls that are known already; for only_hull
     bool only_hull = false;               ///< pieces may be replaced by their hull: bodies need not be convex
     bool differences = false;             ///< of solids with flat faces are taken apart, too
+    const SweptShapes* swept = nullptr;   ///< extrusions whose shapes are known
 };
 
 /// The pieces of a node in the frame of the model. Throws Error(kInput) where the tree has anything that
 /// is not a union of convex, bounded solids: formulas, unbounded solids, differences but those of solids with
-/// flat faces where `differences` is set.
+/// flat faces where `differences` is set, extrusions that are not convex and not known by `swept`.
 std::vector<ConvexPiece> convex_pieces(const Model& model, std::uint32_t node, const Wanted& wanted);
 
 ConvexPiece rounded_piece(RoundedSolid solid, const Affine& frame);

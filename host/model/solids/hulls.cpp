@@ -359,9 +359,9 @@ bool has_few_planes(const TriangleSurface& surface, std::size_t most) {
 }  // namespace
 
 std::uint32_t add_hull(Model& model, const std::vector<std::uint32_t>& children, const std::string& name,
-                       SourceLocation where, const KnownExtents* known) {
+                       SourceLocation where, const KnownExtents* known, const SweptShapes* swept) {
     const std::string source = model.source;
-    const Wanted wanted = {"hull", source, where, known, true, true};
+    const Wanted wanted = {"hull", source, where, known, true, true, swept};
     std::vector<ConvexPiece> pieces;
     for (const std::uint32_t child : children) {
         for (ConvexPiece& piece : convex_pieces(model, child, wanted)) pieces.push_back(std::move(piece));
@@ -389,9 +389,9 @@ std::uint32_t add_polyhedron(Model& model, TriangleSurface surface, double sharp
 }
 
 std::uint32_t add_minkowski(Model& model, const std::vector<std::uint32_t>& children, const std::string& name,
-                            SourceLocation where) {
+                            SourceLocation where, const SweptShapes* swept) {
     const std::string source = model.source;
-    const Wanted wanted = {"minkowski", source, where, nullptr, false, true};
+    const Wanted wanted = {"minkowski", source, where, nullptr, false, true, swept};
     std::vector<ConvexSet> sums;
     std::size_t operands = 0;
     for (const std::uint32_t child : children) {
