@@ -59,6 +59,18 @@ TEST_CASE("resized solids: the size before must be known exactly") {
               .find("'resize' is not supported yet") != std::string::npos);
 }
 
+TEST_CASE("resize of a polyhedron with hundreds of faces takes no time that anybody sees") {
+    const Model model =
+        read_csg("resize(newsize = [24, 0, 6]) { sphere($fn = 60, r = 10); }", Facets::kExact);
+    CHECK(region_at(model, {11.9999, 0, 0.1}) == 1);
+    CHECK(region_at(model, {12.0001, 0, 0.1}) == 0);
+    const double ring = 9.98629534;  // 10 sin 87°, a corner's: y stays as it is
+    CHECK(region_at(model, {0, ring - 1e-4, 0.1}) == 1);
+    CHECK(region_at(model, {0, ring + 1e-4, 0.1}) == 0);
+    CHECK(region_at(model, {0, 0, 2.9999}) == 1);
+    CHECK(region_at(model, {0, 0, 3.0001}) == 0);
+}
+
 TEST_CASE("resize of solids with flat faces, whatever their tree") {
     // What is left of the cube reaches from 1 to 4 along x, 0 to 4 along y and 0 to 3 along z.
     const std::string rest =

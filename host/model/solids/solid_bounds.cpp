@@ -6,6 +6,7 @@
 
 #include "host/common/constants.hpp"
 #include "host/model/affine.hpp"
+#include "host/model/solids/convex_hull.hpp"
 #include "host/model/solids/swept_outline.hpp"
 
 namespace mortise::model_reader {
@@ -15,10 +16,18 @@ using Kind = Primitive::Kind;
 
 Extent disc(double z, double radius) { return {{0, 0, z}, {{{radius, 0, 0}, {0, radius, 0}, {0, 0, 0}}}}; }
 
-/// The corners of a bounded polyhedron: where three planes meet and no other one cuts.
+/// The corners of a bounded polyhedron: where three planes meet and no other one cuts. Of many planes by their
+/// dual hull, whose corners have rounding errors that those of cubes shall not have.
 std::vector<Extent> corners(const std::vector<Plane>& planes) {
+    constexpr std::size_t kFew = 16;
     std::vector<Extent> result;
     const std::size_t count = planes.size();
+    if (count > kFew) {
+        std::vector<Vec3> vertices;
+        if (vertices_of(planes, vertices) != Boundedness::kBounded) return result;
+        for (const Vec3& vertex : vertices) result.push_back({vertex, {}});
+        return result;
+    }
     for (std::size_t i = 0; i < count; ++i) {
         for (std::size_t j = i + 1; j < count; ++j) {
             const Vec3 line = cross(planes[i].normal, planes[j].normal);
