@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "host/common/constants.hpp"
+#include "host/formula/expression_parser.hpp"
 #include "host/model/affine.hpp"
 #include "host/model/text.hpp"
 
@@ -203,11 +204,41 @@ Solid frustum(double bottom, double top, double height) {
     return intersect({side, caps});
 }
 
-Solid implicit(std::string formula, const std::optional<Box3>& bounds) {
+Solid rod(const Vec3& a, const Vec3& b, double radius) { return rod(a, b, radius, radius); }
+
+Solid rod(const Vec3& a, const Vec3& b, double radius_at_a, double radius_at_b) {
+    require_length("rod: the radius", radius_at_a);
+    require_length("rod: the radius at its other end", radius_at_b);
+    const double apart = std::hypot(b[0] - a[0], b[1] - a[1], b[2] - a[2]);
+    if (!std::isfinite(apart)) refuse_solid("rod: its ends are not finite");
+    const bool is_first = radius_at_a >= radius_at_b;
+    if (apart <= std::fabs(radius_at_a - radius_at_b))  // one ball holds the other
+        return Solid(sphere(is_first ? radius_at_a : radius_at_b)).translated(is_first ? a : b);
+    RoundedSolid solid;
+    solid.balls = {{a, radius_at_a}, {b, radius_at_b}};
+    return Solid(rounded(std::move(solid)));
+}
+
+Solid lattice(const std::vector<Vec3>& points, const std::vector<std::array<std::uint32_t, 2>>& edges,
+              double radius) {
+    std::vector<Solid> rods;
+    for (std::size_t i = 0; i < edges.size(); ++i) {
+        for (const std::uint32_t end : edges[i]) {
+            if (end < points.size()) continue;
+            refuse_solid("lattice: edge " + std::to_string(i) + " ends at point " + std::to_string(end) +
+                         "; there are " + std::to_string(points.size()) + " points");
+        }
+        rods.push_back(rod(points[edges[i][0]], points[edges[i][1]], radius));
+    }
+    return unite(rods);
+}
+
+Solid implicit(const std::string& formula, const std::optional<Box3>& bounds) {
     Primitive primitive;
     primitive.kind = Primitive::Kind::kExpression;
-    primitive.expression = std::move(formula);
+    primitive.expression = formula;
     const Solid solid(std::move(primitive));
+    formula::parse_formula(formula, "implicit");  // what is wrong is told here, not by the mesher
     return bounds ? intersect({solid, box(bounds->min, bounds->max)}) : solid;
 }
 

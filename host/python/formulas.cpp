@@ -18,7 +18,8 @@ namespace {
 
 namespace py = pybind11;
 
-constexpr std::size_t kLongest = 400;  ///< characters of a text that repr() shows
+constexpr double kRadians = 3.14159265358979323846 / 180;  ///< in a degree
+constexpr std::size_t kLongest = 400;                      ///< characters of a text that repr() shows
 
 /// An operation and what it is of; a word without arguments is a coordinate or a number.
 struct Operation {
@@ -81,8 +82,29 @@ Formula remainder(const Formula& a, const Formula& b) {
     return combined("-", {a, combined("*", {b, combined("floor", {combined("/", {a, b})})})});
 }
 
+Formula scaled(const Formula& a, double by) { return combined("*", {a, number(by)}); }
+
+/// Half of the sum of exp(a) and `sign` times exp(-a).
+Formula half_exponentials(const Formula& a, const char* sign) {
+    const Formula grows = combined("exp", {a});
+    return scaled(combined(sign, {grows, combined("recip", {grows})}), 0.5);
+}
+
+/// What formulas have no word for is made of what they have.
 Formula operation_of(const std::string& word, const std::vector<Formula>& arguments) {
-    return word == "mod" ? remainder(arguments[0], arguments[1]) : combined(word, arguments);
+    const Formula& a = arguments[0];
+    if (word == "mod") return remainder(a, arguments[1]);
+    if (word == "sinh") return half_exponentials(a, "-");
+    if (word == "cosh") return half_exponentials(a, "+");
+    if (word == "tanh") {  // 1 - 2 / (exp(2 a) + 1): finite where exp is not
+        const Formula grows = combined("exp", {scaled(a, 2)});
+        return combined("-", {number(1), scaled(combined("recip", {combined("+", {grows, number(1)})}), 2)});
+    }
+    if (word == "cbrt")
+        return combined("*", {combined("sign", {a}), combined("^", {combined("abs", {a}), number(1.0 / 3)})});
+    if (word == "radians") return scaled(a, kRadians);
+    if (word == "degrees") return scaled(a, 1 / kRadians);
+    return combined(word, arguments);
 }
 
 bool is_infix(const std::string& word) { return word.size() == 1 && std::string("+-*/^").find(word) < 5; }
@@ -131,7 +153,9 @@ const std::map<std::string, const char*>& words() {
         {"sin", "sin"}, {"cos", "cos"}, {"tan", "tan"}, {"arcsin", "asin"}, {"arccos", "acos"},
         {"arctan", "atan"}, {"arctan2", "atan2"}, {"hypot", "hypot"}, {"minimum", "min"}, {"maximum", "max"},
         {"fmin", "min"}, {"fmax", "max"}, {"mod", "mod"}, {"remainder", "mod"}, {"floor", "floor"},
-        {"ceil", "ceil"}, {"sign", "sign"}};
+        {"ceil", "ceil"}, {"sign", "sign"}, {"sinh", "sinh"}, {"cosh", "cosh"}, {"tanh", "tanh"},
+        {"cbrt", "cbrt"}, {"deg2rad", "radians"}, {"radians", "radians"}, {"rad2deg", "degrees"},
+        {"degrees", "degrees"}};
     // clang-format on
     return all;
 }
@@ -157,7 +181,7 @@ py::object combine_ufunc(const Formula&, const py::object& function, const std::
 [[noreturn]] void refuse_condition() {
     throw py::type_error(
         "a formula is neither true nor false: instead of conditions, min and max, take numpy.minimum and "
-        "numpy.maximum of two");
+        "numpy.maximum of two, or functools.reduce(numpy.maximum, [...]) of several");
 }
 
 /// An operator with the formula on the left, and with it on the right.

@@ -8,6 +8,8 @@
 #include <pybind11/functional.h>
 #include <pybind11/stl.h>
 
+#include "host/python/formulas.hpp"
+
 namespace mortise::python {
 namespace {
 
@@ -99,7 +101,10 @@ const std::vector<Option>& all_options() {
         plain("model_sizes", &MeshOptions::model_sizes, kFlag),
         converted("sizes", &MeshOptions::sizes, sizes_of),
         converted("named_sizes", &MeshOptions::named_sizes, named_sizes_of),
-        plain("size_formula", &MeshOptions::size_formula, "a formula in x, y, z"),
+        converted("size_formula", &MeshOptions::size_formula,
+                  [](const py::handle& value, const std::string&) {
+                      return formula_text(py::reinterpret_borrow<py::object>(value));
+                  }),
         plain("size_max", &MeshOptions::size_max, kNumber),
         plain("size_min", &MeshOptions::size_min, kNumber),
         plain("interior_coarsening", &MeshOptions::interior_coarsening, kWhole),

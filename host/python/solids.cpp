@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include <pybind11/numpy.h>
@@ -79,10 +80,14 @@ Solid swept(const std::string& kind, const std::string& arguments, const Outline
 }
 
 Solid extrude(const Outline& outline, double height, const std::vector<Outline>& holes, double twist,
-              double scale, const std::string& name) {
+              const std::variant<double, std::array<double, 2>>& scale, const std::string& name) {
     std::string arguments = "height = " + number_text(height);
     if (twist != 0) arguments += ", twist = " + number_text(twist);
-    if (scale != 1) arguments += ", scale = [" + number_text(scale) + ", " + number_text(scale) + "]";
+    const auto* const both = std::get_if<double>(&scale);
+    const std::array<double, 2> top =
+        both != nullptr ? std::array<double, 2>{*both, *both} : std::get<std::array<double, 2>>(scale);
+    if (top != std::array<double, 2>{1, 1})
+        arguments += ", scale = [" + number_text(top[0]) + ", " + number_text(top[1]) + "]";
     return swept("linear_extrude", arguments, outline, holes, name);
 }
 
@@ -91,14 +96,46 @@ Solid revolve(const Outline& outline, double angle, const std::vector<Outline>& 
     return swept("rotate_extrude", "angle = " + number_text(angle), outline, holes, name);
 }
 
+using Numbers = py::array_t<double, py::array::c_style | py::array::forcecast>;
+
+/// Whether it is count x `columns` numbers.
+bool is_table(const py::array& array, py::ssize_t columns) {
+    return array.ndim() == 2 && array.shape(1) == columns;
+}
+
+bool has_whole_numbers(const py::array& array) {
+    const char kind = array.dtype().kind();
+    return kind == 'i' || kind == 'u';
+}
+
+/// Rods along edges, of one radius or of one each.
+Solid lattice_of(const Numbers& points, const py::object& given, const Numbers& radius) {
+    const py::array edges = py::array::ensure(given);
+    if (!edges) throw py::error_already_set();
+    if (!is_table(points, 3) || !is_table(edges, 2) || !has_whole_numbers(edges))
+        throw py::value_error("expected arrays of count x 3 points and count x 2 whole numbers, the edges");
+    if (radius.ndim() > 1 || (radius.ndim() == 1 && radius.shape(0) != edges.shape(0)))
+        throw py::value_error("expected one radius, or one for each of the " +
+                              std::to_string(edges.shape(0)) + " edges");
+    const auto ends = py::cast<py::array_t<std::int64_t, py::array::c_style | py::array::forcecast>>(edges);
+    const auto point = [&](py::ssize_t edge, py::ssize_t k) {
+        const std::int64_t i = ends.at(edge, k);
+        if (i < 0 || i >= points.shape(0))
+            throw py::value_error("edge " + std::to_string(edge) + " ends at point " + std::to_string(i) +
+                                  "; there are " + std::to_string(points.shape(0)) + " points");
+        return Vec3{points.at(i, 0), points.at(i, 1), points.at(i, 2)};
+    };
+    std::vector<Solid> rods;
+    for (py::ssize_t i = 0; i < ends.shape(0); ++i)
+        rods.push_back(rod(point(i, 0), point(i, 1), radius.ndim() == 1 ? radius.at(i) : *radius.data()));
+    return unite(rods);
+}
+
 /// By way of the reader of .off files, which closes, turns and joins what can be, and refuses the rest.
-Solid polyhedron_of(const py::array_t<double, py::array::c_style | py::array::forcecast>& points,
-                    const py::object& given, double sharp_angle) {
-    const auto is_table = [](const py::array& array) { return array.ndim() == 2 && array.shape(1) == 3; };
+Solid polyhedron_of(const Numbers& points, const py::object& given, double sharp_angle) {
     const py::array triangles = py::array::ensure(given);
     if (!triangles) throw py::error_already_set();
-    const char kind = triangles.dtype().kind();
-    if (!is_table(points) || !is_table(triangles) || (kind != 'i' && kind != 'u'))
+    if (!is_table(points, 3) || !is_table(triangles, 3) || !has_whole_numbers(triangles))
         throw py::value_error(
             "expected arrays of count x 3 points and count x 3 whole numbers, the triangles");
     const auto corners =
@@ -160,6 +197,11 @@ void bind_class(py::module_& module) {
         .def(
             "__sub__", [](const Solid& a, const Solid& b) { return a - b; }, py::is_operator())
         .def("__invert__", [](const Solid& a) { return ~a; })
+        .def("__radd__",  // sum() begins with 0
+             [](const Solid& a, const py::object& zero) -> py::object {
+                 if (!zero.equal(py::int_(0))) return py::reinterpret_borrow<py::object>(Py_NotImplemented);
+                 return py::cast(a);
+             })
         .def("__copy__", [](const Solid& self) { return self; })
         .def("__deepcopy__", [](const Solid& self, const py::dict&) { return self; })
         .def("named", &Solid::named, "Names its surfaces that have no name yet.", py::arg("name"))
@@ -202,6 +244,16 @@ void bind_makers(py::module_& module) {
     module.def("frustum", &frustum, "A cylinder with a radius at each end; one may be 0.", py::arg("bottom"),
                py::arg("top"), py::arg("height"));
     module.def(
+        "rod",
+        [](const Vec3& a, const Vec3& b, double radius, const std::optional<double>& end_radius) {
+            return rod(a, b, radius, end_radius.value_or(radius));
+        },
+        "From a to b, with round ends; tapered if it has another radius at b.", py::arg("a"), py::arg("b"),
+        py::arg("radius"), py::arg("end_radius") = py::none());
+    module.def("lattice", &lattice_of,
+               "Rods along edges, pairs of indices into points; one radius, or one for each edge.",
+               py::arg("points"), py::arg("edges"), py::arg("radius"));
+    module.def(
         "torus", [](double major, double minor) { return Solid(torus(major, minor)); }, "Around z.",
         py::arg("major"), py::arg("minor"));
     module.def(
@@ -219,10 +271,12 @@ void bind_makers(py::module_& module) {
         },
         "Where a formula is not positive: a text, a Formula, or a function of x, y, z.", py::arg("formula"),
         py::arg("bounds") = py::none());
-    module.def("extrude", &extrude, "An outline in x and y, from z = 0; twist in degrees, scale of the top.",
-               py::arg("outline"), py::arg("height"), py::kw_only(),
-               py::arg("holes") = std::vector<Outline>(), py::arg("twist") = 0.0, py::arg("scale") = 1.0,
-               py::arg("name") = "extrusion");
+    module.def(
+        "extrude", &extrude,
+        "An outline in x and y, from z = 0; twist in degrees, scale of the top, or (along x, along y).",
+        py::arg("outline"), py::arg("height"), py::kw_only(), py::arg("holes") = std::vector<Outline>(),
+        py::arg("twist") = 0.0, py::arg("scale") = std::variant<double, std::array<double, 2>>(1.0),
+        py::arg("name") = "extrusion");
     module.def("revolve", &revolve, "An outline in (distance from the axis, height), turned around z.",
                py::arg("outline"), py::arg("angle") = 360.0, py::kw_only(),
                py::arg("holes") = std::vector<Outline>(), py::arg("name") = "revolution");

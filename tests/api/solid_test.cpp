@@ -81,6 +81,30 @@ TEST_CASE("ready-made solids") {
     CHECK(half.check.volume == doctest::Approx(2 * kPi / 3).epsilon(0.02));
 }
 
+TEST_CASE("rods and lattices") {
+    // A cylinder and two half balls; tapered: between balls that touch the cone along circles.
+    CHECK(volume(rod({0, 0, 0}, {0, 3, 4}, 1)) == doctest::Approx(kPi * (5 + 4.0 / 3)).epsilon(0.02));
+    const double sine = 0.5 / 4, cosine = std::sqrt(1 - sine * sine);
+    const auto cap = [](double r, double h) { return kPi * h * h * (r - h / 3); };
+    const double between = kPi * 4 * cosine * cosine / 3 * cosine * cosine * (1 + 0.5 + 0.25);
+    const double expected = cap(1, 1 + sine) + between + cap(0.5, 0.5 * (1 - sine));
+    CHECK(volume(rod({0, 0, 0}, {4, 0, 0}, 1, 0.5), 6) == doctest::Approx(expected).epsilon(0.01));
+    CHECK(volume(rod({0, 0, 0}, {4, 0, 0}, 0.5, 1), 6) == doctest::Approx(expected).epsilon(0.01));
+    CHECK(volume(rod({0, 0, 0}, {0.2, 0, 0}, 1, 0.5)) == doctest::Approx(4 * kPi / 3).epsilon(0.02));
+    CHECK(volume(rod({0, 0, 0}, {0, 0, 0}, 1)) == doctest::Approx(4 * kPi / 3).epsilon(0.02));
+
+    const std::vector<Vec3> corners = {{0, 0, 0}, {4, 0, 0}, {0, 4, 0}, {0, 0, 4}};
+    const Meshed frame = meshed(lattice(corners, {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {2, 3}, {3, 1}}, 0.5), 6);
+    CHECK(frame.defects == "");
+    CHECK(frame.check.components == 1);
+    CHECK(frame.check.euler_characteristic == 2 - 2 * 3);  // a graph of 6 edges on 4 nodes has 3 loops
+    CHECK(message_of([] { rod({0, 0, 0}, {1, 0, 0}, 0); }).find("rod: the radius is 0") != std::string::npos);
+    CHECK(message_of([] { rod({0, 0, 0}, {1, 0, HUGE_VAL}, 1); }).find("not finite") != std::string::npos);
+    CHECK(message_of([&] {
+              lattice(corners, {{0, 1}, {1, 4}}, 1);
+          }) == "lattice: edge 1 ends at point 4; there are 4 points");
+}
+
 TEST_CASE("transforms: where they put things") {
     const Solid bar = box({1, 0, 0}, {3, 1, 0.5});
     const auto is_at = [](const Solid& solid, const Box3& expected) {
@@ -188,6 +212,8 @@ TEST_CASE("numbers that make no solid are told") {
           }).find("the axis is no direction") != std::string::npos);
     CHECK(message_of([&] { ball.rotated(HUGE_VAL); }).find("the angle is not finite") != std::string::npos);
     CHECK(message_of([&] { ball.translated({NAN, 0, 0}); }).find("finite") != std::string::npos);
+    CHECK(message_of([] { implicit("x^2 + "); }).find("implicit") == 0);
+    CHECK(message_of([] { implicit("x^2 + q"); }).find("'q'") != std::string::npos);
     CHECK(message_of([] { implicit(""); }).find("the formula is empty") != std::string::npos);
     CHECK(message_of([] { generate(make_model(Solid())); }).find("empty") != std::string::npos);
 }

@@ -137,6 +137,16 @@ class Module(unittest.TestCase):
         with self.assertRaisesRegex(mortise.Error, "first order"):
             second.cells()
 
+    def test_size_formulas(self):
+        x, y, z = mortise.coordinates()
+        sizes = [self.mesher.generate(self.ball, level=4, size_formula=formula).report.leaves
+                 for formula in ("0.05 + 0.1*abs(x)", 0.05 + 0.1 * abs(x), lambda x, y, z: 0.05 + 0.1 * abs(x))]
+        self.assertEqual(sizes[0], sizes[1])
+        self.assertEqual(sizes[0], sizes[2])
+        self.assertGreater(len(sizes[0]), 5)
+        with self.assertRaisesRegex(TypeError, "expected a formula"):
+            self.mesher.generate(self.ball, level=4, size_formula=[1])
+
     def test_periodic(self):
         sheet = mortise.parse_model("gyroid(size = [3, 3, 3], period = 1, thickness = 0.2);", "csg")
         mesh = self.mesher.generate(sheet, level=4, box=((0, 0, 0), (1, 1, 1)), periodic="xyz")
@@ -188,6 +198,15 @@ class Module(unittest.TestCase):
         self.assertAlmostEqual(self.volume(copy.deepcopy(frame)), 24, places=9)
         self.assertTrue(all(name.startswith("frame_") for name in self.mesher.generate(frame, level=4).surface_names))
         self.assertAlmostEqual(self.volume(mortise.extrude(square, 3, scale=0.5)), 16 * (1 + 0.5 + 0.25), places=6)
+        self.assertAlmostEqual(self.volume(mortise.extrude(square, 3, scale=(0.5, 1))), 48 * 0.75, places=6)
+        self.assertAlmostEqual(self.volume(mortise.rod((0, 0, 0), (0, 0, 5), 1)), math.pi * (5 + 4 / 3), delta=0.4)
+        self.assertAlmostEqual(self.volume(mortise.rod((0, 0, 0), (0.1, 0, 0), 1, end_radius=0.5)), math.pi * 4 / 3, delta=0.1)
+        nodes = numpy.array([[0, 0, 0], [4, 0, 0], [0, 4, 0], [0, 0, 4]])
+        edges = numpy.array([[0, 1], [0, 2], [0, 3], [1, 2], [2, 3], [3, 1]])
+        for radius in (0.5, numpy.linspace(0.4, 0.6, len(edges))):
+            check = self.mesher.generate(mortise.lattice(nodes, edges, radius), level=6).check()
+            self.assertEqual((check.components, check.euler_characteristic), (1, -4))
+        self.assertAlmostEqual(self.volume(sum(mortise.box((2 * i, 0, 0), (2 * i + 1, 1, 1)) for i in range(3))), 3, places=9)
         self.assertAlmostEqual(self.volume(mortise.revolve([(1, 0), (2, 0), (2, 1)]), 6), math.pi * 5 / 3, delta=0.02)
         hull = mortise.csg("hull() { sphere(1); translate([3, 0, 0]) sphere(1); }")
         self.assertAlmostEqual(self.volume(hull), math.pi * (4 / 3 + 3), delta=0.2)
@@ -218,6 +237,8 @@ class Module(unittest.TestCase):
                  lambda x, y, z: numpy.exp(y) + numpy.log(z) + numpy.hypot(x, z) + numpy.square(y),
                  lambda x, y, z: numpy.minimum(x, y) + numpy.maximum(y, 0.1) + numpy.clip(z, 0, 1),
                  lambda x, y, z: numpy.floor(z) + numpy.ceil(z) + numpy.sign(y) + numpy.reciprocal(x),
+                 lambda x, y, z: numpy.sinh(x) + numpy.cosh(y) + numpy.tanh(z) + numpy.tanh(500 * x) + numpy.tanh(-500 * y),
+                 lambda x, y, z: numpy.cbrt(x - 1) + numpy.cbrt(y) + numpy.deg2rad(90 * z) + numpy.rad2deg(x) / 50,
                  lambda x, y, z: sum([x, y, z]) * numpy.float32(2) + numpy.negative(z) ** 2]
         for case in cases:
             value = float(case(*at))
@@ -230,7 +251,7 @@ class Module(unittest.TestCase):
         self.assertTrue(str(total).endswith("v50000"))
         self.assertLess(len(repr(total)), 500)
         del total
-        for wrong, said in ((lambda: numpy.cbrt(x), "numpy.cbrt is no function"), (lambda: max(x, y), "numpy.maximum of two"), (lambda: x == y, "neither true nor false"),
+        for wrong, said in ((lambda: numpy.arctanh(x), "numpy.arctanh is no function"), (lambda: max(x, y), "numpy.maximum of two"), (lambda: x == y, "neither true nor false"),
                             (lambda: 1 if x else 0, "neither true nor false"), (lambda: x + "1", "unsupported"),
                             (lambda: mortise.implicit(lambda x, y, z: None), "expected a formula")):
             with self.assertRaisesRegex(TypeError, said):
@@ -245,6 +266,16 @@ class Module(unittest.TestCase):
             self.mesher.generate(mortise.sphere(1) - mortise.sphere(2))
         with self.assertRaisesRegex(ValueError, "there are 1 points"):
             mortise.polyhedron([[0, 0, 0]], [[0, 1, 2]])
+        with self.assertRaisesRegex(ValueError, "edge 0 ends at point 1; there are 1 points"):
+            mortise.lattice([[0, 0, 0]], [[0, 1]], 1)
+        with self.assertRaisesRegex(ValueError, "one for each of the 1 edges"):
+            mortise.lattice([[0, 0, 0], [1, 0, 0]], [[0, 1]], [1, 2])
+        with self.assertRaisesRegex(ValueError, "count x 2 whole numbers"):
+            mortise.lattice([[0, 0, 0], [1, 0, 0]], [[0., 1.]], 1)
+        with self.assertRaises(TypeError):
+            1 + mortise.sphere(1)
+        with self.assertRaisesRegex(mortise.Error, "'q'"):
+            mortise.implicit("x^2 + q")
         with self.assertRaisesRegex(ValueError, "a matrix of 3 x 3"):
             mortise.sphere(1).transform([[1, 0], [0, 1]])
         for wrong in ({"a": 3}, {}, {1: mortise.sphere(1)}, 3):
