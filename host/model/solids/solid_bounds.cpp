@@ -16,8 +16,8 @@ using Kind = Primitive::Kind;
 
 Extent disc(double z, double radius) { return {{0, 0, z}, {{{radius, 0, 0}, {0, radius, 0}, {0, 0, 0}}}}; }
 
-/// The corners of a bounded polyhedron: where three planes meet and no other one cuts. Of many planes by their
-/// dual hull, whose corners have rounding errors that those of cubes shall not have.
+/// The corners of a bounded polyhedron: where three planes meet and no other one cuts. Of many planes by
+/// their dual hull, whose corners have rounding errors that those of cubes shall not have.
 std::vector<Extent> corners(const std::vector<Plane>& planes) {
     constexpr std::size_t kFew = 16;
     std::vector<Extent> result;
