@@ -251,6 +251,7 @@ void check_files(const Arguments& arguments) {
         if (std::any_of(arguments.outputs.begin(), path,
                         [&](const std::string& before) { return is_same_file(before, *path); }))
             refuse("-o '" + *path + "': given twice");
+        if (is_same_file(arguments.file, *path)) refuse("-o '" + *path + "': is the model itself");
     }
 }
 
@@ -258,9 +259,8 @@ void read_batch_words(const Words& words, Arguments& arguments) {
     if (arguments.file.empty()) refuse("no list given; use: mortise batch LIST -o FOLDER");
     if (arguments.outputs.size() != 1) refuse("batch: expected one folder for the meshes; add -o FOLDER");
     const std::string format = lower_case(arguments.format);
-    if (format != "vtu" && format != "msh" && format != "inp") {
-        refuse("--format '" + arguments.format + "': expected vtu, msh or inp");
-    }
+    if (format != "vtu" && format != "msh" && format != "inp" && format != "stl")
+        refuse("--format '" + arguments.format + "': expected vtu, msh, inp or stl");
     arguments.format = format;
     if (!words.jobs.empty()) arguments.jobs = parse_integer("--jobs", words.jobs, 1);
     if (words.time_limit.empty()) return;

@@ -154,6 +154,8 @@ Json mesh_one(Mesher& mesher, const Arguments& arguments, MeshOptions options, c
     };
     try {
         if (!item.refusal.empty()) throw Error(ExitCode::kUsage, item.refusal);
+        if (is_same_file(item.model, item.output))
+            throw Error(ExitCode::kUsage, item.model + ": would be written over; give another folder (-o)");
         const Model model = read_model(item.model, arguments.read);
         document["warnings"] = model.warnings;
         MeshReport report;

@@ -61,7 +61,7 @@ void add_model_options(CLI::App& app, Arguments& arguments, Words& words) {
     app.add_option("MODEL", arguments.file,
                    "model file: .csg, .scad, .geo, .stl, .obj, .off, .formula, .vm or .frep");
     app.add_option("-o,--output", arguments.outputs,
-                   ".vtu, .msh, .inp, or OpenFOAM's folder polyMesh; repeatable")
+                   ".vtu, .msh, .inp, .stl (surface), OpenFOAM's folder polyMesh; repeatable")
         ->option_text("FILE")
         ->allow_extra_args(false);
     add_shape_options(app, arguments, words);
@@ -201,8 +201,8 @@ CLI::App* add_batch(CLI::App& app, Arguments& arguments, Words& words) {
     batch->add_option("LIST", arguments.file);
     batch->add_option("-o,--output", arguments.outputs, "folder for one mesh file per model")
         ->option_text("FOLDER");
-    batch->add_option("--format", arguments.format, "of the mesh files: vtu (default), msh or inp")
-        ->option_text("vtu|msh|inp");
+    batch->add_option("--format", arguments.format, "of the mesh files: vtu (default), msh, inp or stl")
+        ->option_text("vtu|msh|inp|stl");
     batch->add_option("--jobs", words.jobs, "models meshed at once, default all cores")->option_text("COUNT");
     batch->add_option("--time-limit", words.time_limit, "give up a model after so many seconds")
         ->option_text("SECONDS");

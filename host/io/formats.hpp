@@ -26,6 +26,9 @@ Mesh read_msh(const FileReader& file);
 /// Throws Error(kMeshing) if a facet is no face of an element.
 void write_inp(const Mesh& mesh, const MeshFileOptions& options, TemporaryFile& file);
 
+/// The outer boundary alone, as triangles in single precision; of second order curved.
+void write_stl(const Mesh& mesh, const MeshFileOptions& options, TemporaryFile& file);
+
 /// Writes a folder; MeshFileOptions::compress is not for it.
 void write_foam(const Mesh& mesh, const std::string& path, const MeshFileOptions& options);
 

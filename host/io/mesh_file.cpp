@@ -18,7 +18,7 @@
 namespace mortise {
 namespace {
 
-enum class Format { kVtu, kMsh, kInp, kFoam };
+enum class Format { kVtu, kMsh, kInp, kStl, kFoam };
 
 Format format_of(const std::string& path) {
     if (is_mesh_folder(path)) return Format::kFoam;
@@ -31,8 +31,10 @@ Format format_of(const std::string& path) {
     if (small == ".vtu") return Format::kVtu;
     if (small == ".msh") return Format::kMsh;
     if (small == ".inp") return Format::kInp;
-    throw Error(ExitCode::kUsage, "'" + path + "': unknown mesh format '" + extension +
-                                      "', expected .vtu, .msh, .inp, or a folder polyMesh (OpenFOAM)");
+    if (small == ".stl") return Format::kStl;
+    throw Error(ExitCode::kUsage,
+                "'" + path + "': unknown mesh format '" + extension +
+                    "', expected .vtu, .msh, .inp, .stl (the surface), or a folder polyMesh (OpenFOAM)");
 }
 
 [[noreturn]] void refuse(const std::string& path, const std::string& cause) {
@@ -134,6 +136,7 @@ void write_mesh(const Mesh& mesh, const std::string& path, const std::vector<flo
         case Format::kVtu: io::write_vtu(mesh, jacobians, options, file); break;
         case Format::kMsh: io::write_msh(mesh, options, file); break;
         case Format::kInp: io::write_inp(mesh, options, file); break;
+        case Format::kStl: io::write_stl(mesh, options, file); break;
         case Format::kFoam: break;  // a folder, above
     }
     file.commit();
@@ -187,6 +190,9 @@ Mesh read_mesh(const std::string& path) {
     if (format == Format::kInp)
         throw Error(ExitCode::kUsage,
                     "'" + path + "': .inp files are written only, not read; use .vtu or .msh");
+    if (format == Format::kStl)
+        throw Error(ExitCode::kUsage,
+                    "'" + path + "': .stl files have a surface only, no elements; use .vtu or .msh");
     try {
         const io::FileReader file(path);
         Mesh mesh = format == Format::kVtu ? io::read_vtu(file) : io::read_msh(file);

@@ -283,8 +283,8 @@ void bind_meshes(py::module_& module) {
                 const py::gil_scoped_release release;
                 write_mesh(m.mesh, name, m.report.scaled_jacobians, options);
             },
-            "Writes .vtu, .msh, .inp or a folder polyMesh; coordinates times `scale`.", py::arg("path"),
-            py::arg("compress") = true, py::arg("scale") = 1.0)
+            "Writes .vtu, .msh, .inp, .stl (the surface) or a folder polyMesh; coordinates times `scale`.",
+            py::arg("path"), py::arg("compress") = true, py::arg("scale") = 1.0)
         .def(
             "write_features",
             [](const ReportedMesh& m, const py::object& path, double scale) {

@@ -24,8 +24,9 @@ struct MeshFileOptions {
 };
 
 /// Writes a mesh; the format follows from the extension, in any case of letters: .vtu (VTK XML, appended),
-/// .msh (Gmsh 4.1, binary), .inp (input deck of Abaqus and CalculiX), or from the name polyMesh: OpenFOAM's
-/// folder, a patch for each surface of the outer boundary and a cell zone for each region. Written to a
+/// .msh (Gmsh 4.1, binary), .inp (input deck of Abaqus and CalculiX), .stl (binary: the outer boundary alone,
+/// as triangles in single precision, curved if the mesh is), or from the name polyMesh: OpenFOAM's folder, a
+/// patch for each surface of the outer boundary and a cell zone for each region. Written to a
 /// temporary name beside `path` and renamed at the end, so a file of that name is always whole. Hanging
 /// nodes: not in .msh and .inp; second order: not in polyMesh, nor in .inp with pyramids. Throws
 /// Error(kUsage) for an unknown extension and for these, Error(kMeshing) for arrays whose lengths or indices

@@ -153,6 +153,10 @@ TEST_CASE("a command line that is not understood") {
     expect_failure(scratch, kUsage, "--output", {model, "-o"});
     expect_failure(scratch, kUsage, "twice", {model, "-o", out, "-o", out});
     expect_failure(scratch, kUsage, "twice", {model, "-o", out, "-o", scratch.file("out/./a.vtu")});
+    std::filesystem::create_directories(scratch.file("out"));
+    const std::string surface = scratch.file("surface.stl");
+    CHECK(run({model, "-o", surface, "--level", "3"}).code == 0);
+    expect_failure(scratch, kUsage, "is the model itself", {surface, "-o", surface, "--level", "3"});
     expect_failure(scratch, kUsage, "--level is given twice; expected it once",
                    {model, "-o", out, "--level", "4", "--level", "5"});
     expect_failure(
@@ -239,9 +243,9 @@ TEST_CASE("an output that cannot be written is refused before the work") {
         arguments.insert(arguments.end(), words.begin(), words.end());
         CHECK(expect_failure(scratch, code, message, arguments).seconds < 5);
     };
-    refuse(kUsage, "'.stl'", {scratch.file("out/a.stl")});
+    refuse(kUsage, "'.obj'", {scratch.file("out/a.obj")});
     refuse(kUsage, "''", {scratch.file("out/a")});
-    refuse(kUsage, "'.stl'", {out, "-o", scratch.file("out/a.stl")});
+    refuse(kUsage, "'.obj'", {out, "-o", scratch.file("out/a.obj")});
     refuse(kFiles, "absent", {scratch.file("absent/a.vtu")});
     refuse(kUsage, ".png", {out, "--picture", scratch.file("out/a.jpg")});
     refuse(kUsage, ".json", {out, "--report", model});
@@ -316,7 +320,7 @@ TEST_CASE("a disk that fills up leaves no part of a file") {
 TEST_CASE("check refuses what is not a mesh") {
     const ScratchFolder scratch;
     expect_failure(scratch, kFiles, "missing.vtu", {"check", scratch.file("missing.vtu")});
-    expect_failure(scratch, kUsage, "'.stl'", {"check", scratch.file("a.stl")});
+    expect_failure(scratch, kUsage, "'.obj'", {"check", scratch.file("a.obj")});
     expect_failure(scratch, kInput, "empty.vtu", {"check", scratch.write("empty.vtu", "")});
     expect_failure(scratch, kInput, "binary.msh", {"check", scratch.write("binary.msh", kBinary)});
 }

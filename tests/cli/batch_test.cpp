@@ -233,7 +233,7 @@ TEST_CASE("batch: bad command lines and lists") {
     refused({"batch"}, 1, "mortise batch LIST -o FOLDER");
     refused({"batch", list}, 1, "-o FOLDER");
     refused({"batch", list, "-o", folder, "--jobs", "0"}, 1, "--jobs");
-    refused({"batch", list, "-o", folder, "--format", "stl"}, 1, "vtu, msh or inp");
+    refused({"batch", list, "-o", folder, "--format", "obj"}, 1, "vtu, msh, inp or stl");
     refused({"batch", list, "-o", folder, "--level", "77"}, 1, "77");
     refused({"batch", scratch.file("no list"), "-o", folder}, 6, "no list");
     refused({"batch", scratch.write("blank.txt", "\n# nothing\n"), "-o", folder}, 1, "lists no models");

@@ -239,13 +239,14 @@ TEST_CASE("the table's middles of second order lie between its corners as the fo
 }
 
 TEST_CASE("unknown extensions are usage errors") {
-    for (const char* path : {"mesh", "mesh.stl", "folder.vtu/mesh", ".vtu", "mesh.VTX", ""}) {
+    for (const char* path : {"mesh", "mesh.obj", "folder.vtu/mesh", ".vtu", "mesh.VTX", ""}) {
         CAPTURE(path);
         for (const Error& error :
              {error_of([&] { write_mesh(mixed(), path); }), error_of([&] { check_writable(path); }),
               error_of([&] { read_mesh(path); })}) {
             CHECK(error.code() == ExitCode::kUsage);
-            CHECK(std::string(error.what()).find("expected .vtu, .msh, .inp, or a folder polyMesh") !=
+            CHECK(std::string(error.what())
+                      .find("expected .vtu, .msh, .inp, .stl (the surface), or a folder polyMesh") !=
                   std::string::npos);
         }
     }
