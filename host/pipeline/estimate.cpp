@@ -1,10 +1,12 @@
 // Cells are counted: the tree is built as the run would build it, or a coarser one where cells of one size
 // grow in number as area and volume do. What cells at the boundary give, and what they cost, is the model's,
 // its options' and the machine's: meshes of two larger cell sizes tell, by a part that grows as the area does
-// (simple cells) and one that grows as the length of edges does (complex ones).
+// (simple cells) and one that grows as the length of edges does (complex ones). Where the model is finer than
+// larger cells (lattices), these take longer than the run itself; then a part of it in cells as asked tells.
 #include "host/pipeline/estimate.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <optional>
 
@@ -21,6 +23,11 @@ namespace {
 constexpr int kFinestTree = 9;
 /// A trial has no more cells at the boundary than this; a run that has no more is made as it is.
 constexpr double kTrialCells = 40'000;
+/// A trial is given up after that: of the larger cells, which tell whether others are worth while, of others.
+constexpr double kFirstSeconds = 3, kTrialSeconds = 20;
+/// Cells at the boundary of a part of the model, about, and at least, if it is to count.
+constexpr double kPartCells = 6'000, kLeastPartCells = 1'000;
+constexpr double kMostCut = 0.5;  ///< of a part's facets, on the box that cuts it
 
 // Measured on the models of assets/ and of the corpora at level 7, and on spheres to level 9: runs took 0.75
 // to 1.25 times what this gives.
@@ -59,7 +66,19 @@ struct Trial {
     double elements = 0, nodes = 0;
     double element_seconds = 0;  ///< of stages whose time is that of all elements
     double nio_seconds = 0;      ///< of others
+    double cut = 0;              ///< share of the facets that lie on MeshOptions::box
 };
+
+/// Of the outer boundary.
+double share_of_cuts(const Mesh& mesh) {
+    double cut = 0, all = 0;
+    for (std::size_t f = 0; f < mesh.facets.size(); ++f) {
+        if (mesh.facets.outside[f] != 0) continue;
+        ++all;
+        if (mesh.surface_names[mesh.facets.surface[f]].compare(0, 4, "box_") == 0) ++cut;
+    }
+    return all > 0 ? cut / all : 0;
+}
 
 Trial measured(const Mesh& mesh, const MeshReport& report) {
     Trial trial;
@@ -68,6 +87,7 @@ Trial measured(const Mesh& mesh, const MeshReport& report) {
     trial.nio = std::max(1.0, static_cast<double>(report.nio_cells));
     trial.elements = static_cast<double>(mesh.element_count());
     trial.nodes = static_cast<double>(mesh.node_count());
+    trial.cut = share_of_cuts(mesh);
     for (const StageTime& stage : report.stages) {
         const Growth growth = growth_of(stage.stage);
         if (growth == Growth::kOnce) continue;
@@ -105,6 +125,16 @@ MeshOptions uniform(MeshOptions options, double cell) {
     return options;
 }
 
+/// To load the kernels that a run needs.
+Model one_ball() {
+    Model model;
+    Region region;
+    region.name = "ball";
+    region.root = model.add_primitive(sphere(1));
+    model.regions.push_back(std::move(region));
+    return model;
+}
+
 class Estimator {
   public:
     Estimator(const std::function<device::Device&()>& open_device, const Model& model,
@@ -116,9 +146,12 @@ class Estimator {
         const double cell = cells.is_uniform ? cells.cell_size : equal_cell(cells);
         int levels = 0;
         while (cells.nio > kTrialCells * std::ldexp(1.0, 2 * levels)) ++levels;
+        if (levels > 0) warm_up();
         for (; levels > 0; --levels) {  // the model may have no mesh of cells so large
             if (const std::optional<Trials> trials = find_trials(std::ldexp(cell, levels)))
                 return extrapolate(cells, cell, *trials);
+            if (!is_late_) continue;
+            if (const std::optional<Trial> part = try_parts(cells, cell)) return from_part(cells, *part);
         }
         return make(cells);
     }
@@ -173,36 +206,93 @@ class Estimator {
         return cells.cell_size;
     }
 
-    /// None if the model has no mesh of such cells.
-    std::optional<Trial> try_run(const MeshOptions& options, double begin, double end) const {
+    /// None if the model has no mesh of such cells, or if it takes too long: then is_late_.
+    std::optional<Trial> try_run(const MeshOptions& given, double begin, double end, double seconds) {
+        MeshOptions options = told(given, begin, end);
+        const auto start = std::chrono::steady_clock::now();
+        is_late_ = false;
+        options.progress = [&, ask = options.progress](const char* stage, double progress) {
+            const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - start;
+            is_late_ = passed.count() > seconds;
+            return !is_late_ && (!ask || ask(stage, progress));
+        };
         try {
             MeshReport report;
-            const Mesh mesh = run_(told(options, begin, end), report);
+            const Mesh mesh = run_(model_, options, report);
             return measured(mesh, report);
         } catch (const Interrupted&) {
-            throw;
+            if (!is_late_) throw;
+            return std::nullopt;
         } catch (const Error& error) {
             if (error.code() == ExitCode::kDevice) throw;
             return std::nullopt;
         }
     }
 
-    /// None if the model has no mesh of such cells, or of cells twice as large.
+    /// So that no trial's time has that of loading kernels.
+    void warm_up() {
+        MeshOptions options = told(uniform(options_, 0), 0.5, 0.55);
+        options.size = 0;
+        options.level = 4;
+        options.box.reset();
+        options.periodic.clear();
+        options.layers.on.clear();
+        MeshReport ignored;
+        run_(one_ball(), options, ignored);
+    }
+
+    /// None if the model has no mesh of such cells, or of cells twice as large, or if one takes too long.
     std::optional<Trials> find_trials(double cell) {
-        if (!is_warm_) try_run(uniform(options_, 4 * cell), 0.5, 0.55);  // which loads the kernels
-        is_warm_ = true;
-        const std::optional<Trial> coarse = try_run(uniform(options_, 2 * cell), 0.55, 0.7);
+        const std::optional<Trial> coarse = try_run(uniform(options_, 2 * cell), 0.55, 0.7, kFirstSeconds);
         if (!coarse) return std::nullopt;
-        const std::optional<Trial> fine = try_run(uniform(options_, cell), 0.7, 1);
+        const std::optional<Trial> fine = try_run(uniform(options_, cell), 0.7, 1, kTrialSeconds);
         if (!fine) return std::nullopt;
         return Trials{*fine, *coarse};
     }
 
+    /// Of a part of the model in cells as they are: around its middle, or else in a corner. None if none of
+    /// these has enough of them, other than on its own faces.
+    std::optional<Trial> try_parts(const CellCounts& cells, double cell) {
+        const std::optional<Box3> bounds = summarize(model_).bounds;
+        if (!bounds || !options_.periodic.empty()) return std::nullopt;
+        const double share = std::min(0.5, std::cbrt(kPartCells / cells.nio));
+        constexpr unsigned kCorners = 8;
+        for (unsigned k = 0; k <= kCorners; ++k) {
+            Box3 box = options_.box ? *options_.box : *bounds;
+            for (std::size_t j = 0; j < 3; ++j) {
+                const double low = std::max(box.min[j], bounds->min[j]);
+                const double edge = std::min(box.max[j], bounds->max[j]) - low;
+                const double at = k == 0 ? 0.5 : (k - 1) >> j & 1 ? 0.75 : 0.25;
+                box.min[j] = low + (at - 0.5 * share) * edge;
+                box.max[j] = low + (at + 0.5 * share) * edge;
+            }
+            MeshOptions options = uniform(options_, cell);
+            options.box = box;
+            const std::optional<Trial> part = try_run(options, 0.7, 1, kTrialSeconds);
+            if (part && part->nio >= kLeastPartCells && part->cut <= kMostCut) return part;
+            if (is_late_) break;
+        }
+        return std::nullopt;
+    }
+
+    /// Cells at the boundary are those of the part, but more.
+    MeshEstimate from_part(const CellCounts& cells, const Trial& part) const {
+        const PerCell each = per_cell(options_), part_each = per_cell(uniform(options_, part.cell));
+        const double times = cells.nio / part.nio;
+        const double elements = each.elements * cells.in + each.transition_elements * cells.transitions +
+                                times * (part.elements - part_each.elements * part.in);
+        const double nodes = each.nodes * cells.in + each.transition_nodes * cells.transitions +
+                             times * (part.nodes - part_each.nodes * part.in);
+        MeshEstimate result = with_sizes(cells, elements, nodes);
+        result.seconds = part.element_seconds * elements / part.elements + part.nio_seconds * times;
+        return result;
+    }
+
     /// The mesh itself.
     MeshEstimate make(const CellCounts& cells) {
-        if (!is_warm_) try_run(uniform(options_, 4 * cells.cell_size), 0.5, 0.6);
+        warm_up();
         MeshReport report;
-        const Mesh mesh = run_(told(options_, 0.6, 1), report);
+        const Mesh mesh = run_(model_, told(options_, 0.6, 1), report);
         const Trial trial = measured(mesh, report);
         MeshEstimate result = with_sizes(cells, trial.elements, trial.nodes);
         result.seconds = trial.element_seconds + trial.nio_seconds;
@@ -266,7 +356,7 @@ class Estimator {
     const Model& model_;
     const MeshOptions& options_;
     const TrialRun& run_;
-    bool is_warm_ = false;  ///< kernels are loaded
+    bool is_late_ = false;  ///< the last trial was given up
 };
 
 }  // namespace

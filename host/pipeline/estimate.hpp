@@ -8,8 +8,8 @@
 
 namespace mortise::pipeline {
 
-/// Meshes the model, with these options.
-using TrialRun = std::function<Mesh(const MeshOptions& options, MeshReport& report)>;
+/// Meshes a model, with these options.
+using TrialRun = std::function<Mesh(const Model& model, const MeshOptions& options, MeshReport& report)>;
 
 /// As Mesher::estimate. `open_device` is called when the device is needed.
 MeshEstimate estimate(const std::function<device::Device&()>& open_device, const Model& model,

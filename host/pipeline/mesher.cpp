@@ -194,9 +194,10 @@ Mesh Mesher::generate(const Model& model, const MeshOptions& options, MeshReport
 }
 
 MeshEstimate Mesher::Implementation::estimate(const Model& model, const MeshOptions& options) {
-    return pipeline::estimate(
-        [&]() -> device::Device& { return open(options); }, model, options,
-        [&](const MeshOptions& trial, MeshReport& report) { return generate(model, trial, &report); });
+    return pipeline::estimate([&]() -> device::Device& { return open(options); }, model, options,
+                              [&](const Model& tried, const MeshOptions& trial, MeshReport& report) {
+                                  return generate(tried, trial, &report);
+                              });
 }
 
 MeshEstimate Mesher::estimate(const Model& model, const MeshOptions& options) {

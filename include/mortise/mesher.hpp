@@ -239,11 +239,11 @@ class Mesher {
     /// its arrays' memory on.
     Mesh generate(const Model& model, const MeshOptions& options = {}, MeshReport* report = nullptr);
 
-    /// Counts the cells that generate() would have, and meshes the model in larger ones to see what a cell at
-    /// the boundary gives and takes; models with few cells there are meshed as they are. Roughly
-    /// (docs/options.md), in a tenth of a second to some ten, where a run may take minutes. Throws what
-    /// generate() throws for the model and the options; what only the mesh would show (`strict`, too many
-    /// nodes) it does not see.
+    /// Counts the cells that generate() would have, and meshes the model in larger ones, or a part of it
+    /// where that takes long, to see what a cell at the boundary gives and takes; models with few cells there
+    /// are meshed as they are. Roughly (docs/options.md), in a tenth of a second to some ten, where a run may
+    /// take minutes. Throws what generate() throws for the model and the options; what only the mesh would
+    /// show (`strict`, too many nodes) it does not see.
     MeshEstimate estimate(const Model& model, const MeshOptions& options = {});
 
     /// Takes a mesh that is no longer needed, and leaves an empty one: the next of about that size is made in

@@ -3,9 +3,13 @@
 
 #include <unistd.h>
 
+#include <chrono>
 #include <filesystem>
 #include <string>
+#include <thread>
+#include <vector>
 
+#include "host/pipeline/estimate.hpp"
 #include "mortise/error.hpp"
 #include "mortise/io.hpp"
 #include "mortise/mesher.hpp"
@@ -124,6 +128,38 @@ TEST_CASE("an estimate of cells too many to count, from fewer of them") {
     CHECK(graded.level == 10);
     CHECK(static_cast<double>(graded.nio_cells) ==
           doctest::Approx(static_cast<double>(estimate.nio_cells)).epsilon(0.25));
+}
+
+TEST_CASE("where larger cells take longer than cells as asked, a part of the model tells") {
+    std::string lattice;
+    for (int i = 0; i < 216; ++i)
+        lattice += "multmatrix([[1,0,0," + std::to_string(i % 6) + "],[0,1,0," + std::to_string(i / 6 % 6) +
+                   "],[0,0,1," + std::to_string(i / 36) + "],[0,0,0,1]]) sphere(r = 0.4);";
+    const Model model = parsed(lattice.c_str());
+    MeshOptions options;
+    options.level = 7;
+    Mesher mesher;
+    std::vector<double> sizes;
+    device::Device device("", {});
+    const double cell = 5.8 / 128;
+    const MeshEstimate estimate =
+        pipeline::estimate([&]() -> device::Device& { return device; }, model, options,
+                           [&](const Model& tried, const MeshOptions& trial, MeshReport& report) {
+                               if (tried.source == model.source) sizes.push_back(trial.size);
+                               while (trial.size > 1.5 * cell && trial.progress("improve", 0.5))
+                                   std::this_thread::sleep_for(std::chrono::milliseconds(20));
+                               if (trial.size > 1.5 * cell) throw Interrupted();
+                               return mesher.generate(tried, trial, &report);
+                           });
+    REQUIRE(sizes.size() >= 2);
+    CHECK(sizes[0] > 1.5 * cell);  // given up
+    CHECK(sizes[1] < 1.5 * cell);  // of a part
+    const Mesh mesh = generate(model, options);
+    CHECK(static_cast<double>(estimate.elements) ==
+          doctest::Approx(static_cast<double>(mesh.element_count())).epsilon(0.2));
+    CHECK(static_cast<double>(estimate.nodes) ==
+          doctest::Approx(static_cast<double>(mesh.node_count())).epsilon(0.2));
+    CHECK_FALSE(estimate.is_exact);
 }
 
 TEST_CASE("an estimate ends when its caller wants no more, and tells what generate tells") {
