@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "host/tape/reference.hpp"
 
@@ -16,6 +17,10 @@ constexpr double kCoefficientReach = 16;
 /// Within so many merge distances of surfaces that are alike no other may pass: what lies between them and it
 /// would lose much of its thickness.
 constexpr double kAlone = 3;
+/// Places in a signature: of coefficients that grow with the distance from the origin, along x, y and z (of
+/// planes the first alone), and of where the data of a rounded solid or a patch begin, which no other has.
+constexpr std::size_t kOffsets[] = {3, 6, 8};
+constexpr std::size_t kStart = 13;
 
 Surface to_local(Surface s, const Vec3& origin, double side) {
     const int rows = s.kind == kSurfacePlane ? 1 : 3;
@@ -157,10 +162,33 @@ SurfaceMerge::SurfaceMerge(const CompiledModel& compiled, const Vec3& origin, do
 
 template <class Visit>
 void SurfaceMerge::for_near(std::size_t i, double distance, const Visit& visit) const {
-    const double offset = std::fabs(signatures_[i][3]);
-    const double reach = std::max(2 * kMergeTolerance * std::max(1.0, offset), kCoefficientReach * distance);
+    const std::array<double, 16>& own = signatures_[i];
+    if (has_start(i)) {
+        const auto [begin, end] = by_start_.equal_range(own[kStart]);
+        for (auto k = begin; k != end; ++k) visit(k->second);
+        return;
+    }
+    const auto reach_of = [distance](double offset) {
+        return std::max(2 * kMergeTolerance * std::max(1.0, offset), kCoefficientReach * distance);
+    };
+    // Balls of a lattice share one coefficient with many others, but not three.
+    const bool is_quadric = local_[i].kind == kSurfaceQuadric || local_[i].kind == kSurfaceCone;
+    const auto is_near = [&](const std::array<double, 16>& other) {
+        return !is_quadric || std::all_of(std::begin(kOffsets), std::end(kOffsets), [&](std::size_t at) {
+            const double offset = std::fabs(own[at]);
+            return std::fabs(std::fabs(other[at]) - offset) <= reach_of(offset);
+        });
+    };
+    const double offset = std::fabs(own[kOffsets[0]]);
+    const double reach = reach_of(offset);
     const auto end = by_offset_.upper_bound(offset + reach);
-    for (auto k = by_offset_.lower_bound(offset - reach); k != end; ++k) visit(k->second);
+    for (auto k = by_offset_.lower_bound(offset - reach); k != end; ++k) {
+        if (is_near(signatures_[k->second])) visit(k->second);
+    }
+}
+
+bool SurfaceMerge::has_start(std::size_t i) const {
+    return local_[i].kind == kSurfaceRounded || local_[i].kind == kSurfacePatch;
 }
 
 std::uint64_t SurfaceMerge::merge_equal(const std::vector<ExpressionOp>& ops, double distance) {
@@ -180,7 +208,12 @@ std::uint64_t SurfaceMerge::merge_equal(const std::vector<ExpressionOp>& ops, do
         });
         nearly_equal += is_nearly ? 1 : 0;
         target[i] = static_cast<std::uint32_t>(found);
-        if (found == i) by_offset_.emplace(std::fabs(signatures_[i][3]), i);
+        if (found != i) continue;
+        if (has_start(i)) {
+            by_start_.emplace(signatures_[i][kStart], i);
+        } else {
+            by_offset_.emplace(std::fabs(signatures_[i][kOffsets[0]]), i);
+        }
     }
     return nearly_equal;
 }

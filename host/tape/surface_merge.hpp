@@ -31,6 +31,8 @@ class SurfaceMerge {
   private:
     template <class Visit>
     void for_near(std::size_t i, double distance, const Visit& visit) const;
+    /// Whether what tells the surface from others is where its data begin.
+    bool has_start(std::size_t i) const;
     std::vector<std::int64_t> find_uses(const CompiledModel& compiled) const;
 
     std::vector<Surface> local_;
@@ -38,6 +40,7 @@ class SurfaceMerge {
     /// Surfaces that stand for others, by the size of one coefficient, whose sign may be flipped: equal ones
     /// are neighbours.
     std::multimap<double, std::size_t> by_offset_;
+    std::multimap<double, std::size_t> by_start_;  ///< the same of those that has_start()
 };
 
 }  // namespace mortise::tape
