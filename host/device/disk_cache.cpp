@@ -50,8 +50,8 @@ std::optional<std::string> load_file(const std::string& path, const std::string&
     return content;
 }
 
-/// Files that are being written are called so; those of runs that were killed meanwhile stay, and are removed
-/// after an hour.
+/// Files that are being written end so; those of runs that were killed meanwhile stay, and are removed after
+/// an hour.
 constexpr char kUnfinished[] = ".new";
 constexpr std::chrono::hours kLongestWriting{1};
 

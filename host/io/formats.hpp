@@ -26,6 +26,10 @@ Mesh read_msh(const FileReader& file);
 /// Throws Error(kMeshing) if a facet is no face of an element.
 void write_inp(const Mesh& mesh, const MeshFileOptions& options, TemporaryFile& file);
 
+/// Throws Error(kUsage) if there is a file of that name which write_stl has not made: it may be a part of the
+/// model.
+void check_stl_is_own(const std::string& path);
+
 /// The outer boundary alone, as triangles in single precision; of second order curved.
 void write_stl(const Mesh& mesh, const MeshFileOptions& options, TemporaryFile& file);
 

@@ -129,6 +129,7 @@ void write_mesh(const Mesh& mesh, const std::string& path, const std::vector<flo
         throw Error(ExitCode::kMeshing,
                     "cannot write '" + path + "': invalid mesh: " + error + "; see check_mesh");
     io::check_scale(options.scale, path);
+    if (format == Format::kStl) io::check_stl_is_own(path);
     if (format == Format::kFoam || format == Format::kInp) io::check_numbers(mesh.element_count(), path);
     if (format == Format::kFoam) return io::write_foam(mesh, path, options);
     io::TemporaryFile file(path);
@@ -179,6 +180,7 @@ void check_writable(const std::string& path) {
     if (!S_ISDIR(status.st_mode)) refuse(path, "'" + folder + "' is not a folder");
     if (access(folder.c_str(), W_OK | X_OK) != 0)
         refuse(path, "folder '" + folder + "': " + std::strerror(errno));
+    if (format_of(path) == Format::kStl) io::check_stl_is_own(path);
 }
 
 Mesh read_mesh(const std::string& path) {

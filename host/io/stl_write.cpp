@@ -4,8 +4,10 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <fstream>
 #include <limits>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "host/io/coordinates.hpp"
@@ -18,7 +20,8 @@ namespace {
 using Point = std::array<float, 3>;
 using Corners = std::array<NodeId, 3>;
 
-/// Not "solid", which begins text.
+/// What a file of ours begins with; not "solid", which begins text.
+constexpr std::string_view kOwn = "Binary STL by Mortise";
 constexpr char kHeader[80] = "Binary STL by Mortise: the outer boundary, in the units of the model";
 
 double squared_distance(const Coordinates& points, NodeId a, NodeId b) {
@@ -84,6 +87,16 @@ void put_triangle(const std::array<Point, 3>& corner, TemporaryFile& file) {
 }
 
 }  // namespace
+
+void check_stl_is_own(const std::string& path) {
+    std::ifstream file(path, std::ios::binary);
+    std::array<char, kOwn.size()> begin{};
+    if (!file.read(begin.data(), begin.size()) && !file.eof()) return;  // none, or told when it is written
+    if (file.gcount() == 0 || std::equal(kOwn.begin(), kOwn.end(), begin.begin())) return;
+    throw Error(ExitCode::kUsage, "cannot write '" + path +
+                                      "': it is there, and not made by Mortise, so that it may belong to a "
+                                      "model; give another name, or remove it first");
+}
 
 void write_stl(const Mesh& mesh, const MeshFileOptions& options, TemporaryFile& file) {
     const Coordinates points(mesh.points, options.scale);

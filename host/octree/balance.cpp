@@ -1,5 +1,4 @@
 // 2:1 balance of a tree given by its split nodes.
-
 #include "host/common/parallel.hpp"
 #include "host/common/sort_unique.hpp"
 #include "host/octree/octree.hpp"

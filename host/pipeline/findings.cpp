@@ -85,6 +85,14 @@ void refuse_missed(const std::vector<MissedFeature>& missed, const Root& root, i
     throw Error(ExitCode::kMeshing, source + ": strict: " + describe_missed(missed, root, refine));
 }
 
+void refuse_surely_missed(const std::vector<MissedFeature>& missed, const Root& root, int refine,
+                          const std::string& source) {
+    const double most = 2 * root.cell();
+    if (std::any_of(missed.begin(), missed.end(),
+                    [most](const MissedFeature& f) { return !f.kept && f.size > most; }))
+        refuse_missed(missed, root, refine, source);
+}
+
 void report_overlaps(const std::vector<probe::Overlap>& overlaps, const Model& model,
                      const MeshOptions& options, MeshReport& out) {
     constexpr std::size_t kMostLines = 5;
@@ -112,20 +120,11 @@ void report_small_pieces(const Prepared& prepared, const std::vector<double>& po
                          const FacetBlock& facets, const MeshOptions& options, const std::string& source,
                          MeshReport& out) {
     if (prepared.folded.empty() && out.missed.empty()) return;
-    const probe::SmallPieces pieces =
-        probe::find_small_pieces(prepared.bound, prepared.tree, points, facets, options.threads);
-    for (MissedFeature& feature : out.missed) {
-        feature.kept |= std::any_of(
-            pieces.sound.begin(), pieces.sound.end(), [&feature](const probe::SmallPieces::Sound& piece) {
-                const auto holds = [&](std::size_t j) {
-                    return piece.low[j] <= feature.position[j] && feature.position[j] <= piece.high[j];
-                };
-                return piece.material == feature.material && holds(0) && holds(1) && holds(2);
-            });
-    }
-    if (pieces.torn.empty()) return;
-    for (const MissedFeature& piece : pieces.torn) ++(piece.material ? out.loose_pieces : out.closed_hollows);
-    const MissedFeature& first = pieces.torn.front();
+    const std::vector<MissedFeature> torn =
+        probe::find_torn_pieces(prepared.bound, prepared.tree, points, facets, options.threads, out.missed);
+    if (torn.empty()) return;
+    for (const MissedFeature& piece : torn) ++(piece.material ? out.loose_pieces : out.closed_hollows);
+    const MissedFeature& first = torn.front();
     const auto counted = [](std::uint64_t count, const char* what) {
         return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
     };
@@ -134,9 +133,9 @@ void report_small_pieces(const Prepared& prepared, const std::vector<double>& po
         what += (what.empty() ? "" : " and ") + counted(out.closed_hollows, "closed hollow");
     const int finest = prepared.root.level + options.refine;
     const int more = std::max(level_to_see(first.thickness, prepared.root), finest + 1) - prepared.root.level;
-    warn_or_refuse("the mesh has " + what + " where the model is whole, the first around " +
+    warn_or_refuse("the mesh has " + what + " where the model goes on, the first around " +
                        place_text(first.position) + ": parts of something about " +
-                       number_text(first.thickness) + " thick, which the cells miss between them; --refine " +
+                       number_text(first.thickness) + " thick, which the cells miss beyond; --refine " +
                        std::to_string(more) + ", or smaller cells, would show it",
                    options, source, out);
 }

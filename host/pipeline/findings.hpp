@@ -20,6 +20,11 @@ void warn_or_refuse(const std::string& text, const MeshOptions& options, const s
 void refuse_flat(const std::optional<std::uint64_t>& flat, const Prepared& prepared,
                  const std::string& source);
 
+/// Error(kMeshing) if any of these is lost that is longer than two cells: of shorter ones the mesh may tell
+/// more (report_small_pieces).
+void refuse_surely_missed(const std::vector<MissedFeature>& missed, const Root& root, int refine,
+                          const std::string& source);
+
 /// Error(kMeshing) if any of these is lost.
 void refuse_missed(const std::vector<MissedFeature>& missed, const Root& root, int refine,
                    const std::string& source);

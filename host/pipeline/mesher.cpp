@@ -126,7 +126,8 @@ auto with_memory_told(Run run) {
     try {
         return run();
     } catch (const std::bad_alloc&) {
-        throw Error(ExitCode::kDevice, "out of memory; use a smaller --level, a larger --size, or --memory");
+        throw Error(ExitCode::kDevice,
+                    "out of memory; use larger cells (--level, --size), or fewer meshers at once (--jobs)");
     }
 }
 

@@ -248,6 +248,7 @@ Prepared prepare(const std::function<device::Device&()>& open_device, const Mode
     probe::Probe probed = probe::find_features(bound, tree, options.threads);
     refuse_flat(probed.flat, result, model.source);
     out.missed = std::move(probed.features);
+    if (options.strict) refuse_surely_missed(out.missed, result.root, options.refine, model.source);
     result.apexes = std::move(probed.apexes);
     result.folded = std::move(probed.folded);
     stages.end(probed.probed);

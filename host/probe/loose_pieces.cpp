@@ -5,9 +5,10 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <unordered_set>
+#include <unordered_map>
 #include <utility>
 
+#include "host/common/constants.hpp"
 #include "host/common/disjoint_sets.hpp"
 #include "host/common/index_set.hpp"
 #include "host/common/parallel.hpp"
@@ -23,7 +24,11 @@ constexpr std::size_t kMostFacets = 300;
 constexpr double kInward = 0.05;      ///< cells, from a facet into its piece
 constexpr double kBeyond = 0.5;       ///< cells: chords of round bodies leave out less
 constexpr double kStride = 1.0 / 16;  ///< cells, of the walk through the model
-constexpr std::size_t kMostSteps = 200'000;
+/// Of a walk: a pin that samples miss has a few thousand places in half a cell beyond a piece and as many in
+/// it. Where there are more, nothing is so thin.
+constexpr std::size_t kMostSteps = 6'000;
+constexpr int kHalvings = 12;           ///< of a step that crosses two surfaces: films are thicker
+constexpr std::size_t kPieceChunk = 8;  ///< pieces
 constexpr std::size_t kMostStarts = 4;  ///< facets from which a piece's region is walked through
 constexpr double kLongestChord = 3;     ///< cells: chords are not measured beyond
 
@@ -90,7 +95,22 @@ class Corners {
     std::map<std::pair<NodeId, std::uint16_t>, std::uint32_t> others_;
 };
 
-/// Pieces of few facets with a volume, by their first facet.
+/// Leaves out what has no volume of its own, and of each region without a large piece the largest: that is
+/// its body.
+void drop_main_pieces(const std::vector<std::uint8_t>& has_large, std::vector<Piece>& pieces) {
+    std::map<std::uint16_t, std::size_t> main;  // by region
+    for (std::size_t i = 0; i < pieces.size(); ++i) {
+        const std::uint16_t region = pieces[i].region;
+        if (region == 0 || has_large[region] != 0) continue;
+        const auto [largest, is_first] = main.emplace(region, i);
+        if (!is_first && pieces[i].volume > pieces[largest->second].volume) largest->second = i;
+    }
+    for (const auto& [region, i] : main) pieces[i].volume = 0;
+    pieces.erase(std::remove_if(pieces.begin(), pieces.end(), [](const Piece& p) { return !(p.volume > 0); }),
+                 pieces.end());
+}
+
+/// Pieces of few facets, by their first facet, but for the bodies that they have come off.
 std::vector<Piece> list_pieces(const Skin& skin, const FacetBlock& facets, std::size_t nodes) {
     const Corners corners(facets, nodes);
     DisjointSets sets(corners.size());
@@ -113,10 +133,14 @@ std::vector<Piece> list_pieces(const Skin& skin, const FacetBlock& facets, std::
     for_sides([&](const Side& side, std::uint16_t region) { ++count[piece_of(side, region)]; });
     std::map<std::uint32_t, std::size_t> place;
     std::vector<Piece> pieces;
+    std::vector<std::uint8_t> has_large(std::numeric_limits<std::uint16_t>::max() + std::size_t{1}, 0);
     constexpr double kFar = std::numeric_limits<double>::infinity();
     for_sides([&](const Side& side, std::uint16_t region) {
         const std::uint32_t number = piece_of(side, region);
-        if (count[number] > kMostFacets) return;
+        if (count[number] > kMostFacets) {
+            has_large[region] = 1;
+            return;
+        }
         const auto [at, is_new] = place.emplace(number, pieces.size());
         if (is_new) pieces.push_back({region, 0, {kFar, kFar, kFar}, {-kFar, -kFar, -kFar}, {}});
         Piece& piece = pieces[at->second];
@@ -132,10 +156,16 @@ std::vector<Piece> list_pieces(const Skin& skin, const FacetBlock& facets, std::
             }
         }
     });
-    pieces.erase(std::remove_if(pieces.begin(), pieces.end(), [](const Piece& p) { return !(p.volume > 0); }),
-                 pieces.end());
+    drop_main_pieces(has_large, pieces);
     return pieces;
 }
+
+enum class Way : std::uint8_t {
+    kEnds,    ///< the model's region ends within half a cell of the piece
+    kGoesOn,  ///< it goes on beyond
+    kThick,   ///< it has so many places that nothing there is thin
+    kNone,    ///< the model has none of it at the start
+};
 
 /// Walks through the model's region of a piece.
 class Walk {
@@ -143,26 +173,52 @@ class Walk {
     Walk(Regions& regions, const Piece& piece, double edge)
         : regions_(regions), piece_(piece), edge_(edge), step_(kStride * edge) {}
 
-    /// Whether the region goes on from here beyond the piece.
-    bool goes_on(const Vec3& start) {
-        std::unordered_set<std::uint64_t> seen = {key({0, 0, 0})};
+    Way from(const Vec3& start) {
+        if (!is_there(start)) return Way::kNone;
+        start_ = start;
+        known_ = {{key({0, 0, 0}), true}};
         std::vector<std::array<int, 3>> open = {{0, 0, 0}};
-        while (!open.empty() && seen.size() < kMostSteps) {
+        std::size_t places = 1;
+        while (!open.empty()) {
             const std::array<int, 3> at = open.back();
             open.pop_back();
             for (std::size_t k = 0; k < kAround; ++k) {
                 const std::array<int, 3> by = neighbour(k);
                 const std::array<int, 3> next = {at[0] + by[0], at[1] + by[1], at[2] + by[2]};
-                if (seen.count(key(next)) != 0) continue;
+                const auto known = known_.find(key(next));
+                if (known != known_.end()) continue;
                 const Vec3 x = place(start, next);
+                const bool is_in = is_there(x);
                 // What is there may be another body, but for the way to it.
-                if (!is_there(x) || !is_there(scaled(sum(place(start, at), x), 0.5))) continue;
-                seen.insert(key(next));
-                if (is_beyond(x)) return true;
+                if (is_in && !is_open(place(start, at), x, kHalvings)) continue;
+                known_.emplace(key(next), is_in);
+                if (!is_in) continue;
+                if (is_beyond(x)) return Way::kGoesOn;
+                if (++places > kMostSteps) return Way::kThick;
                 open.push_back(next);
             }
         }
-        return false;
+        return Way::kEnds;
+    }
+
+    /// Whether the last walk has come by.
+    bool has_passed(const Vec3& x) const {
+        std::array<int, 3> at{};
+        for (std::size_t j = 0; j < 3; ++j) at[j] = static_cast<int>(std::lround((x[j] - start_[j]) / step_));
+        const auto known = known_.find(key(at));
+        return known != known_.end() && known->second;
+    }
+
+    /// Whether nothing else lies between two places that are there: a film, or a gap, has a surface on either
+    /// side, whose signs change.
+    bool is_open(const Vec3& a, const Vec3& b, int halvings) const {
+        const Vec3 middle = scaled(sum(a, b), 0.5);
+        if (!is_there(middle)) return false;
+        if (halvings == 0) return true;
+        const auto is_half_open = [&](const Vec3& from, const Vec3& to) {
+            return regions_.crossings(from, to) < 2 || is_open(from, to, halvings - 1);
+        };
+        return is_half_open(a, middle) && is_half_open(middle, b);
     }
 
     bool is_there(const Vec3& x) const {
@@ -210,57 +266,88 @@ class Walk {
     const Piece& piece_;
     const double edge_;  ///< of the cells there
     const double step_;
+    Vec3 start_{};
+    std::unordered_map<std::uint64_t, bool> known_;  ///< places of the walk, and those beside it
 };
 
-/// What the model has at a piece, if it goes on beyond it.
-bool find_way_on(Regions& regions, const Skin& skin, const Piece& piece, MissedFeature& torn) {
+/// What the model has at a piece; `torn` tells more where it goes on beyond it.
+Way find_way(Regions& regions, const Skin& skin, const Piece& piece, MissedFeature& torn) {
     const Side& first = piece.sides.front();
     const double edge = octree::Octree::edge_of(regions.leaf_at_point(skin.middle(first.facet)).level);
     Walk walk(regions, piece, edge);
+    Way way = Way::kNone;
     std::size_t starts = 0;
     for (const Side& side : piece.sides) {
         const Vec3 inward = scaled(skin.normal(side.facet), side.is_inside ? -1 : 1);
         const Vec3 start = sum(skin.middle(side.facet), scaled(inward, kInward * edge));
-        if (!walk.is_there(start)) continue;
-        if (walk.goes_on(start)) {
+        if (walk.has_passed(start)) continue;
+        const Way here = walk.from(start);
+        if (here == Way::kNone) continue;
+        way = here;
+        if (here == Way::kThick) break;
+        if (here == Way::kGoesOn) {
             torn.position = sum(start, scaled(inward, 0.5 * walk.reach(start, inward)));
             torn.thickness = walk.thickness(torn.position);
-            return true;
+            break;
         }
         if (++starts == kMostStarts) break;
     }
-    return false;
+    return way;
+}
+
+/// Whether the facets of a piece go around x: the angles under which it sees them add up to all directions.
+bool holds(const Skin& skin, const Piece& piece, const Vec3& x) {
+    double angle = 0;
+    for (const Side& side : piece.sides) {
+        for (std::size_t part = 0; part < skin.triangles(side.facet); ++part) {
+            const Triangle t = skin.triangle(side.facet, part);
+            std::array<Vec3, 3> to;
+            std::array<double, 3> far;
+            for (std::size_t k = 0; k < 3; ++k) {
+                to[k] = difference(t[k], x);
+                far[k] = length(to[k]);
+            }
+            const double below = far[0] * far[1] * far[2] + dot(to[0], to[1]) * far[2] +
+                                 dot(to[1], to[2]) * far[0] + dot(to[2], to[0]) * far[1];
+            angle += (side.is_inside ? 2 : -2) * std::atan2(dot(to[0], cross(to[1], to[2])), below);
+        }
+    }
+    return angle > kTurn;  // of 2 turns
 }
 
 }  // namespace
 
-SmallPieces find_small_pieces(const tape::BoundModel& model, const octree::Octree& tree,
-                              const std::vector<double>& points, const FacetBlock& facets, int threads) {
+std::vector<MissedFeature> find_torn_pieces(const tape::BoundModel& model, const octree::Octree& tree,
+                                            const std::vector<double>& points, const FacetBlock& facets,
+                                            int threads, std::vector<MissedFeature>& missed) {
     const Skin skin(model, points, facets);
     const std::vector<Piece> pieces = list_pieces(skin, facets, points.size() / 3);
-    std::vector<MissedFeature> torn(pieces.size());
-    std::vector<std::uint8_t> is_torn(pieces.size());
-    parallel_chunks(pieces.size(), 1, threads, [&](std::size_t i, std::size_t, int) {
+    std::vector<MissedFeature> found(pieces.size());
+    std::vector<Way> way(pieces.size(), Way::kNone);
+    parallel_chunks(pieces.size(), kPieceChunk, threads, [&](std::size_t begin, std::size_t end, int) {
         Regions regions(model, tree);
-        is_torn[i] = find_way_on(regions, skin, pieces[i], torn[i]) ? 1 : 0;
+        for (std::size_t i = begin; i < end; ++i) way[i] = find_way(regions, skin, pieces[i], found[i]);
     });
-    const auto in_model = [&model](const Vec3& x) { return sum(model.origin, scaled(x, model.side)); };
-    SmallPieces result;
+    std::vector<MissedFeature> torn;
     for (std::size_t i = 0; i < pieces.size(); ++i) {
         const Piece& piece = pieces[i];
         const bool is_material = piece.region != 0;
-        if (is_torn[i] == 0) {
-            result.sound.push_back({in_model(piece.low), in_model(piece.high), is_material});
-            continue;
+        if (way[i] == Way::kEnds) {
+            for (MissedFeature& feature : missed) {
+                const Vec3 x = scaled(difference(feature.position, model.origin), 1 / model.side);
+                feature.kept |= feature.material == is_material && holds(skin, piece, x);
+            }
         }
+        if (way[i] != Way::kGoesOn) continue;
         const Vec3 extent = difference(piece.high, piece.low);
-        torn[i].position = in_model(torn[i].position);
-        torn[i].thickness *= model.side;
-        torn[i].size = model.side * std::max({extent[0], extent[1], extent[2]});
-        torn[i].material = is_material;
-        result.torn.push_back(torn[i]);
+        MissedFeature& feature = found[i];
+        feature.position = sum(model.origin, scaled(feature.position, model.side));
+        feature.thickness *= model.side;
+        feature.size = model.side * std::max({extent[0], extent[1], extent[2]});
+        feature.material = is_material;
+        torn.push_back(feature);
     }
-    return result;
+    return torn;
 }
 
 }  // namespace mortise::probe

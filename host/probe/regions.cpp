@@ -31,6 +31,21 @@ std::int32_t Regions::at(const Vec3& x) {
     return known.tape.resolve(signs_.data());
 }
 
+std::size_t Regions::crossings(const Vec3& a, const Vec3& b) {
+    const auto in_leaf_of = [&](const Vec3& place) -> std::ptrdiff_t {
+        const Leaf leaf = leaf_at_point(place);
+        if (leaf.kind != kLeafNio || tree_.nio[leaf.index].tape_length == 0) return 0;
+        const std::vector<std::uint32_t>& surfaces = load(leaf.index, tree_.nio[leaf.index]).surfaces;
+        return std::count_if(surfaces.begin(), surfaces.end(), [&](std::uint32_t s) {
+            const auto value = [&](const Vec3& x) {
+                return surface_value(&model_.surfaces[s], model_.expression_ops.data(), x[0], x[1], x[2]);
+            };
+            return tape::sign_of(value(a)) != tape::sign_of(value(b));
+        });
+    };
+    return static_cast<std::size_t>(std::max(in_leaf_of(a), in_leaf_of(b)));
+}
+
 void Regions::at(const std::vector<Vec3>& points, std::vector<std::int32_t>& regions) {
     regions.resize(points.size());
     by_leaf_.clear();

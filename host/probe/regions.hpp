@@ -24,7 +24,9 @@ class Regions {
     Leaf leaf_at_point(const Vec3& x) const;
     /// 0: outside.
     std::int32_t at(const Vec3& x);
-    /// The same at many points near each other: formulas take a fraction of the time.
+    /// How many surfaces of the leaf that holds a, or of that of b nearby, have different signs at a and b.
+    std::size_t crossings(const Vec3& a, const Vec3& b);
+    /// The same as at() at many points near each other: formulas take a fraction of the time.
     void at(const std::vector<Vec3>& points, std::vector<std::int32_t>& regions);
 
   private:

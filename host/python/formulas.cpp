@@ -256,7 +256,7 @@ void bind_formulas(py::module_& module) {
         "The formulas x, y and z.");
 }
 
-std::string formula_text(const py::object& formula) {
+std::string formula_text(const py::object& formula, const std::string& before) {
     if (py::isinstance<py::str>(formula)) return py::cast<std::string>(formula);
     py::object made = formula;
     if (PyCallable_Check(formula.ptr()) != 0)
@@ -264,7 +264,7 @@ std::string formula_text(const py::object& formula) {
     const std::optional<Formula> result = formula_of(made);
     if (!result)
         throw py::type_error(
-            "expected a formula: a text, or what coordinates() and numpy's functions make, not " +
+            before + "expected a formula: a text, or what coordinates() and numpy's functions make, not " +
             std::string(py::repr(made)));
     return text_of(*result);
 }

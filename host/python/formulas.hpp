@@ -11,7 +11,7 @@ namespace mortise::python {
 void bind_formulas(pybind11::module_& module);
 
 /// The text (docs/formulas.md) of a str, a Formula, or a function of three coordinates that returns one.
-/// Raises TypeError for anything else.
-std::string formula_text(const pybind11::object& formula);
+/// Raises TypeError for anything else, with `before` in front of its message.
+std::string formula_text(const pybind11::object& formula, const std::string& before = {});
 
 }  // namespace mortise::python

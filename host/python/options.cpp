@@ -102,8 +102,9 @@ const std::vector<Option>& all_options() {
         converted("sizes", &MeshOptions::sizes, sizes_of),
         converted("named_sizes", &MeshOptions::named_sizes, named_sizes_of),
         converted("size_formula", &MeshOptions::size_formula,
-                  [](const py::handle& value, const std::string&) {
-                      return formula_text(py::reinterpret_borrow<py::object>(value));
+                  [](const py::handle& value, const std::string& name) {
+                      return formula_text(py::reinterpret_borrow<py::object>(value),
+                                          "option '" + name + "': ");
                   }),
         plain("size_max", &MeshOptions::size_max, kNumber),
         plain("size_min", &MeshOptions::size_min, kNumber),

@@ -199,7 +199,8 @@ void bind_class(py::module_& module) {
         .def("__invert__", [](const Solid& a) { return ~a; })
         .def("__radd__",  // sum() begins with 0
              [](const Solid& a, const py::object& zero) -> py::object {
-                 if (!zero.equal(py::int_(0))) return py::reinterpret_borrow<py::object>(Py_NotImplemented);
+                 if (!py::isinstance<py::int_>(zero) || !zero.equal(py::int_(0)))
+                     return py::reinterpret_borrow<py::object>(Py_NotImplemented);
                  return py::cast(a);
              })
         .def("__copy__", [](const Solid& self) { return self; })

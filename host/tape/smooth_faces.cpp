@@ -140,8 +140,6 @@ class Turns {
 /// Two planes of a patch with an edge in common, the lower first.
 using PlanePair = std::pair<std::uint32_t, std::uint32_t>;
 
-void sort_once(std::vector<PlanePair>& pairs) { sort_unique(pairs); }
-
 double turn_between(const Facets& facets, std::uint32_t a, std::uint32_t b) {
     const glm::dvec3 n = normal_of(facets, a), m = normal_of(facets, b);
     return std::atan2(glm::length(glm::cross(n, m)), glm::dot(n, m));
@@ -173,7 +171,7 @@ class Rings {
             const std::size_t at = best_parting(turns);
             result.push_back({std::min(ring[at - 1], ring[at]), std::max(ring[at - 1], ring[at])});
         }
-        sort_once(result);
+        sort_unique(result);
         return result;
     }
 
@@ -191,7 +189,7 @@ class Rings {
                 if (patches_.find(a) == patches_.find(b) && holds(a, b)) result.push_back({a, b});
             }
         }
-        sort_once(result);
+        sort_unique(result);
         return result;
     }
 
@@ -255,7 +253,7 @@ void find_patches(const TriangleSurface& surface, double sharp_angle, Facets& fa
                                    turns.goes_on(turn);
             if (is_smooth) smooth.push_back({turn.from, turn.to});
         }
-        sort_once(smooth);
+        sort_unique(smooth);
     }
     DisjointSets sets = joined(facets.planes.size(), smooth);
     const std::vector<PlanePair> parted = Rings(surface, facets, sets).partings(smooth);

@@ -25,12 +25,12 @@ struct MeshFileOptions {
 
 /// Writes a mesh; the format follows from the extension, in any case of letters: .vtu (VTK XML, appended),
 /// .msh (Gmsh 4.1, binary), .inp (input deck of Abaqus and CalculiX), .stl (binary: the outer boundary alone,
-/// as triangles in single precision, curved if the mesh is), or from the name polyMesh: OpenFOAM's folder, a
-/// patch for each surface of the outer boundary and a cell zone for each region. Written to a
-/// temporary name beside `path` and renamed at the end, so a file of that name is always whole. Hanging
-/// nodes: not in .msh and .inp; second order: not in polyMesh, nor in .inp with pyramids. Throws
-/// Error(kUsage) for an unknown extension and for these, Error(kMeshing) for arrays whose lengths or indices
-/// do not fit, Error(kFiles) with the cause.
+/// as triangles in single precision, curved if the mesh is; never over an .stl that others have made), or
+/// from the name polyMesh: OpenFOAM's folder, a patch for each surface of the outer boundary and a cell zone
+/// for each region. Written to a temporary name beside `path` and renamed at the end, so a file of that name
+/// is always whole. Hanging nodes: not in .msh and .inp; second order: not in polyMesh, nor in .inp with
+/// pyramids. Throws Error(kUsage) for an unknown extension and for these, Error(kMeshing) for arrays whose
+/// lengths or indices do not fit, Error(kFiles) with the cause.
 ///
 /// `jacobians`: what scaled_jacobians(mesh) gives (mortise/check.hpp), if it is known already.
 void write_mesh(const Mesh& mesh, const std::string& path, const std::vector<float>& jacobians = {},

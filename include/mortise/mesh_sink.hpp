@@ -16,7 +16,7 @@ struct MeshTotals {
 };
 
 /// Receives a mesh part by part, so that it need not fit into memory. Called by the thread that meshes. What
-/// it throws ends the run, and goes to the caller of Mesher::stream.
+/// it throws ends the run, and goes to the caller of Mesher::stream (std::bad_alloc as Error(kDevice)).
 class MeshSink {
   public:
     virtual ~MeshSink() = default;

@@ -104,6 +104,18 @@ TEST_CASE("coordinates are scaled, and nodes that single precision does not tell
     CHECK(surface.triangles.size() < 2 * flat.facets.size());
 }
 
+TEST_CASE("surfaces that others have made are not written over") {
+    const Folder folder;
+    const std::string path = folder.file("part.stl");
+    std::ofstream(path) << "solid part\nendsolid part\n";
+    CHECK_THROWS_WITH_AS(write_mesh(mixed(), path), doctest::Contains("may belong to a model"), Error);
+    CHECK_THROWS_WITH_AS(check_writable(path), doctest::Contains("may belong to a model"), Error);
+    std::filesystem::remove(path);
+    write_mesh(mixed(), path);
+    CHECK_NOTHROW(check_writable(path));
+    CHECK_NOTHROW(write_mesh(mixed(), path));
+}
+
 TEST_CASE(".stl files are no meshes") {
     const Folder folder;
     write_mesh(mixed(), folder.file("a.STL"));

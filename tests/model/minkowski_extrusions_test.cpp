@@ -93,9 +93,25 @@ TEST_CASE("convex parts of plane shapes are convex, and have their area together
     std::mt19937 random(3);
     std::vector<Contours> shapes = {{kAngle}, {{{0, 0}, {4, 0}, {4, 4}, {0, 4}}}};
     for (int k = 0; k < 20; ++k) shapes.push_back(random_star(random));
+    // Holes whose edges are in line with nothing, or with each other; rings; holes close to the rim.
+    const auto regular = [](int corners, double radius, double turned) {
+        Loop loop;
+        for (int k = 0; k < corners; ++k) {
+            const double turn = turned + 6.283185307179586 * k / corners;
+            loop.push_back({radius * std::cos(turn), radius * std::sin(turn)});
+        }
+        return loop;
+    };
+    for (int corners = 3; corners <= 60; ++corners) {
+        for (const double radius : {2.0, 5.0, 6.9}) {
+            shapes.push_back({regular(4, 10, 0), regular(corners, radius, 0)});
+            shapes.push_back({regular(corners, 10, 0), regular(corners, 0.95 * radius, 0)});
+            shapes.push_back({regular(5, 10, 1), regular(corners, radius, 0.1 * corners)});
+        }
+    }
     for (const Contours& given : shapes) {
         const Contours shape = model_reader::normalised(given);
-        const auto parts = model_reader::convex_parts(shape, 100);
+        const auto parts = model_reader::convex_parts(shape, 200);
         REQUIRE(parts);
         double area = 0, expected = 0;
         for (const Loop& loop : shape) expected += model_reader::signed_area(loop);
@@ -108,6 +124,13 @@ TEST_CASE("convex parts of plane shapes are convex, and have their area together
         }
         CHECK(area == doctest::Approx(expected).epsilon(1e-9));
     }
+    // So many that dividing it is not even tried.
+    Loop gear;
+    for (int k = 0; k < 20000; ++k) {
+        const double turn = 6.283185307179586 * k / 20000, radius = k % 2 == 0 ? 10 : 9;
+        gear.push_back({radius * std::cos(turn), radius * std::sin(turn)});
+    }
+    CHECK_FALSE(model_reader::convex_parts({gear}, 256));
     CHECK(model_reader::convex_parts({kAngle}, 2)->size() == 2);
     CHECK_FALSE(model_reader::convex_parts({kAngle}, 1));
     CHECK(model_reader::convex_parts({shapes[1]}, 1)->size() == 1);
@@ -155,6 +178,41 @@ TEST_CASE("minkowski: circles in an outline stay round, and unions of them are t
     CHECK(holds(5, 1.999, 1.5));
     CHECK_FALSE(holds(5, 2.001, 1.5));
     CHECK(holds(5, 0.5, 3.999));
+}
+
+TEST_CASE("minkowski: rings and plates with round holes keep their holes") {
+    const Sum ring = sum_of(
+        "linear_extrude(height = 3) difference() { circle(r = 10, $fn = 24); circle(r = 5, $fn = 24); } "
+        "sphere(r = 1);");
+    CHECK(ring.error.empty());
+    for (int k = 0; k < 24; ++k) {  // at corners and in the middles of edges
+        for (const double half : {0.0, 0.5}) {
+            const double turn = 6.283185307179586 * (k + half) / 24;
+            const double to_edge = half > 0 ? std::cos(6.283185307179586 / 48) : 1;
+            const auto holds = [&](double r) {
+                return ring.holds({r * std::cos(turn), r * std::sin(turn), 1.5});
+            };
+            CHECK_FALSE(holds(5 * to_edge - 1.05));
+            CHECK(holds(5 * to_edge - 0.9));
+            CHECK(holds(10 * to_edge + 0.99));
+            CHECK_FALSE(holds(11.01));
+        }
+    }
+    CHECK_FALSE(ring.holds({0, 0, 1.5}));
+}
+
+TEST_CASE("minkowski: an extrusion whose sides are no planes is refused") {
+    // Scaled by different factors along x and y, its slanted sides are ruled surfaces.
+    const Sum sum = sum_of(
+        "linear_extrude(height = 10, scale = [0.2, 1]) polygon([[10,0],[0,10],[-10,0],[0,-10],[3,0]]); "
+        "cube(1);");
+    CHECK_FALSE(sum.error.empty());
+    const Sum tapered =
+        sum_of("linear_extrude(height = 10, scale = 0.5) " + polygon_text({kAngle}) + " cube([1, 1, 1]);");
+    CHECK(tapered.error.empty());
+    CHECK(tapered.holds({10.9, 1.9, 10.9}));
+    CHECK_FALSE(tapered.holds({11.2, 1, 10.9}));
+    CHECK_FALSE(tapered.holds({5, 5, 10.9}));
 }
 
 TEST_CASE("minkowski: extrusions with too many parts are told of") {

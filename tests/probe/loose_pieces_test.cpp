@@ -45,7 +45,7 @@ TEST_CASE("a pin of which only crumbs are left is told of") {
     CHECK(result.report.loose_pieces == 3);
     CHECK(result.report.closed_hollows == 0);
     REQUIRE(!result.report.warnings.empty());
-    CHECK(result.report.warnings[0].find("3 loose pieces where the model is whole") != std::string::npos);
+    CHECK(result.report.warnings[0].find("3 loose pieces where the model goes on") != std::string::npos);
     options.threads = 1;
     CHECK(mesh_and_check(model, options).report.warnings == result.report.warnings);
 
@@ -114,6 +114,55 @@ TEST_CASE("small bodies and voids that the model has are no crumbs, and are not 
                        level_six());
     CHECK(apart.check.components == 3);
     CHECK(apart.report.loose_pieces == 0);
+}
+
+TEST_CASE("a void under a wall that is thinner than all steps is whole") {
+    std::ostringstream text;
+    text << "difference() { cube([10, 10, 10]); translate([5.2, 0.46, 4.54]) sphere(r = 0.45, $fn = 0); }";
+    MeshOptions options;
+    options.level = 4;
+    options.strict = true;
+    const Meshed result = mesh_and_check(parse_model(text.str(), "csg", "void"), options);
+    CHECK(result.check.euler_characteristic == 4);
+    CHECK(result.report.closed_hollows == 0);
+}
+
+TEST_CASE("a lost bar is not kept by the body around it, nor that body a loose piece") {
+    // A U with a thin bar across its opening, in the bounds of the U; a block with a pin.
+    const Model bar = parse_model(
+        "difference() { cube([10, 10, 4]); translate([3, 3, -1]) cube([4, 8, 6]); }"
+        "multmatrix([[0,0,1,2],[0,1,0,6],[-1,0,0,2],[0,0,0,1]]) cylinder(h = 6, r = 0.1, $fn = 0);",
+        "csg", "bar");
+    MeshOptions options;
+    options.level = 3;
+    const Meshed result = mesh_and_check(bar, options);
+    REQUIRE(result.check.volume == doctest::Approx(288));
+    CHECK(lost_features(result.report) == 1);
+    options.strict = true;
+    CHECK_THROWS_AS(generate(bar, options), Error);
+    options.strict = false;
+    const Meshed pin = mesh_and_check(
+        parse_model("cube([10, 10, 10]); translate([5, 5, 5]) cylinder(h = 30, r = 0.7, $fn = 0);", "csg",
+                    "pin"),
+        options);
+    REQUIRE(pin.check.volume == doctest::Approx(1000));
+    CHECK(pin.report.loose_pieces == 0);
+    CHECK(lost_features(pin.report) == 1);
+}
+
+TEST_CASE("many thick bodies cost little") {
+    std::ostringstream text;
+    for (int i = 0; i < 216; ++i)
+        text << "translate([" << 4 * (i % 6) << ", " << 4 * (i / 6 % 6) << ", " << 4 * (i / 36)
+             << "]) sphere(r = 1.5, $fn = 0);";
+    MeshOptions options;
+    options.level = 5;
+    const Meshed balls = mesh_and_check(parse_model(text.str(), "csg", "balls"), options);
+    CHECK(balls.check.components == 216);
+    CHECK(balls.report.loose_pieces == 0);
+    for (const StageTime& stage : balls.report.stages) {
+        if (stage.stage == "films") CHECK(stage.wall_seconds < 5);  // 30 where all of each ball is walked
+    }
 }
 
 }  // namespace mortise::test

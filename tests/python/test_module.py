@@ -144,7 +144,7 @@ class Module(unittest.TestCase):
         self.assertEqual(sizes[0], sizes[1])
         self.assertEqual(sizes[0], sizes[2])
         self.assertGreater(len(sizes[0]), 5)
-        with self.assertRaisesRegex(TypeError, "expected a formula"):
+        with self.assertRaisesRegex(TypeError, "option 'size_formula': expected a formula"):
             self.mesher.generate(self.ball, level=4, size_formula=[1])
 
     def test_periodic(self):

@@ -98,7 +98,9 @@ CsgFinish read_linear_extrude(CsgScene&, const CsgNodeText& node) {
             if (auto extents = linear_extents(scene.flat, child.node, sweep)) {
                 scene.extents[result.node] = std::move(*extents);
             }
-            if (sweep.twist == 0) scene.sweeps[result.node] = {child.node, sweep};
+            // Scaled apart along x and y, slanted sides are no planes.
+            if (sweep.twist == 0 && sweep.scale[0] == sweep.scale[1])
+                scene.sweeps[result.node] = {child.node, sweep};
         }
         if (slanted && result.kind == Kind::kSolid)
             result.node = scene.model.add_transform(slant, result.node);

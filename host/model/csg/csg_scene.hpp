@@ -56,7 +56,7 @@ struct CsgScene {
     Model model;
     FlatTree flat;
     KnownExtents extents;  ///< of extrusions
-    KnownSweeps sweeps;    ///< of those without a twist
+    KnownSweeps sweeps;    ///< of those without a twist, whose sides are planes
     Fragments fragments;   ///< of round solids inside nodes that count in `flat_counts`
     int flat_counts = 0;   ///< open nodes for which a solid without volume counts: hull, minkowski, shadows
 

@@ -1,117 +1,113 @@
 #include "host/model/outlines/convex_parts.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
+#include <map>
 #include <utility>
 
+#include "host/model/outlines/contour_triangles.hpp"
 #include "host/model/outlines/polygons.hpp"
 
 namespace mortise::model_reader {
 namespace {
 
-/// Sine of the angle from which on a corner is reentrant, and part of a length that counts.
-constexpr double kTurned = 1e-9;
+/// Sine of the angle by which a corner may turn to the right and count as straight.
+constexpr double kStraightSine = 1e-9;
 
-/// A line through `at`; what lies on its left has positive distances.
-struct Line {
-    Vec2 at{}, direction{};
+double sine_of_turn(const Vec2& a, const Vec2& b, const Vec2& c) {
+    const double length = std::hypot(b[0] - a[0], b[1] - a[1]) * std::hypot(c[0] - b[0], c[1] - b[1]);
+    return ((b[0] - a[0]) * (c[1] - b[1]) - (b[1] - a[1]) * (c[0] - b[0])) / length;
+}
 
-    double distance(const Vec2& p) const {
-        return direction[0] * (p[1] - at[1]) - direction[1] * (p[0] - at[0]);
+/// Of shapes with r reentrant corners and h holes: a cut ends two such corners at most, and makes a part more
+/// or a hole less, so there are r / 2 + 1 - h parts at least.
+std::size_t least_parts(const Contours& shape) {
+    std::size_t reentrant = 0, holes = 0;
+    for (const auto& loop : shape) {
+        const std::size_t n = loop.size();
+        if (signed_area(loop) < 0) ++holes;
+        for (std::size_t i = 0; i < n; ++i) {
+            if (sine_of_turn(loop[i], loop[(i + 1) % n], loop[(i + 2) % n]) < -kStraightSine) ++reentrant;
+        }
     }
+    return std::max(reentrant / 2 + 1, holes + 1) - holes;
+}
+
+using Part = std::vector<std::uint32_t>;  ///< numbers of corners
+
+/// Parts that are joined two by two along the edges between them.
+class Joiner {
+  public:
+    explicit Joiner(const Contours& shape) {
+        for (const auto& loop : shape) points_.insert(points_.end(), loop.begin(), loop.end());
+        for (const auto& [a, b, c] : triangulate(shape)) parts_.push_back({a, b, c});
+    }
+
+    Contours run() {
+        std::map<std::pair<std::uint32_t, std::uint32_t>, std::size_t> behind;  // of which part an edge is
+        std::vector<std::size_t> into(parts_.size());
+        for (std::size_t t = 0; t < parts_.size(); ++t) {
+            into[t] = t;
+            for (std::size_t k = 0; k < 3; ++k) behind[{parts_[t][k], parts_[t][(k + 1) % 3]}] = t;
+        }
+        const auto find = [&into](std::size_t t) {
+            while (into[t] != t) t = into[t] = into[into[t]];
+            return t;
+        };
+        for (const auto& [edge, t] : behind) {
+            const auto other = behind.find({edge.second, edge.first});
+            if (edge.first > edge.second || other == behind.end()) continue;
+            const std::size_t first = find(t), second = find(other->second);
+            if (first == second) continue;
+            Part joined = join(parts_[first], parts_[second], edge.first, edge.second);
+            if (joined.empty()) continue;
+            parts_[first] = std::move(joined);
+            into[second] = first;
+        }
+        Contours result;
+        for (std::size_t t = 0; t < parts_.size(); ++t) {
+            if (into[t] != t) continue;
+            result.emplace_back();
+            for (const std::uint32_t corner : parts_[t]) result.back().push_back(points_[corner]);
+        }
+        return result;
+    }
+
+  private:
+    /// Both parts without the edge a, b between them, which the first one passes from a to b; empty: that is
+    /// not convex.
+    Part join(const Part& first, const Part& second, std::uint32_t a, std::uint32_t b) const {
+        const auto from = [](const Part& part, std::uint32_t begin) {
+            Part turned = part;
+            std::rotate(turned.begin(), std::find(turned.begin(), turned.end(), begin), turned.end());
+            return turned;
+        };
+        Part joined = from(first, b);       // b … a
+        const Part rest = from(second, a);  // a … b
+        joined.insert(joined.end(), rest.begin() + 1, rest.end() - 1);
+        const std::size_t n = joined.size();
+        for (std::size_t i = 0; i < n; ++i) {
+            const Vec2 &p = points_[joined[i]], &q = points_[joined[(i + 1) % n]],
+                       &r = points_[joined[(i + 2) % n]];
+            const std::uint32_t corner = joined[(i + 1) % n];
+            if ((corner == a || corner == b) && sine_of_turn(p, q, r) < -kStraightSine) return {};
+        }
+        return joined;
+    }
+
+    std::vector<Vec2> points_;
+    std::vector<Part> parts_;
 };
-
-/// From a to b.
-Line line_along(const Vec2& a, const Vec2& b) {
-    const double size = std::hypot(b[0] - a[0], b[1] - a[1]);
-    return {a, {(b[0] - a[0]) / size, (b[1] - a[1]) / size}};
-}
-
-double reach_of_shape(const Contours& shape) {
-    double reach = 0;
-    for (const auto& loop : shape) {
-        for (const Vec2& p : loop) reach = std::max({reach, std::fabs(p[0]), std::fabs(p[1])});
-    }
-    return reach;
-}
-
-/// How many edges of the shape the line crosses.
-std::size_t crossings(const Contours& shape, const Line& line, double margin) {
-    std::size_t count = 0;
-    for (const auto& loop : shape) {
-        double before = line.distance(loop.back());
-        for (const Vec2& p : loop) {
-            const double here = line.distance(p);
-            if (std::min(before, here) < -margin && std::max(before, here) > margin) ++count;
-            before = here;
-        }
-    }
-    return count;
-}
-
-/// The line along an edge at a reentrant corner that crosses the fewest edges; none: the shape is convex.
-std::optional<Line> best_cut(const Contours& shape, double margin) {
-    std::optional<Line> best;
-    std::size_t fewest = 0;
-    for (const auto& loop : shape) {
-        for (std::size_t i = 0; i < loop.size(); ++i) {
-            const Vec2& here = loop[i];
-            const Line before = line_along(loop[(i + loop.size() - 1) % loop.size()], here);
-            const Line after = line_along(here, loop[(i + 1) % loop.size()]);
-            const double turn =
-                before.direction[0] * after.direction[1] - before.direction[1] * after.direction[0];
-            if (turn > -kTurned) continue;
-            for (const Line& line : {before, after}) {
-                const std::size_t count = crossings(shape, line, margin);
-                if (best && count >= fewest) continue;
-                best = line;
-                fewest = count;
-            }
-        }
-    }
-    return best;
-}
-
-/// What lies on one side of the line, as shapes in one piece each.
-void add_side(const PolygonLattice& lattice, const Contours& shape, const Line& line, double side,
-              double reach, std::vector<Contours>& out) {
-    const double far = 4 * reach;
-    const auto corner = [&](double along, double across) {
-        return Vec2{line.at[0] + along * line.direction[0] - across * line.direction[1],
-                    line.at[1] + along * line.direction[1] + across * line.direction[0]};
-    };
-    const Contours half = {
-        {corner(-far, 0), corner(far, 0), corner(far, side * far), corner(-far, side * far)}};
-    const Contours kept = lattice.contours(
-        lattice.combined(FlatNode::Op::kIntersection, {lattice.paths(shape), lattice.paths(half)}));
-    for (const auto& loop : kept) {
-        if (signed_area(loop) > 0) out.emplace_back();
-        out.back().push_back(loop);
-    }
-}
 
 }  // namespace
 
 std::optional<Contours> convex_parts(const Contours& shape, std::size_t most) {
-    const double reach = reach_of_shape(shape);
-    const PolygonLattice lattice(8 * reach);
-    std::vector<Contours> open;
-    for (const auto& loop : shape) {
-        if (open.empty() || signed_area(loop) > 0) open.emplace_back();
-        open.back().push_back(loop);
-    }
-    Contours parts;
-    while (!open.empty()) {
-        if (parts.size() + open.size() > most) return std::nullopt;
-        const Contours piece = std::move(open.back());
-        open.pop_back();
-        const std::optional<Line> cut = best_cut(piece, kTurned * reach);
-        if (!cut) {
-            parts.push_back(piece.front());
-            continue;
-        }
-        for (const double side : {1.0, -1.0}) add_side(lattice, piece, *cut, side, reach, open);
-    }
+    if (shape.empty()) return Contours{};
+    if (least_parts(shape) > most) return std::nullopt;
+    Contours parts = Joiner(shape).run();
+    if (parts.size() > most) return std::nullopt;
     return parts;
 }
 

@@ -9,8 +9,9 @@
 
 namespace mortise::model_reader {
 
-/// Cuts a normalised shape (polygons.hpp) along edges at its reentrant corners, until all parts are convex:
-/// loops, counter-clockwise. None if there would be more than `most`.
+/// Divides a normalised shape (polygons.hpp) into triangles, and joins these while they stay convex (Hertel &
+/// Mehlhorn 1983: at most four times as many parts as need be): loops of its own corners, counter-clockwise.
+/// None if there would be more than `most`.
 std::optional<Contours> convex_parts(const Contours& shape, std::size_t most);
 
 }  // namespace mortise::model_reader

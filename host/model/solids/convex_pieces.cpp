@@ -69,7 +69,8 @@ std::vector<Leaf> leaves_below(const Model& model, std::uint32_t root, const Aff
             for (const std::uint32_t child : node.children) pending.push_back({child, to_model});
         } else {
             refuse(wanted,
-                   "an intersection with a union or a difference in it is not supported; expected "
+                   "an intersection with a union or a difference in it (as an extrusion becomes that is not "
+                   "convex, and twisted or scaled apart along x and y) is not supported; expected "
                    "intersections of convex solids");
         }
     }

@@ -119,8 +119,7 @@ bool is_one_outline(const FlatTree& shapes, std::uint32_t root) {
         shapes, root,
         [](const FlatNode& node, const FlatMap&) {
             if (node.op == FlatNode::Op::kCircle || !node.discs.empty()) return true;
-            const std::optional<Contours> parts = convex_parts(node.contours, 1);
-            return node.contours.empty() || parts.has_value();
+            return node.contours.empty() || convex_parts(node.contours, 1).has_value();
         },
         [](FlatNode::Op op, const std::vector<bool>& convex) {
             const bool all = std::find(convex.begin(), convex.end(), false) == convex.end();

@@ -12,7 +12,7 @@
 
 namespace mortise::model_reader {
 
-/// An extrusion without twist: its shape, a node of the scene's plane shapes.
+/// An extrusion without twist, scaled alike along x and y: its shape, a node of the scene's plane shapes.
 struct KnownSweep {
     std::uint32_t outline = 0;
     LinearSweep sweep;
