@@ -274,6 +274,8 @@ class Walk {
 Way find_way(Regions& regions, const Skin& skin, const Piece& piece, MissedFeature& torn) {
     const Side& first = piece.sides.front();
     const double edge = octree::Octree::edge_of(regions.leaf_at_point(skin.middle(first.facet)).level);
+    const double step = kStride * edge;
+    if (piece.volume > static_cast<double>(kMostSteps) * step * step * step) return Way::kThick;
     Walk walk(regions, piece, edge);
     Way way = Way::kNone;
     std::size_t starts = 0;
