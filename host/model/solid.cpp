@@ -221,14 +221,30 @@ Solid rod(const Vec3& a, const Vec3& b, double radius_at_a, double radius_at_b) 
 
 Solid lattice(const std::vector<Vec3>& points, const std::vector<std::array<std::uint32_t, 2>>& edges,
               double radius) {
+    return lattice(points, edges, std::vector<double>(edges.size(), radius));
+}
+
+Solid lattice(const std::vector<Vec3>& points, const std::vector<std::array<std::uint32_t, 2>>& edges,
+              const std::vector<double>& radii) {
+    if (radii.size() != edges.size())
+        refuse_solid("lattice: " + std::to_string(radii.size()) + " radii of " +
+                     std::to_string(edges.size()) + " edges; expected one for each");
     std::vector<Solid> rods;
     for (std::size_t i = 0; i < edges.size(); ++i) {
+        const std::string edge = "lattice: edge " + std::to_string(i);
         for (const std::uint32_t end : edges[i]) {
-            if (end < points.size()) continue;
-            refuse_solid("lattice: edge " + std::to_string(i) + " ends at point " + std::to_string(end) +
-                         "; there are " + std::to_string(points.size()) + " points");
+            if (end >= points.size())
+                refuse_solid(edge + " ends at point " + std::to_string(end) + "; there are " +
+                             std::to_string(points.size()) + " points");
+            for (const double x : points[end]) {
+                if (!std::isfinite(x))
+                    refuse_solid(edge + " ends at point " + std::to_string(end) + ", which is not finite");
+            }
         }
-        rods.push_back(rod(points[edges[i][0]], points[edges[i][1]], radius));
+        if (edges[i][0] == edges[i][1])
+            refuse_solid(edge + " begins and ends at point " + std::to_string(edges[i][0]));
+        require_length(edge + ": the radius", radii[i]);
+        rods.push_back(rod(points[edges[i][0]], points[edges[i][1]], radii[i]));
     }
     return unite(rods);
 }

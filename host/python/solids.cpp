@@ -1,6 +1,8 @@
 #include "host/python/solids.hpp"
 
 #include <array>
+#include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
 #include <utility>
@@ -118,17 +120,23 @@ Solid lattice_of(const Numbers& points, const py::object& given, const Numbers& 
         throw py::value_error("expected one radius, or one for each of the " +
                               std::to_string(edges.shape(0)) + " edges");
     const auto ends = py::cast<py::array_t<std::int64_t, py::array::c_style | py::array::forcecast>>(edges);
-    const auto point = [&](py::ssize_t edge, py::ssize_t k) {
-        const std::int64_t i = ends.at(edge, k);
-        if (i < 0 || i >= points.shape(0))
-            throw py::value_error("edge " + std::to_string(edge) + " ends at point " + std::to_string(i) +
-                                  "; there are " + std::to_string(points.shape(0)) + " points");
-        return Vec3{points.at(i, 0), points.at(i, 1), points.at(i, 2)};
-    };
-    std::vector<Solid> rods;
-    for (py::ssize_t i = 0; i < ends.shape(0); ++i)
-        rods.push_back(rod(point(i, 0), point(i, 1), radius.ndim() == 1 ? radius.at(i) : *radius.data()));
-    return unite(rods);
+    std::vector<Vec3> places;
+    for (py::ssize_t i = 0; i < points.shape(0); ++i)
+        places.push_back({points.at(i, 0), points.at(i, 1), points.at(i, 2)});
+    std::vector<std::array<std::uint32_t, 2>> pairs;
+    std::vector<double> radii;
+    for (py::ssize_t i = 0; i < ends.shape(0); ++i) {
+        pairs.emplace_back();
+        for (py::ssize_t k = 0; k < 2; ++k) {
+            const std::int64_t end = ends.at(i, k);
+            if (end < 0 || end > std::numeric_limits<std::uint32_t>::max())
+                throw py::value_error("edge " + std::to_string(i) + " ends at point " + std::to_string(end) +
+                                      "; expected numbers of points, from 0");
+            pairs.back()[static_cast<std::size_t>(k)] = static_cast<std::uint32_t>(end);
+        }
+        radii.push_back(radius.ndim() == 1 ? radius.at(i) : *radius.data());
+    }
+    return lattice(places, pairs, radii);
 }
 
 /// By way of the reader of .off files, which closes, turns and joins what can be, and refuses the rest.

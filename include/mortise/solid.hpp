@@ -76,9 +76,12 @@ Solid frustum(double bottom, double top, double height);
 /// The hull of a ball around each of two points: a rod with round ends, which may be tapered.
 Solid rod(const Vec3& a, const Vec3& b, double radius);
 Solid rod(const Vec3& a, const Vec3& b, double radius_at_a, double radius_at_b);
-/// Rods of one radius along edges, pairs of indices into `points`: a lattice of struts, round at its nodes.
+/// Rods along edges, pairs of indices into `points`: a lattice of struts, round at its nodes. Of one radius,
+/// or of one for each edge.
 Solid lattice(const std::vector<Vec3>& points, const std::vector<std::array<std::uint32_t, 2>>& edges,
               double radius);
+Solid lattice(const std::vector<Vec3>& points, const std::vector<std::array<std::uint32_t, 2>>& edges,
+              const std::vector<double>& radii);
 /// Where a formula in x, y, z (docs/formulas.md) is not positive; within bounds if there are any, whose faces
 /// then belong to it. Throws Error(kInput), with the column, for a formula that is not understood.
 Solid implicit(const std::string& formula, const std::optional<Box3>& bounds = {});

@@ -103,6 +103,18 @@ TEST_CASE("rods and lattices") {
     CHECK(message_of([&] {
               lattice(corners, {{0, 1}, {1, 4}}, 1);
           }) == "lattice: edge 1 ends at point 4; there are 4 points");
+    CHECK(message_of([&] {
+              lattice(corners, {{0, 1}, {1, 1}}, 1);
+          }) == "lattice: edge 1 begins and ends at point 1");
+    CHECK(message_of([&] {
+              lattice(corners, {{0, 1}, {1, 2}}, {1, 0});
+          }).find("edge 1: the radius is 0") != std::string::npos);
+    CHECK(message_of([&] {
+              lattice(corners, {{0, 1}, {1, 2}}, std::vector<double>{1});
+          }) == "lattice: 1 radii of 2 edges; expected one for each");
+    CHECK(message_of([] {
+              lattice({{0, 0, 0}, {NAN, 0, 0}}, {{0, 1}}, 1);
+          }).find("point 1, which is not") != std::string::npos);
 }
 
 TEST_CASE("transforms: where they put things") {

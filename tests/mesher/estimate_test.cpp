@@ -137,11 +137,11 @@ TEST_CASE("where larger cells take longer than cells as asked, a part of the mod
                    "],[0,0,1," + std::to_string(i / 36) + "],[0,0,0,1]]) sphere(r = 0.4);";
     const Model model = parsed(lattice.c_str());
     MeshOptions options;
-    options.level = 7;
+    options.level = 6;
     Mesher mesher;
     std::vector<double> sizes;
     device::Device device("", {});
-    const double cell = 5.8 / 128;
+    const double cell = 5.8 / 64;
     const MeshEstimate estimate =
         pipeline::estimate([&]() -> device::Device& { return device; }, model, options,
                            [&](const Model& tried, const MeshOptions& trial, MeshReport& report) {

@@ -266,8 +266,10 @@ class Module(unittest.TestCase):
             self.mesher.generate(mortise.sphere(1) - mortise.sphere(2))
         with self.assertRaisesRegex(ValueError, "there are 1 points"):
             mortise.polyhedron([[0, 0, 0]], [[0, 1, 2]])
-        with self.assertRaisesRegex(ValueError, "edge 0 ends at point 1; there are 1 points"):
+        with self.assertRaisesRegex(mortise.Error, "edge 0 ends at point 1; there are 1 points"):
             mortise.lattice([[0, 0, 0]], [[0, 1]], 1)
+        with self.assertRaisesRegex(ValueError, "edge 0 ends at point -1; expected"):
+            mortise.lattice([[0, 0, 0]], [[0, -1]], 1)
         with self.assertRaisesRegex(ValueError, "one for each of the 1 edges"):
             mortise.lattice([[0, 0, 0], [1, 0, 0]], [[0, 1]], [1, 2])
         with self.assertRaisesRegex(ValueError, "count x 2 whole numbers"):
