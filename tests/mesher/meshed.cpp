@@ -68,6 +68,12 @@ Meshed mesh_and_check(const Model& model, int level, bool templates) {
     return mesh_and_check(model, options);
 }
 
+MeshOptions at_level(int level) {
+    MeshOptions options;
+    options.level = level;
+    return options;
+}
+
 std::int64_t lost_features(const MeshReport& report) {
     return std::count_if(report.missed.begin(), report.missed.end(),
                          [](const MissedFeature& feature) { return !feature.kept; });

@@ -10,6 +10,15 @@
 
 namespace mortise::test {
 
+/// Cells of one size: the root box split so many times.
+MeshOptions at_level(int level);
+
+/// Takes a mesh in parts, and forgets them.
+struct DiscardingSink : MeshSink {
+    void begin(const MeshTotals&, const Mesh&) override {}
+    void add(const Mesh&, const std::vector<float>&) override {}
+};
+
 struct Meshed {
     Mesh mesh;
     MeshReport report;

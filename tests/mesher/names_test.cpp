@@ -13,6 +13,7 @@
 namespace {
 
 using namespace mortise;
+using test::at_level;
 using Names = std::set<std::string>;
 
 /// Names of the facets by the regions that they lie between.
@@ -24,12 +25,6 @@ std::map<std::pair<std::string, std::string>, Names> names_of(const Mesh& mesh) 
             mesh.surface_names[mesh.facets.surface[f]]);
     }
     return names;
-}
-
-MeshOptions at_level(int level) {
-    MeshOptions options;
-    options.level = level;
-    return options;
 }
 
 /// Two boxes side by side, with four sides in common planes.

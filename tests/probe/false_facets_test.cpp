@@ -42,12 +42,6 @@ Model bridge(unsigned seed) {
     return parse_model(text.str(), "csg", "bridge");
 }
 
-MeshOptions unit_cells() {
-    MeshOptions options;
-    options.level = 5;
-    return options;
-}
-
 }  // namespace
 
 TEST_CASE("holes that a mesh closes are told of one by one") {
@@ -56,7 +50,7 @@ TEST_CASE("holes that a mesh closes are told of one by one") {
         const double thickness = 0.3 + 0.07 * (seed % 12);
         const double radius = 0.24 + 0.03 * (seed % 9);
         CAPTURE(seed);
-        const Meshed result = mesh_and_check(plate(seed, thickness, radius), unit_cells());
+        const Meshed result = mesh_and_check(plate(seed, thickness, radius), at_level(5));
         CHECK(result.defects == "");
         const auto missing = static_cast<int>(result.check.euler_characteristic - (2 - 2 * kHoles)) / 2;
         closed += missing;
@@ -76,7 +70,7 @@ TEST_CASE("bars that a mesh tears are told of") {
     int torn = 0, silent = 0, alarms = 0;
     for (unsigned seed = 1; seed <= 60; ++seed) {
         CAPTURE(seed);
-        const Meshed result = mesh_and_check(bridge(seed), unit_cells());
+        const Meshed result = mesh_and_check(bridge(seed), at_level(5));
         CHECK(result.defects == "");
         const bool whole = result.check.euler_characteristic == 2;
         if (!whole) ++torn;
@@ -92,7 +86,7 @@ TEST_CASE("bars that a mesh tears are told of") {
 TEST_CASE("a hole that a mesh closes is refused by --strict and told alike for any threads and parts") {
     // Found by random plates: the hole is seen by the centre of its cell, and closed below.
     const Model model = plate(3, 0.62, 0.37);
-    MeshOptions options = unit_cells();
+    MeshOptions options = at_level(5);
     const Meshed whole = mesh_and_check(model, options);
     REQUIRE(whole.check.euler_characteristic != 2 - 2 * kHoles);
     REQUIRE(lost_features(whole.report) > 0);
@@ -102,16 +96,13 @@ TEST_CASE("a hole that a mesh closes is refused by --strict and told alike for a
     for (std::size_t i = 0; i < alone.report.missed.size(); ++i)
         CHECK(alone.report.missed[i].position == whole.report.missed[i].position);
 
-    struct Discard : MeshSink {
-        void begin(const MeshTotals&, const Mesh&) override {}
-        void add(const Mesh&, const std::vector<float>&) override {}
-    } discard;
+    DiscardingSink discard;
     MeshReport streamed;
     options.pieces = 3;
     Mesher().stream(model, options, discard, &streamed);
     CHECK(lost_features(streamed) == lost_features(whole.report));
 
-    options = unit_cells();
+    options = at_level(5);
     options.strict = true;
     CHECK_THROWS_AS(generate(model, options), Error);
 }

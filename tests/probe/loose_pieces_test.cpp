@@ -27,18 +27,11 @@ Model plate_with_hole(double x, double y) {
     return plate_with("difference() {", hole.str());
 }
 
-/// Cells of 1.6 on the plate.
-MeshOptions level_six() {
-    MeshOptions options;
-    options.level = 6;
-    return options;
-}
-
 }  // namespace
 
 TEST_CASE("a pin of which only crumbs are left is told of") {
     const Model model = plate_with_pin(37.08, 32.49);
-    MeshOptions options = level_six();
+    MeshOptions options = at_level(6);
     const Meshed result = mesh_and_check(model, options);
     CHECK(result.defects == "");
     REQUIRE(result.check.components == 4);
@@ -49,22 +42,19 @@ TEST_CASE("a pin of which only crumbs are left is told of") {
     options.threads = 1;
     CHECK(mesh_and_check(model, options).report.warnings == result.report.warnings);
 
-    struct Discard : MeshSink {
-        void begin(const MeshTotals&, const Mesh&) override {}
-        void add(const Mesh&, const std::vector<float>&) override {}
-    } discard;
+    DiscardingSink discard;
     MeshReport streamed;
     options.pieces = 3;
     Mesher().stream(model, options, discard, &streamed);
     CHECK(streamed.loose_pieces == 3);
 
-    options = level_six();
+    options = at_level(6);
     options.strict = true;
     CHECK_THROWS_WITH_AS(generate(model, options), doctest::Contains("3 loose pieces"), Error);
 }
 
 TEST_CASE("a hole of which only closed hollows are left is told of") {
-    const Meshed result = mesh_and_check(plate_with_hole(42.01, 32.49), level_six());
+    const Meshed result = mesh_and_check(plate_with_hole(42.01, 32.49), at_level(6));
     REQUIRE(result.check.euler_characteristic == 6);
     CHECK(result.report.closed_hollows == 2);
     CHECK(result.report.loose_pieces == 0);
@@ -81,7 +71,7 @@ TEST_CASE("no thin pin or hole is wrong without a word") {
         const bool is_pin = k % 2 == 0;
         const double x = between(2, 98), y = between(2, 58);
         const Meshed result =
-            mesh_and_check(is_pin ? plate_with_pin(x, y) : plate_with_hole(x, y), level_six());
+            mesh_and_check(is_pin ? plate_with_pin(x, y) : plate_with_hole(x, y), at_level(6));
         CHECK(result.defects == "");
         const bool is_right = result.check.euler_characteristic == (is_pin ? 2 : 0);
         const bool is_whole = result.check.components == 1;
@@ -103,7 +93,7 @@ TEST_CASE("small bodies and voids that the model has are no crumbs, and are not 
             "difference() { cube([40, 40, 40]); translate([3.3, 9.8, 17.1]) sphere(r = 0.35, $fn = 0);"
             "translate([20, 20, 20]) sphere(r = 0.5, $fn = 0); }",
             "csg", "void"),
-        level_six());
+        at_level(6));
     CHECK(hollow.check.euler_characteristic == 6);
     CHECK(hollow.report.closed_hollows == 0);
     CHECK(lost_features(hollow.report) == 0);
@@ -111,7 +101,7 @@ TEST_CASE("small bodies and voids that the model has are no crumbs, and are not 
         mesh_and_check(parse_model("cube([40, 40, 4]); translate([20, 20, 8]) sphere(r = 0.6, $fn = 0);"
                                    "translate([10, 10, 5.5]) cylinder(h = 1.2, r = 0.5, $fn = 0);",
                                    "csg", "apart"),
-                       level_six());
+                       at_level(6));
     CHECK(apart.check.components == 3);
     CHECK(apart.report.loose_pieces == 0);
 }

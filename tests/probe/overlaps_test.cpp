@@ -16,12 +16,6 @@ namespace {
 
 constexpr int kOverlapLevel = 5;
 
-MeshOptions at_level(int level) {
-    MeshOptions options;
-    options.level = level;
-    return options;
-}
-
 std::vector<std::string> overlaps_of(const Model& model,
                                      const MeshOptions& options = at_level(kOverlapLevel)) {
     MeshReport report;

@@ -7,6 +7,7 @@
 #include "host/pipeline/memory_limit.hpp"
 #include "mortise/mesher.hpp"
 #include "tests/assembly/regions_on_grid.hpp"
+#include "tests/mesher/meshed.hpp"
 #include "tests/mesher/random_models.hpp"
 
 using namespace mortise;
@@ -132,13 +133,6 @@ std::uint64_t memory_with(std::uint64_t mebibytes) {
     malloc_trim(0);
     return pipeline::memory_now() + (mebibytes << 20);
 }
-
-/// Passes nothing on.
-class Discard : public MeshSink {
-  public:
-    void begin(const MeshTotals&, const Mesh&) override {}
-    void add(const Mesh&, const std::vector<float>&) override {}
-};
 
 }  // namespace
 
@@ -280,7 +274,7 @@ TEST_CASE("parts follow from the memory") {
 
 TEST_CASE("a boundary that does not fit into the memory is refused before it is classified") {
     Mesher mesher;
-    Discard sink;
+    test::DiscardingSink sink;
     MeshOptions options;
     options.level = 7;
     options.memory = memory_with(1);
@@ -300,7 +294,7 @@ TEST_CASE("a boundary that does not fit into the memory is refused before it is 
 
 TEST_CASE("what cannot be made in parts is refused") {
     Mesher mesher;
-    Discard sink;
+    test::DiscardingSink sink;
     const auto code_of = [&](const Model& model, const MeshOptions& options) {
         try {
             mesher.stream(model, options, sink);
@@ -329,7 +323,7 @@ TEST_CASE("what cannot be made in parts is refused") {
 
 TEST_CASE("an empty model and an interrupted run end as usual") {
     Mesher mesher;
-    Discard sink;
+    test::DiscardingSink sink;
     Model empty =
         parse_model("algebraic3d\nsolid a = sphere (0,0,0;1) and sphere (5,0,0;1);\ntlo a;\n", "geo", "e");
     MeshOptions options;
