@@ -3,18 +3,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
-#include <map>
 #include <unordered_map>
 #include <utility>
 
 #include "host/common/constants.hpp"
-#include "host/common/disjoint_sets.hpp"
-#include "host/common/index_set.hpp"
 #include "host/common/parallel.hpp"
 #include "host/common/vec3.hpp"
 #include "host/probe/regions.hpp"
-#include "host/probe/skin.hpp"
+#include "host/probe/skin_pieces.hpp"
 
 namespace mortise::probe {
 namespace {
@@ -39,127 +35,6 @@ std::array<int, 3> neighbour(std::size_t k) {
     return {i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1};
 }
 
-/// A facet seen from one of its two sides.
-struct Side {
-    std::uint32_t facet;
-    bool is_inside;
-};
-
-struct Piece {
-    std::uint16_t region = 0;
-    double volume = 0;  ///< of the root box; negative for what lies around others
-    Vec3 low{}, high{};
-    std::vector<Side> sides;
-};
-
-/// Numbers for the regions at each node: sides of facets belong together that share one.
-class Corners {
-  public:
-    Corners(const FacetBlock& facets, std::size_t nodes) : nodes_(nodes) {
-        for (const NodeId node : facets.nodes) nodes_.insert(node);
-        nodes_.number();
-        usual_.assign(kUsual * nodes_.size(), kNone);
-        for (std::size_t f = 0; f < facets.size(); ++f) {
-            for (const NodeId node : facets.facet(f)) {
-                add(node, facets.inside[f]);
-                add(node, facets.outside[f]);
-            }
-        }
-    }
-
-    std::size_t size() const { return usual_.size() + others_.size(); }
-
-    std::uint32_t number(NodeId node, std::uint16_t region) const {
-        const std::size_t first = kUsual * nodes_.place(node);
-        for (std::size_t k = first; k < first + kUsual; ++k) {
-            if (usual_[k] == region) return static_cast<std::uint32_t>(k);
-        }
-        return others_.find({node, region})->second;
-    }
-
-  private:
-    static constexpr std::size_t kUsual = 2;  ///< regions at nearly all nodes
-    static constexpr std::uint16_t kNone = 0xffff;
-
-    void add(NodeId node, std::uint16_t region) {
-        const std::size_t first = kUsual * nodes_.place(node);
-        for (std::size_t k = first; k < first + kUsual; ++k) {
-            if (usual_[k] == kNone) usual_[k] = region;
-            if (usual_[k] == region) return;
-        }
-        others_.emplace(std::pair(node, region), static_cast<std::uint32_t>(usual_.size() + others_.size()));
-    }
-
-    IndexSet nodes_;
-    std::vector<std::uint16_t> usual_;
-    std::map<std::pair<NodeId, std::uint16_t>, std::uint32_t> others_;
-};
-
-/// Leaves out what has no volume of its own, and of each region without a large piece the largest: that is
-/// its body.
-void drop_main_pieces(const std::vector<std::uint8_t>& has_large, std::vector<Piece>& pieces) {
-    std::map<std::uint16_t, std::size_t> main;  // by region
-    for (std::size_t i = 0; i < pieces.size(); ++i) {
-        const std::uint16_t region = pieces[i].region;
-        if (region == 0 || has_large[region] != 0) continue;
-        const auto [largest, is_first] = main.emplace(region, i);
-        if (!is_first && pieces[i].volume > pieces[largest->second].volume) largest->second = i;
-    }
-    for (const auto& [region, i] : main) pieces[i].volume = 0;
-    pieces.erase(std::remove_if(pieces.begin(), pieces.end(), [](const Piece& p) { return !(p.volume > 0); }),
-                 pieces.end());
-}
-
-/// Pieces of few facets, by their first facet, but for the bodies that they have come off.
-std::vector<Piece> list_pieces(const Skin& skin, const FacetBlock& facets, std::size_t nodes) {
-    const Corners corners(facets, nodes);
-    DisjointSets sets(corners.size());
-    const auto for_sides = [&](const auto& visit) {
-        for (std::uint32_t f = 0; f < facets.size(); ++f) {
-            visit(Side{f, true}, facets.inside[f]);
-            visit(Side{f, false}, facets.outside[f]);
-        }
-    };
-    for_sides([&](const Side& side, std::uint16_t region) {
-        const FacetNodes nodes_of = facets.facet(side.facet);
-        const std::uint32_t first = corners.number(nodes_of[0], region);
-        for (std::size_t k = 1; k < nodes_of.size(); ++k)
-            sets.join(first, corners.number(nodes_of[k], region));
-    });
-    std::vector<std::uint32_t> count(sets.size(), 0);
-    const auto piece_of = [&](const Side& side, std::uint16_t region) {
-        return sets.find(corners.number(facets.facet(side.facet)[0], region));
-    };
-    for_sides([&](const Side& side, std::uint16_t region) { ++count[piece_of(side, region)]; });
-    std::map<std::uint32_t, std::size_t> place;
-    std::vector<Piece> pieces;
-    std::vector<std::uint8_t> has_large(std::numeric_limits<std::uint16_t>::max() + std::size_t{1}, 0);
-    constexpr double kFar = std::numeric_limits<double>::infinity();
-    for_sides([&](const Side& side, std::uint16_t region) {
-        const std::uint32_t number = piece_of(side, region);
-        if (count[number] > kMostFacets) {
-            has_large[region] = 1;
-            return;
-        }
-        const auto [at, is_new] = place.emplace(number, pieces.size());
-        if (is_new) pieces.push_back({region, 0, {kFar, kFar, kFar}, {-kFar, -kFar, -kFar}, {}});
-        Piece& piece = pieces[at->second];
-        piece.sides.push_back(side);
-        for (std::size_t part = 0; part < skin.triangles(side.facet); ++part) {
-            const Triangle t = skin.triangle(side.facet, part);
-            piece.volume += (side.is_inside ? 1 : -1) * dot(t[0], cross(t[1], t[2])) / 6;
-            for (const Vec3& corner : t) {
-                for (std::size_t j = 0; j < 3; ++j) {
-                    piece.low[j] = std::min(piece.low[j], corner[j]);
-                    piece.high[j] = std::max(piece.high[j], corner[j]);
-                }
-            }
-        }
-    });
-    drop_main_pieces(has_large, pieces);
-    return pieces;
-}
-
 enum class Way : std::uint8_t {
     kEnds,    ///< the model's region ends within half a cell of the piece
     kGoesOn,  ///< it goes on beyond
@@ -170,7 +45,7 @@ enum class Way : std::uint8_t {
 /// Walks through the model's region of a piece.
 class Walk {
   public:
-    Walk(Regions& regions, const Piece& piece, double edge)
+    Walk(Regions& regions, const SkinPiece& piece, double edge)
         : regions_(regions), piece_(piece), edge_(edge), step_(kStride * edge) {}
 
     Way from(const Vec3& start) {
@@ -263,7 +138,7 @@ class Walk {
     }
 
     Regions& regions_;
-    const Piece& piece_;
+    const SkinPiece& piece_;
     const double edge_;  ///< of the cells there
     const double step_;
     Vec3 start_{};
@@ -271,15 +146,15 @@ class Walk {
 };
 
 /// What the model has at a piece; `torn` tells more where it goes on beyond it.
-Way find_way(Regions& regions, const Skin& skin, const Piece& piece, MissedFeature& torn) {
-    const Side& first = piece.sides.front();
+Way find_way(Regions& regions, const Skin& skin, const SkinPiece& piece, MissedFeature& torn) {
+    const SkinSide& first = piece.sides.front();
     const double edge = octree::Octree::edge_of(regions.leaf_at_point(skin.middle(first.facet)).level);
     const double step = kStride * edge;
     if (piece.volume > static_cast<double>(kMostSteps) * step * step * step) return Way::kThick;
     Walk walk(regions, piece, edge);
     Way way = Way::kNone;
     std::size_t starts = 0;
-    for (const Side& side : piece.sides) {
+    for (const SkinSide& side : piece.sides) {
         const Vec3 inward = scaled(skin.normal(side.facet), side.is_inside ? -1 : 1);
         const Vec3 start = sum(skin.middle(side.facet), scaled(inward, kInward * edge));
         if (walk.has_passed(start)) continue;
@@ -298,9 +173,9 @@ Way find_way(Regions& regions, const Skin& skin, const Piece& piece, MissedFeatu
 }
 
 /// Whether the facets of a piece go around x: the angles under which it sees them add up to all directions.
-bool holds(const Skin& skin, const Piece& piece, const Vec3& x) {
+bool holds(const Skin& skin, const SkinPiece& piece, const Vec3& x) {
     double angle = 0;
-    for (const Side& side : piece.sides) {
+    for (const SkinSide& side : piece.sides) {
         for (std::size_t part = 0; part < skin.triangles(side.facet); ++part) {
             const Triangle t = skin.triangle(side.facet, part);
             std::array<Vec3, 3> to;
@@ -323,7 +198,7 @@ std::vector<MissedFeature> find_torn_pieces(const tape::BoundModel& model, const
                                             const std::vector<double>& points, const FacetBlock& facets,
                                             int threads, std::vector<MissedFeature>& missed) {
     const Skin skin(model, points, facets);
-    const std::vector<Piece> pieces = list_pieces(skin, facets, points.size() / 3);
+    const std::vector<SkinPiece> pieces = list_small_pieces(skin, facets, points.size() / 3, kMostFacets);
     std::vector<MissedFeature> found(pieces.size());
     std::vector<Way> way(pieces.size(), Way::kNone);
     parallel_chunks(pieces.size(), kPieceChunk, threads, [&](std::size_t begin, std::size_t end, int) {
@@ -332,7 +207,7 @@ std::vector<MissedFeature> find_torn_pieces(const tape::BoundModel& model, const
     });
     std::vector<MissedFeature> torn;
     for (std::size_t i = 0; i < pieces.size(); ++i) {
-        const Piece& piece = pieces[i];
+        const SkinPiece& piece = pieces[i];
         const bool is_material = piece.region != 0;
         if (way[i] == Way::kEnds) {
             for (MissedFeature& feature : missed) {
