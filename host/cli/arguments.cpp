@@ -56,7 +56,7 @@ std::string values_of(const std::string& option) {
     const bool is_option = word.size() > 1 && word.front() == '-' &&
                            app.get_option_no_throw(word.substr(0, word.find('='))) != nullptr;
     refuse(is_option ? "'" + word + "' is for meshing a single model, not for " + command +
-                           "; leave it away, see " + command + " --help"
+                           "; leave it out, see " + command + " --help"
                      : "unexpected argument '" + word + "'; see " + command + " --help");
 }
 
@@ -221,7 +221,7 @@ void read_memory(const std::string& word, Arguments& arguments) {
                                                   {arguments.options.layers.count > 0, "--layers"}};
     for (const auto& [is_given, option] : wrong) {
         if (is_given)
-            refuse(std::string(option) + " needs the whole mesh in memory; leave it or --memory away");
+            refuse(std::string(option) + " needs the whole mesh in memory; leave out that or --memory");
     }
 }
 
@@ -237,7 +237,7 @@ void read_dry_run(const Words& words, Arguments& arguments) {
                                                   {!words.cut.empty(), "--cut"},
                                                   {!words.memory.empty(), "--memory"}};
     for (const auto& [is_given, option] : wrong) {
-        if (is_given) refuse(std::string(option) + ": a dry run makes no mesh; leave it or --dry-run away");
+        if (is_given) refuse(std::string(option) + ": a dry run makes no mesh; leave out that or --dry-run");
     }
 }
 

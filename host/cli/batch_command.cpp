@@ -133,7 +133,7 @@ void make_folder_of(const Item& item) {
 /// Warnings of thousands of models would bury everything else: --json has them.
 std::string count_text(std::size_t warnings) {
     if (warnings == 0) return {};
-    return "; " + std::to_string(warnings) + (warnings == 1 ? " warning" : " warnings");
+    return "; " + counted(warnings, "warning");
 }
 
 /// What became of a model, as JSON from a worker: `report` as printed by --json, `line` for people.
@@ -166,8 +166,8 @@ Json mesh_one(Mesher& mesher, const Arguments& arguments, MeshOptions options, c
         document["warnings"] = report.warnings;
         if (arguments.check) {
             const CheckReport check = check_mesh(mesh, options.threads);
-            refuse_defects(check);
             document["check"] = check_document(check);
+            refuse_defects(check);
         }
         make_folder_of(item);
         MeshFileOptions file_options = arguments.file_options;
@@ -176,7 +176,7 @@ Json mesh_one(Mesher& mesher, const Arguments& arguments, MeshOptions options, c
         if (arguments.json) document.update(mesh_document(report, figures));
         document["outputs"] = Json::array({item.output});
         outcome["line"] = item.model + ": " + std::to_string(mesh.element_count()) + " elements, " +
-                          short_number(seconds_since(start), 3) + " s, " + item.output +
+                          rounded_text(seconds_since(start), 3) + " s, " + item.output +
                           count_text(report.warnings.size());
         const auto below = below_floor(mesh, report.scaled_jacobians, arguments.quality_floor);
         mesher.recycle(std::move(mesh));
@@ -184,7 +184,7 @@ Json mesh_one(Mesher& mesher, const Arguments& arguments, MeshOptions options, c
     } catch (const Error& error) {
         const std::string message = late == nullptr
                                         ? error.what()
-                                        : "took more than " + short_number(arguments.time_limit, 3) +
+                                        : "took more than " + rounded_text(arguments.time_limit, 3) +
                                               " s, the last in '" + late +
                                               "'; give it more (--time-limit), or larger cells";
         const bool names_it = message.find(item.model) != std::string::npos;
@@ -209,7 +209,11 @@ Json lost(const Item& item, int how) {
     return {{"code", static_cast<int>(ExitCode::kMeshing)},
             {"line", line},
             {"report",
-             {{"model", item.model}, {"error", line}, {"exit_code", static_cast<int>(ExitCode::kMeshing)}}}};
+             {{"model", item.model},
+              {"warnings", Json::array()},
+              {"error", line},
+              {"exit_code", static_cast<int>(ExitCode::kMeshing)},
+              {"seconds", nullptr}}}};
 }
 
 /// Tells outcomes in the order of the list, as soon as those before them are there.
@@ -231,8 +235,8 @@ class Teller {
                 below_floor_ > 0 ? ", " + std::to_string(below_floor_) + " of them below the quality floor"
                                  : "";
             print(std::to_string(items_.size() - failed_) + " of " + std::to_string(items_.size()) +
-                  " models meshed in " + short_number(seconds, 3) + " s, " +
-                  short_number(60 * static_cast<double>(items_.size()) / seconds, 3) + " a minute" + poor +
+                  " models meshed in " + rounded_text(seconds, 3) + " s, " +
+                  rounded_text(60 * static_cast<double>(items_.size()) / seconds, 3) + " a minute" + poor +
                   "\n");
         }
         return first_failure_;

@@ -16,8 +16,8 @@ std::string figures_text(const CheckReport& report) {
     if (report.middle_nodes > 0)
         text += ", " + std::to_string(report.middle_nodes) + " of them in the middles of edges";
     text += "\n";
-    text += "  volume     " + short_number(report.volume, 9) + "\n";
-    text += "  boundary   area " + short_number(report.boundary_area, 9) + ", " +
+    text += "  volume     " + rounded_text(report.volume, 9) + "\n";
+    text += "  boundary   area " + rounded_text(report.boundary_area, 9) + ", " +
             std::to_string(report.boundary_facets) + " facets, Euler characteristic " +
             std::to_string(report.euler_characteristic) + ", non-manifold " +
             std::to_string(report.nonmanifold_edges) + " edges, " + std::to_string(report.nonmanifold_nodes) +
@@ -26,8 +26,8 @@ std::string figures_text(const CheckReport& report) {
             ", regions " + std::to_string(report.region_volume.size()) + ", interface facets " +
             std::to_string(report.interface_facets) + "\n";
     text += "  worst      scaled Jacobian " + list_jacobians(report.elements, report.min_scaled_jacobian) +
-            "; dihedral angles " + short_number(report.min_dihedral) + " to " +
-            short_number(report.max_dihedral) + " degrees\n";
+            "; dihedral angles " + rounded_text(report.min_dihedral, 4) + " to " +
+            rounded_text(report.max_dihedral, 4) + " degrees\n";
     return text;
 }
 

@@ -12,7 +12,7 @@ namespace mortise::cli {
 namespace {
 
 std::string gibibytes(std::uint64_t bytes) {
-    return short_number(static_cast<double>(bytes) / (1u << 30), 3) + " GiB";
+    return rounded_text(static_cast<double>(bytes) / (1u << 30), 3) + " GiB";
 }
 
 }  // namespace

@@ -16,7 +16,7 @@ constexpr std::uint64_t kMostNodes = 0xfffffffeu;  ///< of a mesh: NodeId
 
 /// Two digits.
 std::string rough(double value) {
-    if (value < 100) return short_number(value, 2);
+    if (value < 100) return rounded_text(value, 2);
     const double step = std::pow(10, std::floor(std::log10(value)) - 1);
     return std::to_string(std::llround(std::round(value / step) * step));
 }
@@ -38,7 +38,7 @@ std::string estimate_text(const Arguments& arguments, const MeshEstimate& estima
     std::string text = arguments.file + ": " + about + count(estimate.elements) + " elements, " +
                        count(estimate.nodes) + " nodes; level " + std::to_string(estimate.level);
     if (estimate.finest_level != estimate.level) text += " to " + std::to_string(estimate.finest_level);
-    text += ", cell size " + short_number(estimate.cell_size) + "\n";
+    text += ", cell size " + rounded_text(estimate.cell_size, 4) + "\n";
     text += "  cells      " + count(estimate.in_cells) + " inside, " + count(estimate.nio_cells) +
             " at the boundary\n";
     text += "  memory     about " + bytes_text(static_cast<double>(estimate.memory_bytes)) + "\n";

@@ -36,7 +36,7 @@ void add_summary(const ModelSummary& summary, Json& document, std::string& text)
         if (i == kMostNames) text += ", ...";
         if (i >= kMostNames) continue;
         text += (i == 0 ? ": " : ", ") + summary.surfaces[i] +
-                (size > 0 ? " (element size " + short_number(size) + ")" : "");
+                (size > 0 ? " (element size " + rounded_text(size, 4) + ")" : "");
     }
     text += "\n";
 }
@@ -51,8 +51,7 @@ ExitCode info_command(const Arguments& arguments) {
     }
     Json document;
     document["file"] = arguments.file;
-    std::string text = arguments.file + ": " + std::to_string(model.nodes.size()) +
-                       (model.nodes.size() == 1 ? " node\n" : " nodes\n");
+    std::string text = arguments.file + ": " + counted(model.nodes.size(), "node") + "\n";
     document["nodes"] = model.nodes.size();
     document["regions"] = Json::array();
     for (const Region& region : model.regions) {
@@ -61,7 +60,7 @@ ExitCode info_command(const Arguments& arguments) {
              {"max_size", region.max_size > 0 ? Json(region.max_size) : Json(nullptr)},
              {"metadata", region.metadata}});
         text += "  region     " + region.name +
-                (region.max_size > 0 ? ", element size " + short_number(region.max_size) : "") +
+                (region.max_size > 0 ? ", element size " + rounded_text(region.max_size, 4) : "") +
                 (region.metadata.empty() ? "" : ", " + one_line(region.metadata)) + "\n";
     }
     document["primitives"] = Json::object();

@@ -47,7 +47,7 @@ ExitCode kernels_command(const Arguments& arguments) {
     } else {
         print(needed == 0 ? folder + ": all kernels are there\n"
                           : folder + ": " + std::to_string(needed) + " programs compiled, " +
-                                short_number(seconds, 3) + " s\n");
+                                rounded_text(seconds, 3) + " s\n");
     }
     return ExitCode::kOk;
 }

@@ -66,7 +66,7 @@ std::string summary(const Arguments& arguments, const MeshReport& report, const 
                     const CheckReport* check) {
     std::string text = arguments.file + ": " + std::to_string(figures.element_count()) + " elements, " +
                        std::to_string(figures.nodes) + " nodes; level " + std::to_string(report.level) +
-                       ", cell size " + short_number(report.cell_size) + "\n";
+                       ", cell size " + rounded_text(report.cell_size, 4) + "\n";
     if (!report.leaves.empty()) {
         text += "  cells      " + list_levels(report.leaves);
         if (report.transition_cells > 0) {
@@ -77,7 +77,7 @@ std::string summary(const Arguments& arguments, const MeshReport& report, const 
                 text += ", " + std::to_string(report.hanging_cells) + " of them hexahedra with hanging nodes";
             if (divided > 0 && figures.kinds[3] > report.hanging_cells)
                 text += std::string(report.hanging_cells > 0 ? ", the others" : ",") + " of " +
-                        short_number(static_cast<double>(figures.kinds[3] - report.hanging_cells) /
+                        rounded_text(static_cast<double>(figures.kinds[3] - report.hanging_cells) /
                                          static_cast<double>(divided),
                                      3) +
                         " elements each";
@@ -95,7 +95,7 @@ std::string summary(const Arguments& arguments, const MeshReport& report, const 
     }
     if (report.layers.facets > 0) {
         text += "  layers     " + std::to_string(report.layers.elements) + " elements, " +
-                short_number(report.layers.thickness, 3) + " thick in the mean, on " +
+                rounded_text(report.layers.thickness, 3) + " thick in the mean, on " +
                 std::to_string(report.layers.facets - report.layers.bare) + " of " +
                 std::to_string(report.layers.facets) + " facets\n";
     }
@@ -106,10 +106,10 @@ std::string summary(const Arguments& arguments, const MeshReport& report, const 
     if (figures.worst_place) text += "; the lowest at " + place_text(*figures.worst_place);
     text += "\n";
     if (check != nullptr) {
-        text += "  check      valid; volume " + short_number(check->volume, 9) + ", area " +
-                short_number(check->boundary_area, 9) + ", Euler characteristic " +
-                std::to_string(check->euler_characteristic) + ", " + std::to_string(check->components) +
-                (check->components == 1 ? " component" : " components") + touching_text(*check) + "\n";
+        text += "  check      valid; volume " + rounded_text(check->volume, 9) + ", area " +
+                rounded_text(check->boundary_area, 9) + ", Euler characteristic " +
+                std::to_string(check->euler_characteristic) + ", " + counted(check->components, "component") +
+                touching_text(*check) + "\n";
     }
     double total = 0;
     std::string stages;
@@ -230,7 +230,7 @@ Outcome mesh_in_parts(const Arguments& arguments, const Model& model, const Mesh
     out.below_floor =
         below_floor(sink.below, out.figures.element_count(), arguments.quality_floor,
                     "of the " + std::string(kElementNames[static_cast<std::size_t>(type - worst.begin())]) +
-                        ": scaled Jacobian " + short_number(*type));
+                        ": scaled Jacobian " + rounded_text(*type, 4));
     return out;
 }
 

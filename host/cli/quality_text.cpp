@@ -154,7 +154,7 @@ void add_model(const QualityReport& report, const Features* features, Json& json
 std::string describe(const WorstElement& element) {
     return std::string(kElementName[static_cast<std::size_t>(element.type)]) + " " +
            std::to_string(element.index) + " at " + place_text(element.place) + ", scaled Jacobian " +
-           short_number(element.scaled_jacobian);
+           rounded_text(element.scaled_jacobian, 4);
 }
 
 std::string quality_text(const QualityReport& report, const Features* features) {

@@ -17,9 +17,9 @@ constexpr const char* kNothingWritten =
 void refuse_inverted(const MeshFigures& figures) {
     for (std::size_t t = 0; t < kElementTypes; ++t) {
         if (figures.elements[t] == 0 || figures.min_scaled_jacobian[t] > 0) continue;
-        throw Error(ExitCode::kMeshing, std::string("the mesh is not valid: the worst scaled Jacobian of ") +
-                                            kElementNames[t] + " is " +
-                                            short_number(figures.min_scaled_jacobian[t]) + kNothingWritten);
+        throw Error(ExitCode::kMeshing,
+                    std::string("the mesh is not valid: the worst scaled Jacobian of ") + kElementNames[t] +
+                        " is " + rounded_text(figures.min_scaled_jacobian[t], 4) + kNothingWritten);
     }
 }
 
@@ -35,7 +35,7 @@ bool warn_of_slivers(const MeshFigures& figures, const MeshOptions& options, Mes
               "is too thin for these cells"
             : ": the model has a wall, gap or angle there that is too thin for these cells; "
               "--refine 2 makes them smaller where that helps";
-    report.warnings.push_back("the lowest scaled Jacobian is " + short_number(worst, 2) + place + why);
+    report.warnings.push_back("the lowest scaled Jacobian is " + rounded_text(worst, 2) + place + why);
     return true;
 }
 
@@ -53,7 +53,7 @@ std::string below_floor(const Mesh& mesh, const std::vector<float>& jacobians, d
 
 std::string below_floor(std::uint64_t below, std::uint64_t elements, double floor, const std::string& worst) {
     if (below == 0) return {};
-    return "quality floor " + short_number(floor) + " not met: " + std::to_string(below) + " of " +
+    return "quality floor " + rounded_text(floor, 4) + " not met: " + std::to_string(below) + " of " +
            std::to_string(elements) + " elements are below; the worst is " + worst;
 }
 

@@ -18,20 +18,9 @@ std::string list_jacobians(const std::array<std::uint64_t, kElementTypes>& eleme
     std::string list;
     for (std::size_t t = 0; t < kElementTypes; ++t) {
         if (elements[t] == 0) continue;
-        list += (list.empty() ? "" : ", ") + short_number(jacobians[t], 3) + " " + kElementNames[t];
+        list += (list.empty() ? "" : ", ") + rounded_text(jacobians[t], 3) + " " + kElementNames[t];
     }
     return list.empty() ? "none" : list;
-}
-
-std::string place_text(const Vec3& place) {
-    return "(" + short_number(place[0], 6) + ", " + short_number(place[1], 6) + ", " +
-           short_number(place[2], 6) + ")";
-}
-
-std::string short_number(double value, int digits) {
-    char text[40];
-    std::snprintf(text, sizeof text, "%.*g", digits, value);
-    return text;
 }
 
 std::string describe(const Defect& defect) {

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <string>
 
+#include "host/common/message_text.hpp"
 #include "mortise/check.hpp"
 #include "mortise/model.hpp"
 
@@ -16,15 +17,9 @@ inline constexpr std::array<const char*, kElementTypes> kElementNames = {"hexahe
 /// "120 hexahedra, 8 wedges": types without elements are left out.
 std::string list_elements(const std::array<std::uint64_t, kElementTypes>& elements);
 
-/// "(1, 2.5, -3)".
-std::string place_text(const Vec3& place);
-
 /// "0.71 hexahedra, 0.2 wedges".
 std::string list_jacobians(const std::array<std::uint64_t, kElementTypes>& elements,
                            const std::array<double, kElementTypes>& jacobians);
-
-/// A number with a few significant digits.
-std::string short_number(double value, int digits = 4);
 
 /// What, how often and where, in one line.
 std::string describe(const Defect& defect);

@@ -1,5 +1,6 @@
 #include "host/cli/worker_pool.hpp"
 
+#include <fcntl.h>
 #include <poll.h>
 #include <signal.h>
 #include <sys/mman.h>
@@ -96,7 +97,11 @@ class Pool {
 
     void start(std::size_t w) {
         int ends[2];
-        if (pipe(ends) != 0) throw Error(ExitCode::kFiles, std::string("no pipe: ") + std::strerror(errno));
+        // What a worker starts (OpenSCAD) must not hold its pipe open: its end is how this process knows of
+        // it.
+        if (pipe2(ends, O_CLOEXEC) != 0)
+            throw Error(ExitCode::kFiles, std::string("no pipe: ") + std::strerror(errno));
+        const pid_t parent = getpid();
         const pid_t process = fork();
         if (process < 0) {
             close(ends[0]);
@@ -105,6 +110,7 @@ class Pool {
         }
         if (process == 0) {
             prctl(PR_SET_PDEATHSIG, SIGTERM);
+            if (getppid() != parent) _exit(0);  // it has ended before it was asked for
             close(ends[0]);
             for (const Worker& other : workers_) {
                 if (other.pipe >= 0) close(other.pipe);
@@ -145,7 +151,8 @@ class Pool {
         }
         close(worker.pipe);
         int status = 0;
-        waitpid(worker.process, &status, 0);
+        while (waitpid(worker.process, &status, 0) < 0 && errno == EINTR) {
+        }
         const std::uint64_t item = at_hand_[w].exchange(kIdle);
         const bool complete = worker.received.empty();
         worker = Worker{};

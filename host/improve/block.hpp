@@ -444,6 +444,7 @@ class Block : private BlockMesh {
     Trial running_;
     std::uint64_t trials_left_ = 0;
     std::vector<std::uint32_t> looked_;  ///< per tetrahedron: when looking ahead from it was last in vain
+    std::uint32_t looks_since_ = 0;      ///< looking ahead is only from what has changed since then
 };
 
 }  // namespace mortise::improve

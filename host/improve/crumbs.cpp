@@ -25,13 +25,22 @@ double volume(const Zone& zone, const Tetrahedron& t) {
     return dot(p[1] - p[0], cross(p[2] - p[0], p[3] - p[0])) / (6 * edge * edge * edge);
 }
 
+/// Whether two faces at least are facets with nothing behind them: in a scrap all elements are such.
+bool is_bare(const Tetrahedron& t) {
+    const auto is_bare_face = [](FaceTag tag) {
+        return tag != 0 && (tag & (kTagInterface | kTagBorder)) == 0;
+    };
+    return std::count_if(t.tag.begin(), t.tag.end(), is_bare_face) >= 2;
+}
+
 /// Tetrahedra that are small enough, in order.
 std::vector<std::uint32_t> find_small(const Zone& zone, int threads) {
     const std::size_t count = zone.tetrahedra.size();
     std::vector<std::vector<std::uint32_t>> found(chunk_count(count, kCrumbChunk));
     parallel_chunks(count, kCrumbChunk, threads, [&](std::size_t begin, std::size_t end, int) {
         for (std::size_t i = begin; i < end; ++i) {
-            if (volume(zone, zone.tetrahedra[i]) > kCrumbVolume) continue;
+            const Tetrahedron& t = zone.tetrahedra[i];
+            if (volume(zone, t) > (is_bare(t) ? kScrapVolume : kCrumbVolume)) continue;
             found[begin / kCrumbChunk].push_back(static_cast<std::uint32_t>(i));
         }
     });
@@ -41,9 +50,9 @@ std::vector<std::uint32_t> find_small(const Zone& zone, int threads) {
 }
 
 /// Pieces of small tetrahedra, joined by faces: each known by its first.
-class CrumbPieces {
+class SmallPieces {
   public:
-    CrumbPieces(const Zone& zone, const std::vector<std::uint32_t>& small)
+    SmallPieces(const Zone& zone, const std::vector<std::uint32_t>& small)
         : zone_(zone), small_(small), sets_(small.size()) {
         std::vector<std::uint8_t> held(small.size(), 0);
         join_by_faces(held);
@@ -53,15 +62,49 @@ class CrumbPieces {
             attached_[sets_.find(i)] |= held[i];
             volume_[sets_.find(i)] += volume(zone, zone.tetrahedra[small[i]]);
         }
+        find_hanging();
     }
 
-    bool is_crumb(std::uint32_t i) {
+    bool is_left_out(std::uint32_t i) {
         const std::uint32_t first = sets_.find(i);
-        return attached_[first] == 0 && volume_[first] <= kCrumbVolume;
+        return is_loose(i) && (volume_[first] <= kCrumbVolume || hangs_[first] != 0);
     }
+    double volume_of(std::uint32_t i) { return volume_[sets_.find(i)]; }
     bool is_first(std::uint32_t i) const { return sets_.is_first(i); }
 
   private:
+    /// Whether it shares faces with nothing, and is small altogether.
+    bool is_loose(std::uint32_t i) {
+        const std::uint32_t first = sets_.find(i);
+        return attached_[first] == 0 && volume_[first] <= kScrapVolume;
+    }
+
+    /// Finds the loose pieces with a node of something that is not loose.
+    void find_hanging() {
+        hangs_.assign(small_.size(), 0);
+        std::vector<std::uint8_t> is_loose_tetrahedron(zone_.tetrahedra.size(), 0);
+        bool any = false;
+        for (std::uint32_t i = 0; i < small_.size(); ++i) {
+            if (!is_loose(i)) continue;
+            is_loose_tetrahedron[small_[i]] = 1;
+            any = true;
+        }
+        if (!any) return;
+        std::vector<std::uint8_t> used = zone_.frozen;
+        for (std::size_t i = 0; i < zone_.tetrahedra.size(); ++i) {
+            if (is_loose_tetrahedron[i] != 0) continue;
+            for (const ZoneNode n : zone_.tetrahedra[i].node) used[n] = 1;
+        }
+        for (const Pyramid& p : zone_.pyramids) {
+            for (const ZoneNode n : p.node) used[n] = 1;
+        }
+        for (std::uint32_t i = 0; i < small_.size(); ++i) {
+            const auto& node = zone_.tetrahedra[small_[i]].node;
+            if (std::any_of(node.begin(), node.end(), [&](ZoneNode n) { return used[n] != 0; }))
+                hangs_[sets_.find(i)] = 1;
+        }
+    }
+
     /// Sets `held` where a face belongs to something that is not small, or must stay.
     void join_by_faces(std::vector<std::uint8_t>& held) {
         std::vector<CrumbFace> faces;
@@ -98,6 +141,7 @@ class CrumbPieces {
     DisjointSets sets_;                   ///< of places in small_
     std::vector<std::uint8_t> attached_;  ///< per set
     std::vector<double> volume_;          ///< per set
+    std::vector<std::uint8_t> hangs_;     ///< per set
 };
 
 }  // namespace
@@ -106,13 +150,14 @@ Crumbs remove_crumbs(Zone& zone, int threads) {
     Crumbs crumbs;
     const std::vector<std::uint32_t> small = find_small(zone, threads);
     if (small.empty()) return crumbs;
-    CrumbPieces pieces(zone, small);
+    SmallPieces pieces(zone, small);
     std::vector<std::uint32_t> gone;
     for (std::uint32_t i = 0; i < small.size(); ++i) {
-        if (!pieces.is_crumb(i)) continue;
+        if (!pieces.is_left_out(i)) continue;
         gone.push_back(small[i]);
         if (!pieces.is_first(i)) continue;
         if (crumbs.count++ == 0) crumbs.first = zone.points[zone.tetrahedra[small[i]].node[0]];
+        crumbs.largest = std::max(crumbs.largest, pieces.volume_of(i));
     }
     for (auto i = gone.rbegin(); i != gone.rend(); ++i) {
         zone.tetrahedra.erase(zone.tetrahedra.begin() + static_cast<std::ptrdiff_t>(*i));

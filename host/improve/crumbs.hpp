@@ -1,5 +1,6 @@
 // Crumbs: loose pieces that the certificate leaves where surfaces cross within a hair's breadth of a face of
-// cells. No solver can use them: nothing holds them.
+// cells; and scraps: larger ones that hang on the rest by an edge or a node. No solver can use them: nothing
+// holds them.
 #pragma once
 
 #include <cstdint>
@@ -13,13 +14,18 @@ namespace mortise::improve {
 /// cell, 9e-5 cells, so no feature that it knows is a crumb.
 inline constexpr double kCrumbVolume = 5e-5;
 
+/// Largest volume of a scrap, which hangs on the rest by an edge or a node: what the certificate leaves along
+/// creases and necks that it does not know, of one or two tetrahedra with up to a tenth of a cell.
+inline constexpr double kScrapVolume = 0.15;
+
 struct Crumbs {
     std::uint64_t count = 0;
+    double largest = 0;          ///< volume, in smallest leaves around it
     std::optional<Point> first;  ///< a node of the first one, in finest cells
 };
 
-/// Takes tetrahedra out of the zone that hang together by faces with few others, or none, and share faces
-/// with nothing else. Pieces with held facets or tips stay.
+/// Takes pieces of tetrahedra out of the zone that share faces with nothing else: crumbs, and scraps that
+/// hang on something. Pieces with held facets or tips stay.
 Crumbs remove_crumbs(Zone& zone, int threads);
 
 }  // namespace mortise::improve

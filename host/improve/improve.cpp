@@ -132,6 +132,7 @@ class Session {
             const bool may_help = run == 0 && options_.merge_distance > 0;
             const bool done = improver.is_done() || (improver.is_hopeless() && !may_help) || run + 1 == kRuns;
             if (done && loosens && options_.merge_distance > 0) improver.loosen(counters_);
+            take_out_crumbs(*zone);
             close(*zone);
             if (done) return;
         }
@@ -171,9 +172,11 @@ class Session {
     }
 
     void take_out_crumbs(Zone& zone) {
-        counters_.crumbs = remove_crumbs(zone, options_.threads);
-        std::optional<Point>& first = counters_.crumbs.first;
-        if (first) first = frame_.origin + frame_.cell * *first;
+        const Crumbs found = remove_crumbs(zone, options_.threads);
+        Crumbs& all = counters_.crumbs;
+        all.count += found.count;
+        all.largest = std::max(all.largest, found.largest);
+        if (found.first && !all.first) all.first = frame_.origin + frame_.cell * *found.first;
     }
 
     void make_passes(Improver& improver, int run) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "host/common/large_array.hpp"
 #include "host/common/parallel.hpp"
@@ -12,8 +13,9 @@ namespace mortise::improve {
 namespace {
 
 constexpr double kBlockCells = 16;
-/// Shifts of the blocks along the diagonal. A coordinate is near a block's boundary in at most one of four
-/// passes, so every node is inside a block in at least one.
+/// Shifts of the blocks along the diagonal. Elements around a node reach two cells, half a shift: a
+/// coordinate is so near a block's boundary in at most one of four passes, and every node inside a block in
+/// at least one.
 constexpr int kShifts = 4;
 /// Bits of a block's place along an axis in its key.
 constexpr int kPlaceBits = 20;
@@ -111,6 +113,16 @@ BlockOptions Improver::block_options(int number, Effort effort) const {
     return options;
 }
 
+/// The groups, those first that take longest, so that no thread is left with one of them at the end.
+std::vector<std::uint32_t> Improver::longest_first() const {
+    std::vector<std::uint32_t> order(groups_.size());
+    std::iota(order.begin(), order.end(), 0u);
+    std::stable_sort(order.begin(), order.end(), [this](std::uint32_t a, std::uint32_t b) {
+        return groups_[a].poor_count > groups_[b].poor_count;
+    });
+    return order;
+}
+
 /// What a pass makes of each block; nodes that stay in the zone are moved there. Blocks that nothing is to be
 /// done about, or that failed, have no result, and count as given up but where nothing was poor.
 std::vector<Block::Result> Improver::run_blocks(int number, Effort effort) {
@@ -119,7 +131,9 @@ std::vector<Block::Result> Improver::run_blocks(int number, Effort effort) {
     std::vector<Block> blocks(threads, Block(surfaces_));
     std::vector<std::vector<std::uint32_t>> place(threads);
     std::vector<Block::Result> results(groups_.size());
-    parallel_chunks(groups_.size(), 1, options_.threads, [&](std::size_t g, std::size_t, int thread) {
+    const std::vector<std::uint32_t> order = longest_first();
+    parallel_chunks(order.size(), 1, options_.threads, [&](std::size_t i, std::size_t, int thread) {
+        const std::uint32_t g = order[i];
         const Group& group = groups_[g];
         if (!group.poor) return;
         results[g].counters.given_up = 1;
@@ -138,8 +152,9 @@ std::vector<Block::Result> Improver::run_blocks(int number, Effort effort) {
     return results;
 }
 
-/// Cells of two sizes share their blocks, which have 16 of the larger along an edge: those of classes -1 and
-/// 0, 1 and 2, 3 and 4, … above the finest for the first passes, of 0 and 1, 2 and 3, … for the others.
+/// Cells of two sizes share their blocks, which have kBlockCells of the larger along an edge: those of
+/// classes -1 and 0, 1 and 2, 3 and 4, … above the finest for the first passes, of 0 and 1, 2 and 3, … for
+/// the others.
 void Improver::pass(int number, Effort effort, Counters& counters) {
     const int pairing = number / kShifts, shift = number % kShifts;
     group(pairing, kBlockCells / kShifts * shift, effort == Effort::kLoosen ? kLoosenBelow : aim_.target);
@@ -394,12 +409,11 @@ void Improver::group(int pairing, double shift, double least) {
     begins.push_back(runs.size());
     parallel_chunks(groups_.size(), 1, options_.threads, [&](std::size_t g, std::size_t, int) {
         Group& group = groups_[g];
-        std::size_t poor = 0;
         const auto add = [&](std::uint32_t at) {
             if (at < tetrahedra) {
                 group.tetrahedra.push_back(at);
                 group.poor = group.poor || is_poor(zone_.tetrahedra[at]);
-                if (zone_.tetrahedra[at].quality < least) ++poor;
+                if (zone_.tetrahedra[at].quality < least) ++group.poor_count;
             } else {
                 group.pyramids.push_back(static_cast<std::uint32_t>(at - tetrahedra));
                 group.poor = group.poor || quality_of(zone_.pyramids[at - tetrahedra]) < least;
@@ -408,8 +422,9 @@ void Improver::group(int pairing, double shift, double least) {
         for (std::size_t r = begins[g]; r < begins[g + 1]; ++r) {
             for (std::uint32_t i = runs[r].begin; i < runs[r].end; ++i) add(i);
         }
-        group.lost = !(aim_.raised_from > 0) && poor >= kLeastLost &&
-                     static_cast<double>(poor) > kLostShare * static_cast<double>(group.tetrahedra.size());
+        group.lost =
+            !(aim_.raised_from > 0) && group.poor_count >= kLeastLost &&
+            static_cast<double>(group.poor_count) > kLostShare * static_cast<double>(group.tetrahedra.size());
         group.crowded = group.poor && is_crowded(group.tetrahedra);
     });
 }

@@ -51,7 +51,8 @@ class Improver {
         std::vector<std::uint32_t> tetrahedra;
         std::vector<std::uint32_t> pyramids;
         bool poor = false;
-        bool lost = false;     ///< nearly all tetrahedra are poor
+        std::size_t poor_count = 0;  ///< tetrahedra
+        bool lost = false;           ///< nearly all tetrahedra are poor
         bool crowded = false;  ///< most tetrahedra are in crowded cells: nothing would become good, in hours
     };
 
@@ -70,6 +71,7 @@ class Improver {
     };
 
     BlockOptions block_options(int number, Effort effort) const;
+    std::vector<std::uint32_t> longest_first() const;
     std::vector<Block::Result> run_blocks(int number, Effort effort);
     void number_added(std::uint32_t group, const std::vector<Block::NewNode>& added,
                       std::vector<Tetrahedron>& tetrahedra);

@@ -207,8 +207,9 @@ bool Block::look_ahead_all() {
         const std::uint32_t i = entry.second;
         if (alive_[i] == 0 || tetrahedra_[i].quality >= options_.target) continue;
         const auto& node = tetrahedra_[i].node;
-        if (looked_[i] != 0 &&
-            std::none_of(node.begin(), node.end(), [&](Local n) { return changed_[n] > looked_[i]; }))
+        const std::uint32_t since = std::max(looked_[i], looks_since_);
+        if (since != 0 &&
+            std::none_of(node.begin(), node.end(), [&](Local n) { return changed_[n] > since; }))
             continue;
         if (look_ahead(i)) {
             found = true;

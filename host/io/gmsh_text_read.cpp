@@ -6,6 +6,7 @@
 // surfaces.
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
 #include <cstdlib>
 #include <map>
@@ -31,11 +32,14 @@ class Line {
     Line(const FileReader& file, std::string text) : file_(file), text_(std::move(text)) {}
 
     double number() {
-        char* end = nullptr;
-        const double value = std::strtod(text_.c_str() + at_, &end);
-        const std::size_t next = static_cast<std::size_t>(end - text_.c_str());
-        if (next == at_) file_.damaged("'" + text_.substr(0, 40) + "' found, expected more numbers");
-        at_ = next;
+        // Not strtod, which reads 1.5 as 1 where a program has set a locale with decimal commas.
+        while (at_ < text_.size() && (text_[at_] == ' ' || text_[at_] == '\t' || text_[at_] == '+')) ++at_;
+        double value = 0;
+        const char* const end = text_.data() + text_.size();
+        const auto [next, failure] = std::from_chars(text_.data() + at_, end, value);
+        if (failure != std::errc())
+            file_.damaged("'" + text_.substr(0, 40) + "' found, expected more numbers");
+        at_ = static_cast<std::size_t>(next - text_.data());
         return value;
     }
     std::uint64_t whole() {

@@ -159,10 +159,10 @@ void check_mesh_format(const std::string& path, const MeshTraits& mesh) {
     if (format == Format::kInp && mesh.second_order && mesh.pyramids)
         throw Error(ExitCode::kUsage, what +
                                           ".inp files have no pyramids of second order; use --elements tet "
-                                          "(C3D10), or leave --order 2 away");
+                                          "(C3D10), or leave --order 2 out");
     if (format == Format::kFoam && mesh.second_order)
         throw Error(ExitCode::kUsage,
-                    what + "OpenFOAM's meshes have no elements of second order; leave --order 2 away");
+                    what + "OpenFOAM's meshes have no elements of second order; leave --order 2 out");
 }
 
 void check_writable(const std::string& path) {

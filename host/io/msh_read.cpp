@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "host/common/face_key.hpp"
 #include "host/common/sort_unique.hpp"
 #include "host/io/element_table.hpp"
 #include "host/io/facet_groups.hpp"
@@ -155,6 +156,7 @@ class MshReader {
             skip(3, sizeof(int));
             if (bytes_.get<std::uint64_t>() != count) file_.damaged("numbers of nodes do not agree");
             bytes_.expect(count, sizeof(std::uint64_t) + 3 * sizeof(double));
+            if (count >= kNoNode) file_.damaged("too many nodes");
             for (std::uint64_t tag = 1; tag <= count; ++tag) {
                 if (bytes_.get<std::uint64_t>() != tag) file_.damaged("node tags out of order");
             }

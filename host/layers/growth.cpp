@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "host/common/message_text.hpp"
 #include "host/common/parallel.hpp"
 #include "host/common/small_groups.hpp"
 #include "host/common/vec3.hpp"
@@ -194,13 +195,12 @@ void check_thinnest(const Mesh& mesh, const Heights& heights, const Growth& grow
         least / heights.sum(heights.count) * std::min(1.0, std::pow(heights.growth, heights.count - 1));
     const double extent = extent_of(mesh);
     if (thinnest >= kThinnest * extent) return;
-    char text[200];
-    std::snprintf(
-        text, sizeof text,
-        "the thinnest of %d layers would be %.3g high in a mesh that is %.3g long, too little to tell "
-        "its nodes apart; ask for fewer layers, higher ones, or a growth nearer to 1",
-        heights.count, thinnest, extent);
-    throw Error(ExitCode::kUsage, text);
+    throw Error(
+        ExitCode::kUsage,
+        "the thinnest of " + std::to_string(heights.count) + " layers would be " + rounded_text(thinnest, 3) +
+            " high in a mesh that is " + rounded_text(extent, 3) +
+            " long, too little to tell its nodes apart; ask for fewer layers, higher ones, or a growth "
+            "nearer to 1");
 }
 
 /// Bare ends of rims where the layers' sides would not continue the facet, but cover it, or stand in the

@@ -33,8 +33,7 @@ constexpr int kNotStarted = 127;  // as shells say it
 class Pipe {
   public:
     explicit Pipe(const std::string& path) {
-        if (pipe(ends_) != 0) fail_to_start(path, errno);
-        for (const int end : ends_) fcntl(end, F_SETFD, FD_CLOEXEC);
+        if (pipe2(ends_, O_CLOEXEC) != 0) fail_to_start(path, errno);
     }
     ~Pipe() {
         close_writer();

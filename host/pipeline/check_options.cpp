@@ -1,11 +1,11 @@
 #include "host/pipeline/check_options.hpp"
+#include "host/common/message_text.hpp"
 
 #include <cmath>
 #include <limits>
 #include <utility>
 
 #include "host/octree/octree.hpp"
-#include "host/pipeline/message_text.hpp"
 #include "host/pipeline/periodic_box.hpp"
 #include "mortise/error.hpp"
 
@@ -29,18 +29,18 @@ struct Range {
 
 void check_range(const Range& range) {
     if (range.value >= range.low && range.value <= range.high) return;
-    std::string text = range.name + (" " + number_text(range.value)) + " is out of range; use ";
+    std::string text = range.name + (" " + rounded_text(range.value)) + " is out of range; use ";
     if (range.use != nullptr) {
         text += range.use;
     } else {
-        text += number_text(range.low) + " to " + number_text(range.high) + range.unit;
+        text += rounded_text(range.low) + " to " + rounded_text(range.high) + range.unit;
     }
     refuse(text);
 }
 
 void check_length(const std::string& name, double value, bool may_be_zero) {
     if (std::isfinite(value) && (value > 0 || (may_be_zero && value == 0))) return;
-    refuse(name + " " + number_text(value) + " is out of range; use a positive length" +
+    refuse(name + " " + rounded_text(value) + " is out of range; use a positive length" +
            (may_be_zero ? ", or 0 for none" : ""));
 }
 
@@ -54,18 +54,18 @@ void check_sizes(const MeshOptions& options) {
         if (!std::isfinite(source.at[0] + source.at[1] + source.at[2]))
             refuse("the size" + place + " has no place; use finite coordinates");
         if (!(source.grading >= 0 && std::isfinite(source.grading)))
-            refuse("growth " + number_text(source.grading) + " of the size" + place +
+            refuse("growth " + rounded_text(source.grading) + " of the size" + place +
                    " is out of range; use 0 or more");
     }
     if (options.size_max > 0 && options.size_min > options.size_max) {
-        refuse("the smallest cell size " + number_text(options.size_min) + " is above the largest, " +
-               number_text(options.size_max) + "; give size_min (--size-min) up to size_max (--size-max)");
+        refuse("the smallest cell size " + rounded_text(options.size_min) + " is above the largest, " +
+               rounded_text(options.size_max) + "; give size_min (--size-min) up to size_max (--size-max)");
     }
     if (options.curvature_elements > 0 && options.refine == 0)
-        refuse("curvature_elements (--curvature-elements) " + number_text(options.curvature_elements) +
+        refuse("curvature_elements (--curvature-elements) " + rounded_text(options.curvature_elements) +
                " works within refine (--refine), which is 0; give both");
     if (options.curvature_elements > 0 && options.curvature_elements < kLeastCurvatureElements)
-        refuse("curvature_elements (--curvature-elements) " + number_text(options.curvature_elements) +
+        refuse("curvature_elements (--curvature-elements) " + rounded_text(options.curvature_elements) +
                " is out of range; use a number from 3, or 0 for none");
 }
 
@@ -86,7 +86,7 @@ void check_together(const MeshOptions& options) {
          "layers and periodic (--layers, --periodic): layers do not go with periodic faces yet"},
     };
     for (const auto& [is_wrong, text] : wrong) {
-        if (is_wrong) refuse(std::string(text) + "; leave one of the two away");
+        if (is_wrong) refuse(std::string(text) + "; leave one of the two out");
     }
     if (options.min_angle > kLeastMinAngle && !options.improve)
         refuse(

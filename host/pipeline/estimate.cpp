@@ -10,6 +10,7 @@
 #include <cmath>
 #include <optional>
 
+#include "host/common/box_faces.hpp"
 #include "host/pipeline/check_options.hpp"
 #include "host/pipeline/prepare.hpp"
 #include "host/pipeline/stages.hpp"
@@ -75,7 +76,7 @@ double share_of_cuts(const Mesh& mesh) {
     for (std::size_t f = 0; f < mesh.facets.size(); ++f) {
         if (mesh.facets.outside[f] != 0) continue;
         ++all;
-        if (mesh.surface_names[mesh.facets.surface[f]].compare(0, 4, "box_") == 0) ++cut;
+        if (is_box_face(mesh.surface_names[mesh.facets.surface[f]])) ++cut;
     }
     return all > 0 ? cut / all : 0;
 }
@@ -146,14 +147,16 @@ class Estimator {
         const double cell = cells.is_uniform ? cells.cell_size : equal_cell(cells);
         int levels = 0;
         while (cells.nio > kTrialCells * std::ldexp(1.0, 2 * levels)) ++levels;
-        if (levels > 0) warm_up();
+        warm_up();
         for (; levels > 0; --levels) {  // the model may have no mesh of cells so large
             if (const std::optional<Trials> trials = find_trials(std::ldexp(cell, levels)))
                 return extrapolate(cells, cell, *trials);
             if (!is_late_) continue;
             if (const std::optional<Trial> part = try_parts(cells, cell)) return from_part(cells, *part);
         }
-        return make(cells);
+        if (const std::optional<MeshEstimate> whole = make(cells, kFirstSeconds)) return *whole;
+        if (const std::optional<Trial> part = try_parts(cells, cell)) return from_part(cells, *part);
+        return *make(cells, HUGE_VAL);
     }
 
   private:
@@ -206,9 +209,8 @@ class Estimator {
         return cells.cell_size;
     }
 
-    /// None if the model has no mesh of such cells, or if it takes too long: then is_late_.
-    std::optional<Trial> try_run(const MeshOptions& given, double begin, double end, double seconds) {
-        MeshOptions options = told(given, begin, end);
+    /// None if it takes too long: then is_late_.
+    std::optional<Trial> run_within(double seconds, MeshOptions options, MeshReport& report) {
         const auto start = std::chrono::steady_clock::now();
         is_late_ = false;
         options.progress = [&, ask = options.progress](const char* stage, double progress) {
@@ -217,12 +219,21 @@ class Estimator {
             return !is_late_ && (!ask || ask(stage, progress));
         };
         try {
-            MeshReport report;
             const Mesh mesh = run_(model_, options, report);
             return measured(mesh, report);
         } catch (const Interrupted&) {
             if (!is_late_) throw;
             return std::nullopt;
+        }
+    }
+
+    /// None if the model has no mesh of such cells, either.
+    std::optional<Trial> try_run(const MeshOptions& given, double begin, double end, double seconds) {
+        try {
+            MeshReport ignored;
+            return run_within(seconds, told(given, begin, end), ignored);
+        } catch (const Interrupted&) {
+            throw;
         } catch (const Error& error) {
             if (error.code() == ExitCode::kDevice) throw;
             return std::nullopt;
@@ -288,14 +299,13 @@ class Estimator {
         return result;
     }
 
-    /// The mesh itself.
-    MeshEstimate make(const CellCounts& cells) {
-        warm_up();
+    /// The mesh itself; none if it takes too long.
+    std::optional<MeshEstimate> make(const CellCounts& cells, double seconds) {
         MeshReport report;
-        const Mesh mesh = run_(model_, told(options_, 0.6, 1), report);
-        const Trial trial = measured(mesh, report);
-        MeshEstimate result = with_sizes(cells, trial.elements, trial.nodes);
-        result.seconds = trial.element_seconds + trial.nio_seconds;
+        const std::optional<Trial> trial = run_within(seconds, told(options_, 0.6, 1), report);
+        if (!trial) return std::nullopt;
+        MeshEstimate result = with_sizes(cells, trial->elements, trial->nodes);
+        result.seconds = trial->element_seconds + trial->nio_seconds;
         result.is_exact = true;
         result.warnings = report.warnings;
         return result;

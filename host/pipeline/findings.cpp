@@ -1,9 +1,9 @@
 #include "host/pipeline/findings.hpp"
+#include "host/common/message_text.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "host/pipeline/message_text.hpp"
 #include "host/probe/false_facets.hpp"
 #include "host/probe/loose_pieces.hpp"
 #include "mortise/error.hpp"
@@ -33,12 +33,11 @@ std::string describe_missed(const std::vector<MissedFeature>& missed, const Root
         if (largest == nullptr || (largest->kept && !feature.kept)) largest = &feature;
     }
     const int level = level_to_see(thinnest, root);
-    std::string text = std::to_string(missed.size()) + " feature" + (missed.size() == 1 ? "" : "s") +
-                       " between the vertices of the grid, ";
+    std::string text = counted(missed.size(), "feature") + " between the vertices of the grid, ";
     text += lost == 0 ? "kept coarsely" : std::to_string(lost) + " of them lost";
     text += std::string("; the largest") + (lost == 0 ? "" : " lost") + ": " +
-            (largest->material ? "material, " : "a hole, ") + number_text(largest->size) + " long and " +
-            number_text(largest->thickness) + " thick, at " + place_text(largest->position) + "; ";
+            (largest->material ? "material, " : "a hole, ") + rounded_text(largest->size) + " long and " +
+            rounded_text(largest->thickness) + " thick, at " + place_text(largest->position) + "; ";
     if (level <= root.level + refine)
         return text +
                (refine == 0 ? std::string("cells are as small as that")
@@ -104,15 +103,15 @@ void report_overlaps(const std::vector<probe::Overlap>& overlaps, const Model& m
         const std::string first = name(overlap.first);
         const std::string second = name(overlap.second);
         const std::string text = "the regions " + first + " and " + second + " overlap, around " +
-                                 place_text(overlap.at) + " by " + number_text(2 * overlap.depth) +
+                                 place_text(overlap.at) + " by " + rounded_text(2 * overlap.depth) +
                                  " or more; what both claim belongs to " + first + "; cut it from " + second +
                                  " if that is meant ('and not'), or move them apart";
         warn_or_refuse(text, options, model.source, out);
     }
     if (overlaps.size() > kMostLines) {
         const std::size_t others = overlaps.size() - kMostLines;
-        out.warnings.push_back(std::to_string(others) + (others == 1 ? " other pair of regions overlaps"
-                                                                     : " other pairs of regions overlap"));
+        out.warnings.push_back(
+            counted(others, "other pair of regions overlaps", "other pairs of regions overlap"));
     }
 }
 
@@ -125,9 +124,6 @@ void report_small_pieces(const Prepared& prepared, const std::vector<double>& po
     if (torn.empty()) return;
     for (const MissedFeature& piece : torn) ++(piece.material ? out.loose_pieces : out.closed_hollows);
     const MissedFeature& first = torn.front();
-    const auto counted = [](std::uint64_t count, const char* what) {
-        return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
-    };
     std::string what = out.loose_pieces > 0 ? counted(out.loose_pieces, "loose piece") : "";
     if (out.closed_hollows > 0)
         what += (what.empty() ? "" : " and ") + counted(out.closed_hollows, "closed hollow");
@@ -135,7 +131,7 @@ void report_small_pieces(const Prepared& prepared, const std::vector<double>& po
     const int more = std::max(level_to_see(first.thickness, prepared.root), finest + 1) - prepared.root.level;
     warn_or_refuse("the mesh has " + what + " where the model goes on, the first around " +
                        place_text(first.position) + ": parts of something about " +
-                       number_text(first.thickness) + " thick, which the cells miss beyond; --refine " +
+                       rounded_text(first.thickness) + " thick, which the cells miss beyond; --refine " +
                        std::to_string(more) + ", or smaller cells, would show it",
                    options, source, out);
 }
@@ -198,26 +194,25 @@ void report_improvement(const improve::Counters& counters, const MeshOptions& op
     out.crumbs = counters.crumbs.count;
     if (out.crumbs > 0) {
         const improve::Point& at = *counters.crumbs.first;
-        const std::string text = std::to_string(out.crumbs) +
-                                 (out.crumbs == 1 ? " loose piece was" : " loose pieces were") +
-                                 " left out, of less than 1/20000 of a cell; the first at " + place_text(at);
+        const std::string text = counted(out.crumbs, "piece that shares no face with the rest was",
+                                         "pieces that share no face with the rest were") +
+                                 " left out, of " + rounded_text(counters.crumbs.largest) +
+                                 " cells at most; the first at " + place_text(at);
         warn_or_refuse(text, options, source, out);
     }
     const auto told = [&out](std::uint64_t count, const std::string& which, const std::string& done) {
         if (count == 0) return;
-        out.warnings.push_back(std::to_string(count) + (count == 1 ? " node" : " nodes") + which +
-                               (count == 1 ? " was " : " were ") + done);
+        out.warnings.push_back(counted(count, "node") + which + (count == 1 ? " was " : " were ") + done);
     };
-    const std::string distance = number_text(options.merge_distance) + " cells";
+    const std::string distance = rounded_text(options.merge_distance) + " cells";
     out.merged_nodes = counters.block.merged;
     told(out.merged_nodes, " of features closer than " + distance,
          std::string("merged with others, or elements would be slivers; --merge 0 keeps ") +
              (out.merged_nodes == 1 ? "it" : "them") + " apart");
     out.below_min_angle = counters.below_goal;
     if (out.below_min_angle > 0) {
-        out.warnings.push_back(std::to_string(out.below_min_angle) +
-                               (out.below_min_angle == 1 ? " element is" : " elements are") +
-                               " worse than asked by a smallest angle of " + number_text(options.min_angle) +
+        out.warnings.push_back(counted(out.below_min_angle, "element is", "elements are") +
+                               " worse than asked by a smallest angle of " + rounded_text(options.min_angle) +
                                " degrees: " +
                                (options.min_angle < kFewHaveIt
                                     ? "the model is sharper there, or finer than cells; see --quality"
@@ -225,9 +220,9 @@ void report_improvement(const improve::Counters& counters, const MeshOptions& op
     }
     out.loosened_nodes = counters.loosened;
     told(out.loosened_nodes, " where features are too fine for good elements",
-         "moved off the model's surfaces, by " + number_text(improve::kMostLoose * options.merge_distance) +
+         "moved off the model's surfaces, by " + rounded_text(improve::kMostLoose * options.merge_distance) +
              " cells at most" + "; --merge 0 keeps " + (out.loosened_nodes == 1 ? "it" : "them") +
-             " there, smaller cells make that needless");
+             " there, smaller cells avoid that");
 }
 
 void report_hinges(const features::Hinges& hinges, const std::vector<double>& points,
@@ -235,9 +230,6 @@ void report_hinges(const features::Hinges& hinges, const std::vector<double>& po
     out.hinge_edges = hinges.edges;
     out.hinge_nodes = hinges.nodes;
     if (!hinges.any()) return;
-    const auto counted = [](std::uint64_t count, const char* what) {
-        return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
-    };
     std::string by = hinges.edges > 0 ? counted(hinges.edges, "edge") : "";
     if (hinges.nodes > 0) by += (by.empty() ? "" : " and ") + counted(hinges.nodes, "node");
     const double* at = points.data() + 3 * std::size_t{*hinges.first};
@@ -256,7 +248,7 @@ void report_layers(const std::string& source, MeshReport& out) {
                                "two regions, name the one that is to have them, too (--layers-on)");
     if (found.facets == 0) return;
     const auto percent = [&found](std::uint64_t facets) {
-        return number_text(
+        return rounded_text(
                    std::ceil(1000.0 * static_cast<double>(facets) / static_cast<double>(found.facets)) / 10) +
                " %";
     };
@@ -266,8 +258,8 @@ void report_layers(const std::string& source, MeshReport& out) {
     if (found.bare > 0) text += (found.lower > 0 ? " and missing on " : "missing on ") + percent(found.bare);
     text += " of the walls' facets";
     if (found.bare > 0) text += ", first near " + place_text(*found.first_bare);
-    text += ", for want of room: as asked they are " + number_text(found.asked) +
-            " thick together, on edges of " + number_text(found.edge) + " in the mean";
+    text += ", for want of room: as asked they are " + rounded_text(found.asked) +
+            " thick together, on edges of " + rounded_text(found.edge) + " in the mean";
     out.warnings.push_back(text);
 }
 

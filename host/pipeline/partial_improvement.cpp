@@ -265,7 +265,7 @@ Changes improve_parts(device::Device& device, Parts& parts, improve::Scope& scop
         }
         if (reach >= kLastReach) {
             throw Error(ExitCode::kMeshing,
-                        "poor elements reach too far to be improved in parts; leave --memory away, or give "
+                        "poor elements reach too far to be improved in parts; leave --memory out, or give "
                         "--no-improve");
         }
     }

@@ -1,4 +1,5 @@
 #include "host/pipeline/periodic.hpp"
+#include "host/common/message_text.hpp"
 
 #include <algorithm>
 #include <array>
@@ -8,7 +9,6 @@
 #include "host/common/face_key.hpp"
 #include "host/common/facet_middle.hpp"
 #include "host/common/sort_unique.hpp"
-#include "host/pipeline/message_text.hpp"
 #include "host/tape/reference.hpp"
 
 namespace mortise::pipeline {

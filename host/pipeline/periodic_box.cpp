@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "host/common/box_faces.hpp"
 #include "host/pipeline/check_options.hpp"
 #include "mortise/error.hpp"
 
@@ -44,8 +45,8 @@ PeriodicTask repeat_in_box(const Model& model, const MeshOptions& options) {
             const Vec3 corner = side == 0 ? box->min : box->max;
             Vec3 normal{};
             normal[axis] = side == 0 ? -1 : 1;
-            const std::string name = std::string("box_") + "xyz"[axis] + (side == 0 ? "min" : "max");
-            plane[axis][side] = result.add_primitive(half_space(corner, normal), name);
+            plane[axis][side] =
+                result.add_primitive(half_space(corner, normal), kBoxFaceNames[2 * axis + side]);
             parts.push_back(plane[axis][side]);
         }
     }

@@ -1,4 +1,5 @@
 #include "host/pipeline/prepare.hpp"
+#include "host/common/message_text.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -10,7 +11,6 @@
 #include "host/pipeline/findings.hpp"
 #include "host/pipeline/grading.hpp"
 #include "host/pipeline/memory_limit.hpp"
-#include "host/pipeline/message_text.hpp"
 #include "host/pipeline/names.hpp"
 #include "host/pipeline/programs.hpp"
 #include "host/pipeline/snap.hpp"
@@ -44,7 +44,7 @@ void check_precision(const Root& root, int finest_level, const std::string& sour
     constexpr double kSmallestCell = 1e-45;
     const double cell = std::ldexp(root.side, -finest_level);
     if (cell < kSmallestCell) {
-        throw Error(ExitCode::kInput, source + ": cells of " + number_text(cell) +
+        throw Error(ExitCode::kInput, source + ": cells of " + rounded_text(cell) +
                                           " are too small for double precision; choose other units");
     }
     double reach = 0;
@@ -52,8 +52,8 @@ void check_precision(const Root& root, int finest_level, const std::string& sour
         reach = std::max({reach, std::fabs(root.origin[j]), std::fabs(root.origin[j] + root.side)});
     }
     if (reach <= kMostCells * cell) return;
-    throw Error(ExitCode::kInput, source + ": coordinates up to " + number_text(reach) +
-                                      " are too far from the origin for cells of " + number_text(cell) +
+    throw Error(ExitCode::kInput, source + ": coordinates up to " + rounded_text(reach) +
+                                      " are too far from the origin for cells of " + rounded_text(cell) +
                                       "; move the model to the origin");
 }
 
@@ -62,10 +62,10 @@ void check_cell_size(double extent, double finest, const MeshOptions& options, c
                      MeshReport& out) {
     constexpr double kLeastExtent = 1.0 / 16;  ///< cells
     if (extent >= finest) return;
-    const std::string text = "cells of size " + number_text(finest) +
-                             " are larger than the model, which is " + number_text(extent) + " long";
+    const std::string text = "cells of size " + rounded_text(finest) +
+                             " are larger than the model, which is " + rounded_text(extent) + " long";
     if (extent < kLeastExtent * finest) {
-        throw Error(ExitCode::kUsage, text + "; use cells of " + number_text(extent / 2) +
+        throw Error(ExitCode::kUsage, text + "; use cells of " + rounded_text(extent / 2) +
                                           " at most, or --level instead of a size");
     }
     warn_or_refuse(text + ": the mesh shows little of its shape; use smaller ones", options, source, out);
@@ -83,10 +83,10 @@ Root find_root(const tape::CompiledModel& compiled, const Box3& bounds, const Me
     if (root.level <= octree::kMaxUniformLevel) return root;
     const double finest =
         longest(bounds) / (std::ldexp(1.0, octree::kMaxUniformLevel) - 2);  // margins of a cell
-    throw Error(ExitCode::kUsage, "cells of size " + number_text(options.size) +
+    throw Error(ExitCode::kUsage, "cells of size " + rounded_text(options.size) +
                                       " are too small for this model: those of level " +
                                       std::to_string(octree::kMaxUniformLevel) +
-                                      ", the finest for cells of one size, have " + number_text(finest) +
+                                      ", the finest for cells of one size, have " + rounded_text(finest) +
                                       "; use larger cells, or small ones where they are needed "
                                       "(--refine, --size-of, --size-at)");
 }
@@ -97,7 +97,7 @@ void check_layers(const LayerOptions& layers, const tape::CompiledModel& compile
     check_names(layers.on, compiled);
     if (!periodic.empty())
         throw Error(ExitCode::kUsage,
-                    "layers do not go with periodic planes yet; leave the layers (--layers) away, or take "
+                    "layers do not go with periodic planes yet; leave the layers (--layers) out, or take "
                     "'identify periodic' out of the model");
 }
 
@@ -126,12 +126,12 @@ Sizes bind_model(const Model& model, const MeshOptions& options, Prepared& resul
             tape::bind(compiled, root.origin, root.side, {kNearSurface * finest, alike * finest});
         const auto told = [&out](std::uint64_t count, const std::string& what, const std::string& kept) {
             if (count == 0) return;
-            out.warnings.push_back(
-                std::to_string(count) + (count == 1 ? " surface that lies " : " surfaces that lie ") + what +
-                (count == 1 ? " was" : " were") + " taken for it; " + kept + " keeps them apart");
+            out.warnings.push_back(counted(count, "surface that lies ", "surfaces that lie ") + what +
+                                   (count == 1 ? " was" : " were") + " taken as one with it; " + kept +
+                                   " keeps them apart");
         };
         told(merged.nearly_equal, "within 1/10000 of a cell of another", "--strict");
-        told(merged.alike, "along another, " + number_text(alike) + " cells from it at most,", "--merge 0");
+        told(merged.alike, "along another, " + rounded_text(alike) + " cells from it at most,", "--merge 0");
         if (merged.nearly_equal + merged.alike > 0) {
             bound = std::move(merged);
             planned.emplace(plan_sizes(options, compiled, bound, bounds, root.level));

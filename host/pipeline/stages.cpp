@@ -46,12 +46,18 @@ double process_seconds() {
     return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
+/// Null for stages that are no step of every run.
+const Step* find_step(std::string_view stage) {
+    const auto step = std::find_if(kSteps.begin(), kSteps.end(),
+                                   [stage](const Step& known) { return known.stage == stage; });
+    return step == kSteps.end() ? nullptr : &*step;
+}
+
 }  // namespace
 
 Growth growth_of(std::string_view stage) {
-    const auto step = std::find_if(kSteps.begin(), kSteps.end(),
-                                   [stage](const Step& known) { return known.stage == stage; });
-    return step == kSteps.end() ? Growth::kBoundary : step->growth;
+    const Step* const step = find_step(stage);
+    return step == nullptr ? Growth::kBoundary : step->growth;
 }
 
 Stages::Stages(const MeshOptions& options, MeshReport& report) : options_(options), report_(report) {
@@ -59,10 +65,8 @@ Stages::Stages(const MeshOptions& options, MeshReport& report) : options_(option
 }
 
 void Stages::begin(const char* stage) {
-    const std::string_view name = stage;
-    const auto step =
-        std::find_if(kSteps.begin(), kSteps.end(), [name](const Step& known) { return known.stage == name; });
-    begin(stage, step == kSteps.end() ? progress_ : step->progress);
+    const Step* const step = find_step(stage);
+    begin(stage, step == nullptr ? progress_ : step->progress);
 }
 
 void Stages::begin(const char* stage, double progress) {

@@ -36,7 +36,7 @@ constexpr double kSurveyed = 0.5, kImproved = 0.6;  // progress
 void refuse(bool wrong, const char* option) {
     if (!wrong) return;
     throw Error(ExitCode::kUsage, std::string("a mesh that is made in parts (--memory) cannot have ") +
-                                      option + "; leave one of the two away");
+                                      option + "; leave one of the two out");
 }
 
 void check_stream_options(const MeshOptions& options) {

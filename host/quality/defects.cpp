@@ -1,7 +1,7 @@
 // Names of defects and the texts of their first examples.
 #include "host/quality/defects.hpp"
 
-#include <cstdio>
+#include <charconv>
 
 #include "host/quality/vector.hpp"
 
@@ -89,8 +89,7 @@ const char* element_name(ElementType type) {
 
 std::string number_text(double value) {
     char text[32];
-    std::snprintf(text, sizeof text, "%.9g", value);
-    return text;
+    return {text, std::to_chars(text, text + sizeof text, value, std::chars_format::general, 9).ptr};
 }
 
 std::string point_text(const Mesh& mesh, NodeId node) { return mean_text(mesh, &node, 1); }

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "host/common/constants.hpp"
+#include "host/common/message_text.hpp"
 #include "host/features/surfaces.hpp"
 
 namespace mortise::report {
@@ -17,11 +18,7 @@ using features::Vector;
 
 constexpr double kStrongTurn = 15;  // degrees that a surface turns in one element
 
-std::string degrees(double angle) {
-    char text[40];
-    std::snprintf(text, sizeof text, "%.3g degrees", angle);
-    return text;
-}
+std::string degrees(double angle) { return rounded_text(angle, 3) + " degrees"; }
 
 /// What the model has at a node.
 struct NodeFacts {

@@ -8,6 +8,7 @@
 #include <numeric>
 #include <optional>
 
+#include "host/common/box_faces.hpp"
 #include "host/common/constants.hpp"
 #include "host/formula/expression_parser.hpp"
 #include "host/tape/affine_map.hpp"
@@ -373,8 +374,6 @@ class Compiler {
     std::uint32_t box_term(const Box3& box) {
         node_ = kNoNode;
         std::vector<std::uint32_t> faces;
-        static const char* const kSides[] = {"box_xmin", "box_xmax", "box_ymin",
-                                             "box_ymax", "box_zmin", "box_zmax"};
         for (int face = 0; face < 6; ++face) {
             const int axis = face / 2;
             const double sign = face % 2 == 0 ? -1 : 1;
@@ -382,7 +381,8 @@ class Compiler {
             s.kind = kSurfacePlane;
             s.map[axis] = sign;
             s.map[3] = -sign * (face % 2 == 0 ? box.min : box.max)[static_cast<std::size_t>(axis)];
-            faces.push_back(literal(add_surface(s, kSides[face], kInfinity), false));
+            faces.push_back(
+                literal(add_surface(s, kBoxFaceNames[static_cast<std::size_t>(face)], kInfinity), false));
         }
         return add_operation(Term::Type::kAnd, std::move(faces));
     }

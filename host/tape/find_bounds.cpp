@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <optional>
 
+#include "host/common/message_text.hpp"
 #include "host/tape/compile.hpp"
 #include "host/tape/convex_bounds.hpp"
 #include "host/tape/reference.hpp"
@@ -210,8 +211,7 @@ bool overflows(const CompiledModel& compiled, std::size_t axis) {
     static const char* const kCut =
         "cut it with --box x0 y0 z0 x1 y1 z1 or intersect it with a bounded solid; a solid that is bounded "
         "needs --box, or a line of bounds in a .formula file, to say where it is";
-    char distance[32];
-    std::snprintf(distance, sizeof distance, "%.6g", kFar * compiled.scale);
+    const std::string distance = rounded_text(kFar * compiled.scale);
     if (overflows(compiled, static_cast<std::size_t>(axis))) {
         throw Error(ExitCode::kInput,
                     source + ": a formula has no finite value " + distance + " from the origin along " +
@@ -225,12 +225,8 @@ bool overflows(const CompiledModel& compiled, std::size_t axis) {
 }
 
 std::string island_text(const Box3& box) {
-    char text[240];
-    std::snprintf(text, sizeof text,
-                  "the solid could not be shown to end; taken as what lies in (%.4g, %.4g, %.4g) to (%.4g, "
-                  "%.4g, %.4g), with nothing around it; --box tells for certain",
-                  box.min[0], box.min[1], box.min[2], box.max[0], box.max[1], box.max[2]);
-    return text;
+    return "the solid could not be shown to end; taken as what lies in " + place_text(box.min) + " to " +
+           place_text(box.max) + ", with nothing around it; --box tells for certain";
 }
 
 }  // namespace

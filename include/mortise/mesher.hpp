@@ -160,7 +160,9 @@ struct MeshReport {
     std::uint64_t merged_nodes = 0;      ///< of features closer than MeshOptions::merge_distance
     std::uint64_t loosened_nodes = 0;    ///< that lie beside the model
     std::uint64_t below_min_angle = 0;   ///< elements that nothing helped to a `min_angle` above 18
-    std::uint64_t crumbs = 0;            ///< loose pieces left out, of less than 5e-5 of a cell in volume
+    /// Pieces left out that share no face with the rest: of less than 5e-5 of a cell in volume, or of less
+    /// than 0.15 if they hung on it by an edge or a node.
+    std::uint64_t crumbs = 0;
     std::uint64_t hinge_edges = 0;       ///< with more than two boundary facets
     std::uint64_t hinge_nodes = 0;       ///< others at which parts of the boundary touch
     std::uint64_t loose_pieces = 0;      ///< small pieces of the mesh where the model goes on

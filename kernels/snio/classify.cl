@@ -172,13 +172,13 @@ MORTISE_NOINLINE SnioCandidate candidate_of(const Tree* tree, const TreeNode nod
     const double cell = 1.0 / (double)(1u << leaf_level(tree, node.morton));
     CellSigns signs;
     SnioCandidate candidate;
-    int simple = 1;
+    int simple = node.tape_length > 0;  // transition leaves of graded trees have no tape
     int value_inside = 0;
     int value_outside = 0;
     uint inside = 0;
     uint zero = 0;
     uint needed = 0;
-    candidate.surface = tape_surface(tape[0]);
+    candidate.surface = simple ? tape_surface(tape[0]) : 0;
     for (uint i = 0; i < node.tape_length && simple; ++i) {
         simple = tape_operation(tape[i]) != kTapeLiteral || tape_surface(tape[i]) == candidate.surface;
     }

@@ -180,7 +180,7 @@ TEST_CASE("a model with wrong fields is refused by all that take one") {
 TEST_CASE("options out of range are wrong usage") {
     const std::pair<const char*, std::function<void(MeshOptions&)>> cases[] = {
         {"level 12", [](MeshOptions& o) { o.level = 12; }},
-        {"level and size (--level, --size) are both given; leave one of the two away",
+        {"level and size (--level, --size) are both given; leave one of the two out",
          [](MeshOptions& o) { o.size = 0.1; }},
         {"smooth (--smooth) -5 is out of range; use 0 to 100 rounds", [](MeshOptions& o) { o.smooth = -5; }},
         {"smooth (--smooth) 101", [](MeshOptions& o) { o.smooth = 101; }},

@@ -37,10 +37,10 @@ Zone make_zone(std::vector<Point> points, const std::vector<std::array<std::uint
 
 constexpr double kSmall = 0.05;  // volume 2e-5
 
-std::vector<Point> large_and_small(const Point& at) {
+std::vector<Point> large_and_small(const Point& at, double size = kSmall) {
     std::vector<Point> points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     for (const Point& corner : {Point{0, 0, 0}, Point{1, 0, 0}, Point{0, 1, 0}, Point{0, 0, 1}}) {
-        points.push_back(at + kSmall * corner);
+        points.push_back(at + size * corner);
     }
     return points;
 }
@@ -96,6 +96,46 @@ TEST_CASE("crumbs: loose pieces go, whatever hangs on a face stays") {
         std::vector<Point> points = large_and_small({2, 2, 2});
         points[5][0] += 3 * kSmall;
         Zone zone = make_zone(points, {{0, 1, 2, 3}, {4, 5, 6, 7}});
+        CHECK(remove_crumbs(zone, 1).count == 0);
+    }
+}
+
+TEST_CASE("scraps: what hangs by an edge or a node goes, bodies stay") {
+    const double size = 0.9;  // volume 0.12, or 0.135 on an edge
+    SUBCASE("on a node") {
+        Zone zone = make_zone(large_and_small({1, 0, 0}, size), {{0, 1, 2, 3}, {1, 5, 6, 7}});
+        const Crumbs crumbs = remove_crumbs(zone, 1);
+        CHECK(crumbs.count == 1);
+        CHECK(crumbs.largest == doctest::Approx(size * size * size / 6));
+        CHECK(zone.tetrahedra.size() == 1);
+    }
+    const auto on_edge = [](double height) {
+        return make_zone({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, -height, 0}, {0, 0, -height}},
+                         {{0, 1, 2, 3}, {0, 1, 4, 5}});
+    };
+    SUBCASE("on an edge") {
+        Zone zone = on_edge(size);
+        CHECK(remove_crumbs(zone, 1).count == 1);
+        CHECK(zone.tetrahedra.size() == 1);
+    }
+    SUBCASE("on an edge of what is outside the zone") {
+        Zone zone = on_edge(size);
+        zone.tetrahedra.erase(zone.tetrahedra.begin());
+        zone.frozen[1] = 1;
+        CHECK(remove_crumbs(zone, 1).count == 1);
+    }
+    SUBCASE("as large as a body") {
+        Zone zone = on_edge(1);
+        CHECK(remove_crumbs(zone, 1).count == 0);
+    }
+    SUBCASE("apart") {
+        Zone zone = make_zone(large_and_small({2, 2, 2}, size), {{0, 1, 2, 3}, {4, 5, 6, 7}});
+        CHECK(remove_crumbs(zone, 1).count == 0);
+    }
+    SUBCASE("two that hang on each other only") {
+        Zone zone =
+            make_zone({{0, 0, 0}, {1, 0, 0}, {0, size, 0}, {0, 0, size}, {0, -size, 0}, {0, 0, -size}},
+                      {{0, 1, 2, 3}, {0, 1, 4, 5}});
         CHECK(remove_crumbs(zone, 1).count == 0);
     }
 }

@@ -318,12 +318,12 @@ TEST_CASE("layers are refused where they cannot be") {
     MeshOptions options = with_layers(3, 2);
     options.hanging = true;
     CHECK_THROWS_WITH_AS(generate(model, options),
-                         doctest::Contains("layers need a mesh that conforms; leave one of the two away"),
+                         doctest::Contains("layers need a mesh that conforms; leave one of the two out"),
                          Error);
     options.hanging = false;
     options.second_order = true;
     CHECK_THROWS_WITH_AS(generate(model, options),
-                         doctest::Contains("layers are of first order; leave one of the two away"), Error);
+                         doctest::Contains("layers are of first order; leave one of the two out"), Error);
     options.second_order = false;
     options.layers.on = {"wing"};
     CHECK_THROWS_WITH_AS(generate(model, options), doctest::Contains("no region or surface is called 'wing'"),

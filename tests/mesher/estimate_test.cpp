@@ -162,6 +162,32 @@ TEST_CASE("where larger cells take longer than cells as asked, a part of the mod
     CHECK_FALSE(estimate.is_exact);
 }
 
+TEST_CASE("where a mesh of few cells takes long, a part of it tells") {
+    const Model model = parsed(kTee);
+    MeshOptions options;
+    options.level = 6;
+    Mesher mesher;
+    device::Device device("", {});
+    int whole = 0;
+    int parts = 0;
+    const MeshEstimate estimate =
+        pipeline::estimate([&]() -> device::Device& { return device; }, model, options,
+                           [&](const Model& tried, const MeshOptions& trial, MeshReport& report) {
+                               const bool is_whole = tried.source == model.source && !trial.box;
+                               (is_whole ? whole : parts) += tried.source == model.source ? 1 : 0;
+                               while (is_whole && trial.progress("improve", 0.5))
+                                   std::this_thread::sleep_for(std::chrono::milliseconds(20));
+                               if (is_whole) throw Interrupted();
+                               return mesher.generate(tried, trial, &report);
+                           });
+    CHECK(whole == 1);
+    CHECK(parts >= 1);
+    const Mesh mesh = generate(model, options);
+    CHECK(static_cast<double>(estimate.elements) ==
+          doctest::Approx(static_cast<double>(mesh.element_count())).epsilon(0.2));
+    CHECK_FALSE(estimate.is_exact);
+}
+
 TEST_CASE("an estimate ends when its caller wants no more, and tells what generate tells") {
     Mesher mesher;
     MeshOptions options;

@@ -102,6 +102,21 @@ TEST_CASE("a triangle wave of mod and abs is whole where mod jumps") {
     CHECK(wave.check.volume == doctest::Approx(2 * 0.6 * (1 + 0.075)).epsilon(1e-3));
 }
 
+TEST_CASE("creases below a sum leave no single elements hanging on the rest") {
+    const char* const models[] = {
+        "t=asin(sin(4*(0.8*x+0.6*y))); max(z*0.96+0.28*x-0.25*t,-z-1,abs(x)-2,abs(y)-2)\n"
+        "bounds -5 -5 -5 5 5 5\n",
+        "r=hypot(x,y); t=asin(sin(2*pi*z/0.8+atan2(y,x))); max(r-2.3-0.13*t,abs(z)-3)\n"
+        "bounds -5 -5 -5 5 5 5\n"};
+    for (const char* const text : models) {
+        const Meshed meshed = mesh_and_check(parse_model(text, "formula", "m.formula"), 6);
+        CAPTURE(text);
+        CHECK(meshed.defects == "");
+        CHECK(meshed.check.components == 1);
+        CHECK(meshed.report.crumbs > 0);
+    }
+}
+
 TEST_CASE("a sheet |f| < t has both its sides where it is about a cell thick") {
     // Cells are 0.42 wide, the sheet is 0.46 thick where f is steepest.
     const char* const kBox = "bounds -6.28 -6.28 -6.28 6.28 6.28 6.28\n";

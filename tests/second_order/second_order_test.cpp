@@ -207,7 +207,7 @@ TEST_CASE("second order is refused where it cannot be") {
     options.hanging = true;
     CHECK_THROWS_WITH_AS(
         generate(drilled_plate(), options),
-        doctest::Contains("only elements of first order have hanging nodes; leave one of the two away"),
+        doctest::Contains("only elements of first order have hanging nodes; leave one of the two out"),
         Error);
 }
 

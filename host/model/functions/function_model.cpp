@@ -69,7 +69,7 @@ void add_function(Model& model, const std::string& formula, bool has_z, const st
                         "0 <= z <= H");
     }
     if (has_z && flat)
-        throw Error(ExitCode::kUsage, model.source + ": the function depends on z; leave --extrude away");
+        throw Error(ExitCode::kUsage, model.source + ": the function depends on z; leave --extrude out");
     Primitive primitive;
     primitive.kind = Primitive::Kind::kExpression;
     primitive.expression = formula;

@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "host/common/constants.hpp"
+#include "host/common/message_text.hpp"
 #include "host/model/outlines/drawings.hpp"
 #include "host/model/outlines/outline_pieces.hpp"
 #include "host/model/text.hpp"
@@ -95,8 +96,7 @@ class DxfReader {
                                               "; expected lines, arcs or polylines that close");
         }
         if (open_ != 0) {
-            warnings.push_back(source_ + ": " + std::to_string(open_) +
-                               (open_ == 1 ? " chain of lines is" : " chains of lines are") +
+            warnings.push_back(source_ + ": " + counted(open_, "chain of lines is", "chains of lines are") +
                                " not closed and left out");
         }
         if (!ignored_.empty()) {

@@ -5,6 +5,7 @@
 #include <pugixml.hpp>
 #include <stdexcept>
 
+#include "host/common/message_text.hpp"
 #include "host/model/outlines/drawings.hpp"
 #include "host/model/outlines/outline_pieces.hpp"
 #include "host/model/outlines/svg_path.hpp"
@@ -69,8 +70,7 @@ class SvgReader {
                                               "; expected paths, rectangles, circles or polygons");
         }
         if (open_ != 0) {
-            warnings.push_back(source_ + ": " + std::to_string(open_) +
-                               (open_ == 1 ? " line that is" : " lines that are") +
+            warnings.push_back(source_ + ": " + counted(open_, "line that is", "lines that are") +
                                " neither closed nor filled left out");
         }
         if (!ignored_.empty()) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 
+#include "host/common/message_text.hpp"
 #include "host/model/triangles/triangle_files.hpp"
 #include "host/model/triangles/triangle_text.hpp"
 
@@ -98,9 +99,8 @@ TriangleSurface read_obj(const std::string& content, const std::string& source,
                         "file of a closed surface");
     }
     if (unknown != 0) {
-        warnings.push_back(place_text(source, first_unknown) + std::to_string(unknown) +
-                           (unknown == 1 ? " line is" : " lines are") + " not known and not read, first '" +
-                           first_statement + "'");
+        warnings.push_back(place_text(source, first_unknown) + counted(unknown, "line is", "lines are") +
+                           " not known and not read, first '" + first_statement + "'");
     }
     return finished_surface(polygons.triangulate(source, 1), source, warnings);
 }

@@ -10,6 +10,7 @@
 #include <numeric>
 #include <utility>
 
+#include "host/common/message_text.hpp"
 #include "host/model/affine.hpp"
 
 namespace mortise::model_reader {
@@ -361,27 +362,23 @@ SurfaceFindings repair_surface(TriangleSurface& surface) {
 
 std::vector<std::string> surface_warnings(const SurfaceFindings& findings, const std::string& source) {
     std::vector<std::string> warnings;
-    const auto plural = [](std::size_t count, const char* one, const char* many) {
-        return std::to_string(count) + " " + (count == 1 ? one : many);
-    };
     if (findings.open_edges != 0) {
         warnings.push_back(
-            source + ": " + plural(findings.open_edges, "edge has", "edges have") +
+            source + ": " + counted(findings.open_edges, "edge has", "edges have") +
             " only one triangle: the surface is not closed there; what is inside is decided by "
             "the winding number");
     }
     if (findings.joined != 0) {
-        char crack[32];
-        std::snprintf(crack, sizeof crack, "%.3g", findings.crack);
-        warnings.push_back(source + ": " + plural(findings.joined, "point was", "points were") +
+        const std::string crack = rounded_text(findings.crack, 3);
+        warnings.push_back(source + ": " + counted(findings.joined, "point was", "points were") +
                            " joined with others up to " + crack + " away, which closes edges between them");
     }
     if (findings.repeated != 0) {
-        warnings.push_back(source + ": " + plural(findings.repeated, "triangle was", "triangles were") +
+        warnings.push_back(source + ": " + counted(findings.repeated, "triangle was", "triangles were") +
                            " given more than once");
     }
     if (findings.turned != 0) {
-        warnings.push_back(source + ": " + plural(findings.turned, "triangle was", "triangles were") +
+        warnings.push_back(source + ": " + counted(findings.turned, "triangle was", "triangles were") +
                            " turned over to agree with the triangles around");
     }
     return warnings;
