@@ -25,8 +25,6 @@ inline FaceKey face_key(const NodeId* nodes, std::size_t count) {
 }
 
 /// Of four numbers as FacetBlock::nodes holds them: a triangle repeats the last.
-inline FaceKey facet_key(const FaceKey& nodes) {
-    return face_key(nodes.data(), nodes[2] == nodes[3] ? 3 : 4);
-}
+inline FaceKey facet_key(const FaceKey& nodes) { return face_key(nodes.data(), corner_count(nodes.data())); }
 
 }  // namespace mortise

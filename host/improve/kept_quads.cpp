@@ -40,7 +40,7 @@ std::vector<QuadKey> outer_quads(const Mesh& mesh, const CellFrame& frame, const
             if (!cells.is_graded() && chunk.is_known && !cells.any_is_near(chunk.low, chunk.high)) continue;
             for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
                 const NodeId* node = facets.nodes.data() + 4 * i;
-                if (known.gone.facet[i] != 0 || node[2] == node[3] || facets.outside[i] != 0) continue;
+                if (known.gone.facet[i] != 0 || corner_count(node) == 3 || facets.outside[i] != 0) continue;
                 if (cells.is_graded() || cells.is_near(in_cells(mesh, frame, *node)))
                     found[c].push_back(quad_key(node));
             }
@@ -57,7 +57,7 @@ std::vector<QuadKey> held_quads(const Mesh& mesh, const std::vector<std::uint8_t
     std::vector<QuadKey> quads;
     for (std::size_t i = 0; i < facets.size() && held != nullptr; ++i) {
         const NodeId* node = facets.nodes.data() + 4 * i;
-        if (node[2] != node[3] && (*held)[facets.surface[i]] != 0) quads.push_back(quad_key(node));
+        if (corner_count(node) == 4 && (*held)[facets.surface[i]] != 0) quads.push_back(quad_key(node));
     }
     std::sort(quads.begin(), quads.end());
     return quads;

@@ -39,7 +39,7 @@ std::vector<TriangleKey> list_triangles(const FacetBlock& facets, const ZoneNode
     for (std::size_t i = 0; i < near_facets.size(); ++i) {
         const NodeId* node = facets.nodes.data() + 4 * std::size_t{near_facets[i]};
         if (std::any_of(node, node + 4, [&](NodeId n) { return !place.has(n); })) continue;
-        if (node[2] == node[3]) {
+        if (corner_count(node) == 3) {
             add(i, {node[0], node[1], node[2]}, kBothParts);
         } else {
             const auto half = halves(node);

@@ -20,7 +20,7 @@ struct WallFacet {
     std::uint32_t facet = 0;   ///< in Mesh::facets
     std::uint16_t region = 0;  ///< on the layers' side
 
-    std::size_t corners() const { return node[2] == node[3] ? 3 : 4; }
+    std::size_t corners() const { return corner_count(node.data()); }
 };
 
 /// An edge of the walls where a facet of another kind begins: on an open boundary (an inlet) or between two

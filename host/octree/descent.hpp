@@ -19,8 +19,6 @@ using device::Device;
 constexpr std::size_t kWordsPerNode = 4;
 /// A level rarely adds more than twice what the one before did; room for so much is not made beyond this.
 constexpr std::size_t kMostAhead = std::size_t{1} << 26;
-/// Words of all tapes (MOST_TAPE_WORDS in kernels/octree/descend.cl).
-constexpr std::size_t kMostTapeWords = 0xc0000000u;
 /// Scratch for what children keep of the nodes' tapes; a level that needs more is split in several launches.
 /// On a CPU what fits into the cores' caches.
 constexpr std::size_t kScratchBytesPerCore = 1u << 20;

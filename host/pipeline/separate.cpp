@@ -156,7 +156,7 @@ class Separator {
         const GluedPair& pair = gluing_.pairs[j];
         add_facet({node[0], node[1], node[2], node[3]}, side, pair.plane[Gluing::bit(side, j)], inside, 0,
                   to);
-        const bool is_triangle = node[2] == node[3];
+        const bool is_triangle = corner_count(node) == 3;
         add_facet({node[is_triangle ? 1 : 3], node[is_triangle ? 0 : 2], node[is_triangle ? 2 : 1],
                    node[is_triangle ? 2 : 0]},
                   other, pair.plane[Gluing::bit(other, j)], outside, 0, to);

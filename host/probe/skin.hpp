@@ -25,10 +25,7 @@ class Skin {
         const NodeId* node = facets_.nodes.data() + 4 * std::size_t{facet};
         return {corner(node[0]), corner(node[1 + part]), corner(node[2 + part])};
     }
-    std::size_t triangles(std::uint32_t facet) const {
-        const NodeId* node = facets_.nodes.data() + 4 * std::size_t{facet};
-        return node[3] != node[2] ? 2 : 1;
-    }
+    std::size_t triangles(std::uint32_t facet) const { return facets_.facet(facet).size() - 2; }
     Vec3 middle(std::uint32_t facet) const {
         const Triangle t = triangle(facet, triangles(facet) - 1);
         return scaled(sum(sum(t[0], t[1]), t[2]), 1.0 / 3);

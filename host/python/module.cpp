@@ -172,7 +172,7 @@ int axis_of(const std::string& name) {
     return static_cast<int>(axis);
 }
 
-void bind_meshes(py::module_& module) {
+void bind_elements(py::module_& module) {
     py::class_<Block> block(module, "Elements", "All elements of one type, as arrays.");
     const auto edges = [](const Block& b) {
         return static_cast<std::size_t>(kElementEdges[static_cast<std::size_t>(b.type)]);
@@ -190,7 +190,9 @@ void bind_meshes(py::module_& module) {
     bind_array(
         block, "middles", [edges](const Block& b) { return std::make_pair(&b.block->middles, edges(b)); },
         "(count, edges of an element): nodes of second order; empty at first order");
+}
 
+void bind_facets(py::module_& module) {
     py::class_<FacetBlock> facets(module, "Facets", "Facets of the boundary and between regions, as arrays.");
     facets.def("__len__", &FacetBlock::size);
     bind_array(
@@ -208,8 +210,22 @@ void bind_meshes(py::module_& module) {
     bind_array(
         facets, "middles", [](const FacetBlock& f) { return std::make_pair(&f.middles, std::size_t{4}); },
         "(count, 4): nodes of second order; empty at first order");
+}
 
-    py::class_<ReportedMesh> mesh(module, "Mesh", "A mesh. Arrays are views that cannot be written.");
+void bind_periodic_nodes(py::module_& module) {
+    py::class_<PeriodicNodes> periodic(module, "PeriodicNodes",
+                                       "Two planes with the same facets: nodes of one are copies.");
+    periodic.def("__len__", &PeriodicNodes::size).def_readonly("shift", &PeriodicNodes::shift);
+    bind_array(
+        periodic, "nodes", [](const PeriodicNodes& p) { return std::make_pair(&p.node, std::size_t{0}); },
+        "(count,): the copies");
+    bind_array(
+        periodic, "originals",
+        [](const PeriodicNodes& p) { return std::make_pair(&p.original, std::size_t{0}); },
+        "(count,): what each is a copy of, moved by `shift`");
+}
+
+void bind_contents(py::class_<ReportedMesh>& mesh) {
     bind_array(
         mesh, "points", [](const ReportedMesh& m) { return std::make_pair(&m.mesh.points, std::size_t{3}); },
         "(nodes, 3): x, y, z");
@@ -225,16 +241,6 @@ void bind_meshes(py::module_& module) {
         mesh, "hanging_masters",
         [](const ReportedMesh& m) { return std::make_pair(&m.mesh.hanging.masters, std::size_t{4}); },
         "(hanging, 4): the nodes whose mean each takes; of an edge's middle both ends twice");
-    py::class_<PeriodicNodes> periodic(module, "PeriodicNodes",
-                                       "Two planes with the same facets: nodes of one are copies.");
-    periodic.def("__len__", &PeriodicNodes::size).def_readonly("shift", &PeriodicNodes::shift);
-    bind_array(
-        periodic, "nodes", [](const PeriodicNodes& p) { return std::make_pair(&p.node, std::size_t{0}); },
-        "(count,): the copies");
-    bind_array(
-        periodic, "originals",
-        [](const PeriodicNodes& p) { return std::make_pair(&p.original, std::size_t{0}); },
-        "(count,): what each is a copy of, moved by `shift`");
     mesh.def_property_readonly(
         "periodic",
         [](const py::object& self) {
@@ -259,8 +265,11 @@ void bind_meshes(py::module_& module) {
         .def_property_readonly("surface_names", [](const ReportedMesh& m) { return m.mesh.surface_names; })
         .def_property_readonly(
             "report", [](const ReportedMesh& m) { return &m.report; },
-            py::return_value_policy::reference_internal)
-        .def(
+            py::return_value_policy::reference_internal);
+}
+
+void bind_uses(py::class_<ReportedMesh>& mesh) {
+    mesh.def(
             "cells", [](const ReportedMesh& m) { return cells(m.mesh); },
             "Elements by VTK's names, nodes in VTK's order, as copies: meshio.Mesh(mesh.points, "
             "mesh.cells()).")
@@ -314,6 +323,15 @@ void bind_meshes(py::module_& module) {
             "Draws the mesh, .png; cut: 'x', 'y' or 'z' opens it across that axis, at a place or the middle.",
             py::arg("path"), py::arg("width") = 1200, py::arg("height") = 900, py::arg("cut") = py::none(),
             py::arg("at") = py::none());
+}
+
+void bind_meshes(py::module_& module) {
+    bind_elements(module);
+    bind_facets(module);
+    bind_periodic_nodes(module);
+    py::class_<ReportedMesh> mesh(module, "Mesh", "A mesh. Arrays are views that cannot be written.");
+    bind_contents(mesh);
+    bind_uses(mesh);
     module.def(
         "read_mesh",
         [](const py::object& path) {

@@ -19,7 +19,7 @@ constexpr std::size_t kMostMissing = 20;
 Vector normal_times_area(const Mesh& mesh, const NodeId* n) {
     const Vector a = features::point_of(mesh, n[0]), b = features::point_of(mesh, n[1]);
     const Vector c = features::point_of(mesh, n[2]), d = features::point_of(mesh, n[3]);
-    return n[2] == n[3] ? 0.5 * cross(b - a, c - a) : 0.5 * cross(c - a, d - b);
+    return corner_count(n) == 3 ? 0.5 * cross(b - a, c - a) : 0.5 * cross(c - a, d - b);
 }
 
 /// Groups facets of one surface that share an edge which is no crease.

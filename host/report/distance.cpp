@@ -187,9 +187,9 @@ void report_facets(const Mesh& mesh, const std::vector<std::uint32_t>& facet_sur
             }
             // A quadrilateral's normal is that of its diagonals.
             const Vector normal =
-                n[2] == n[3] ? cross(p[1] - p[0], p[2] - p[0]) : cross(p[2] - p[0], p[3] - p[1]);
+                corner_count(n) == 3 ? cross(p[1] - p[0], p[2] - p[0]) : cross(p[2] - p[0], p[3] - p[1]);
             const Vector direction = features::unit(normal);
-            const std::size_t number = facet_samples(p, n[2] == n[3], samples);
+            const std::size_t number = facet_samples(p, corner_count(n) == 3, samples);
             Foot foot;
             for (std::size_t i = 0; i < number; ++i) {
                 foot = find_foot(model, facet_surface[f], samples[i], direction, size);

@@ -47,7 +47,7 @@ FacetTree::FacetTree(const Mesh& mesh, const tape::BoundModel& model) {
         const NodeId* n = mesh.facets.nodes.data() + 4 * f;
         Vector p[4];
         for (int k = 0; k < 4; ++k) p[k] = features::to_local(model, features::point_of(mesh, n[k]));
-        if (n[2] == n[3]) {
+        if (corner_count(n) == 3) {
             triangles_.push_back({p[0], p[1], p[2]});
             continue;
         }

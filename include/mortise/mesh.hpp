@@ -54,6 +54,9 @@ struct ElementBlock {
     std::size_t size() const { return region.size(); }
 };
 
+/// 3 or 4, of a facet's four numbers in FacetBlock::nodes.
+inline std::size_t corner_count(const NodeId* facet) { return facet[2] == facet[3] ? 3 : 4; }
+
 /// The nodes of a facet, three or four, as they stand in the mesh.
 class FacetNodes {
   public:
@@ -87,7 +90,7 @@ struct FacetBlock {
     /// Valid until `nodes` changes.
     FacetNodes facet(std::size_t i) const {
         const NodeId* const first = nodes.data() + 4 * i;
-        return {first, first[2] == first[3] ? std::size_t{3} : std::size_t{4}};
+        return {first, corner_count(first)};
     }
 };
 

@@ -11,7 +11,7 @@
 // loop on GPUs (LANES 1). Guarantees: a child is IN or OUT only if its closed cube is, whatever the rounding;
 // tapes of any length are pruned alike; results do not depend on the order of work-items, though the places
 // of new tapes do. If the tape arena is too small, used[0] still counts the words that were needed (up to
-// MOST_TAPE_WORDS), and the caller runs the level again in a larger arena.
+// kMostTapeWords), and the caller runs the level again in a larger arena.
 #include "octree/classify_surface.h"
 #include "octree/reduce_tape.h"
 #include "shared/bounds.h"
@@ -19,8 +19,7 @@
 #include "shared/spatial.h"
 #include "shared/tape.h"
 
-#define KEPT_WORDS 48                // of a child's tape that are kept while the parent's is evaluated
-#define MOST_TAPE_WORDS 0xc0000000u  // of all tapes: counting ends here, before it wraps
+#define KEPT_WORDS SHORT_TAPE  // of a child's tape that are kept while the parent's is evaluated
 
 // What a spatial word is in child c: 0, 1 or kUnknown.
 static int spatial_state(uint entry, uint word) {
@@ -247,7 +246,7 @@ static ChildNode shortened_child(const TreeNode parent, __global uint* tapes, __
     }
     if (offset == NOTHING) {
         // Plain reads of used may be old: they only save atomic operations.
-        const uint at = used[0] < MOST_TAPE_WORDS ? atomic_add(used, words) : capacity;
+        const uint at = used[0] < kMostTapeWords ? atomic_add(used, words) : capacity;
         if (at < capacity && words <= capacity - at) {
             offset = at;
             if (is_short) {

@@ -8,7 +8,7 @@
 // Tapes of more surfaces or words are not searched for surfaces on which they do not depend. A surface is one
 // bit of the number of a choice of signs, a choice one bit of a word.
 #define MAX_REDUCED 5
-#define MAX_REDUCED_WORDS 48
+#define SHORT_TAPE 48        // words
 #define NOTHING 0xffffffffu  // no word of a tape
 
 // A short tape as words are dropped: the stack of values, each with the place where its code begins, and the
@@ -63,11 +63,11 @@ static uint reduce(uint* tape, uint length, int* constant_value) {
     uint count = 0;
     uint redundant = 0;
     uint region_bits = 0;
-    uint regions[12];  // by bit of the region's number
+    uint regions[kRegionBits];  // by bit of the region's number
     uint literals = 0;
     uint selects = 0;
     uint same = 0;  // selects that do not depend on their formula
-    if (length > MAX_REDUCED_WORDS) return length;
+    if (length > SHORT_TAPE) return length;
     for (uint i = 0; i < length; ++i) {
         const uint operation = tape_operation(tape[i]);
         if (operation == kTapeSpatial) return length;

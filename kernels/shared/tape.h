@@ -18,7 +18,9 @@
 
 #define kTapeStack 40    // deepest stack that the compiler emits
 #define kSpatialStack 8  // deepest stack of a formula in the spatial table
-#define kMaxRegions 4095
+#define kRegionBits 12   // of a region's number
+#define kMaxRegions ((1 << kRegionBits) - 1)
+#define kMostTapeWords 0xc0000000u  // of all tapes: counting ends here, before it wraps
 #define kUnknown (-1)
 
 MORTISE_FUNCTION u32 tape_operation(u32 word) { return word >> 29; }
