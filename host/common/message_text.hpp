@@ -1,6 +1,7 @@
 // Numbers, places and counts in messages: with decimal points, whatever the locale.
 #pragma once
 
+#include <algorithm>
 #include <charconv>
 #include <cstddef>
 #include <string>
@@ -9,10 +10,11 @@
 
 namespace mortise {
 
-/// To so many digits, without zeros at the end.
+/// To so many digits, 17 at most, without zeros at the end.
 inline std::string rounded_text(double value, int digits = 6) {
     char text[64];
-    const auto result = std::to_chars(text, text + sizeof text, value, std::chars_format::general, digits);
+    const auto result =
+        std::to_chars(text, text + sizeof text, value, std::chars_format::general, std::min(digits, 17));
     return {text, result.ptr};
 }
 

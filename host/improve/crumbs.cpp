@@ -25,7 +25,8 @@ double volume(const Zone& zone, const Tetrahedron& t) {
     return dot(p[1] - p[0], cross(p[2] - p[0], p[3] - p[0])) / (6 * edge * edge * edge);
 }
 
-/// Whether two faces at least are facets with nothing behind them: in a scrap all elements are such.
+/// Whether two faces at least are facets with nothing behind them: so are elements of scraps, but the
+/// smallest.
 bool is_bare(const Tetrahedron& t) {
     const auto is_bare_face = [](FaceTag tag) {
         return tag != 0 && (tag & (kTagInterface | kTagBorder)) == 0;
@@ -34,13 +35,13 @@ bool is_bare(const Tetrahedron& t) {
 }
 
 /// Tetrahedra that are small enough, in order.
-std::vector<std::uint32_t> find_small(const Zone& zone, int threads) {
+std::vector<std::uint32_t> find_small(const Zone& zone, double most, int threads) {
     const std::size_t count = zone.tetrahedra.size();
     std::vector<std::vector<std::uint32_t>> found(chunk_count(count, kCrumbChunk));
     parallel_chunks(count, kCrumbChunk, threads, [&](std::size_t begin, std::size_t end, int) {
         for (std::size_t i = begin; i < end; ++i) {
             const Tetrahedron& t = zone.tetrahedra[i];
-            if (volume(zone, t) > (is_bare(t) ? kScrapVolume : kCrumbVolume)) continue;
+            if (volume(zone, t) > (is_bare(t) ? most : kCrumbVolume)) continue;
             found[begin / kCrumbChunk].push_back(static_cast<std::uint32_t>(i));
         }
     });
@@ -52,8 +53,8 @@ std::vector<std::uint32_t> find_small(const Zone& zone, int threads) {
 /// Pieces of small tetrahedra, joined by faces: each known by its first.
 class SmallPieces {
   public:
-    SmallPieces(const Zone& zone, const std::vector<std::uint32_t>& small)
-        : zone_(zone), small_(small), sets_(small.size()) {
+    SmallPieces(const Zone& zone, const std::vector<std::uint32_t>& small, double most)
+        : zone_(zone), small_(small), most_(most), sets_(small.size()) {
         std::vector<std::uint8_t> held(small.size(), 0);
         join_by_faces(held);
         attached_.assign(small.size(), 0);
@@ -76,20 +77,20 @@ class SmallPieces {
     /// Whether it shares faces with nothing, and is small altogether.
     bool is_loose(std::uint32_t i) {
         const std::uint32_t first = sets_.find(i);
-        return attached_[first] == 0 && volume_[first] <= kScrapVolume;
+        return attached_[first] == 0 && volume_[first] <= most_;
     }
 
-    /// Finds the loose pieces with a node of something that is not loose.
+    /// Finds the loose pieces with a node of something that is not loose, or of another that hangs.
     void find_hanging() {
         hangs_.assign(small_.size(), 0);
+        std::vector<std::uint32_t> loose;  // places in small_
         std::vector<std::uint8_t> is_loose_tetrahedron(zone_.tetrahedra.size(), 0);
-        bool any = false;
         for (std::uint32_t i = 0; i < small_.size(); ++i) {
             if (!is_loose(i)) continue;
             is_loose_tetrahedron[small_[i]] = 1;
-            any = true;
+            loose.push_back(i);
         }
-        if (!any) return;
+        if (loose.empty()) return;
         std::vector<std::uint8_t> used = zone_.frozen;
         for (std::size_t i = 0; i < zone_.tetrahedra.size(); ++i) {
             if (is_loose_tetrahedron[i] != 0) continue;
@@ -98,10 +99,20 @@ class SmallPieces {
         for (const Pyramid& p : zone_.pyramids) {
             for (const ZoneNode n : p.node) used[n] = 1;
         }
-        for (std::uint32_t i = 0; i < small_.size(); ++i) {
-            const auto& node = zone_.tetrahedra[small_[i]].node;
-            if (std::any_of(node.begin(), node.end(), [&](ZoneNode n) { return used[n] != 0; }))
+        for (bool found = true; found;) {
+            found = false;
+            for (const std::uint32_t i : loose) {
+                const auto& node = zone_.tetrahedra[small_[i]].node;
+                if (hangs_[sets_.find(i)] != 0 ||
+                    std::none_of(node.begin(), node.end(), [&](ZoneNode n) { return used[n] != 0; }))
+                    continue;
                 hangs_[sets_.find(i)] = 1;
+                found = true;
+            }
+            for (const std::uint32_t i : loose) {
+                if (hangs_[sets_.find(i)] == 0) continue;
+                for (const ZoneNode n : zone_.tetrahedra[small_[i]].node) used[n] = 1;
+            }
         }
     }
 
@@ -138,6 +149,7 @@ class SmallPieces {
 
     const Zone& zone_;
     const std::vector<std::uint32_t>& small_;
+    const double most_;                   ///< volume of a piece that may be left out
     DisjointSets sets_;                   ///< of places in small_
     std::vector<std::uint8_t> attached_;  ///< per set
     std::vector<double> volume_;          ///< per set
@@ -146,11 +158,11 @@ class SmallPieces {
 
 }  // namespace
 
-Crumbs remove_crumbs(Zone& zone, int threads) {
+Crumbs remove_crumbs(Zone& zone, double most, int threads) {
     Crumbs crumbs;
-    const std::vector<std::uint32_t> small = find_small(zone, threads);
+    const std::vector<std::uint32_t> small = find_small(zone, most, threads);
     if (small.empty()) return crumbs;
-    SmallPieces pieces(zone, small);
+    SmallPieces pieces(zone, small, most);
     std::vector<std::uint32_t> gone;
     for (std::uint32_t i = 0; i < small.size(); ++i) {
         if (!pieces.is_left_out(i)) continue;
@@ -159,9 +171,15 @@ Crumbs remove_crumbs(Zone& zone, int threads) {
         if (crumbs.count++ == 0) crumbs.first = zone.points[zone.tetrahedra[small[i]].node[0]];
         crumbs.largest = std::max(crumbs.largest, pieces.volume_of(i));
     }
-    for (auto i = gone.rbegin(); i != gone.rend(); ++i) {
-        zone.tetrahedra.erase(zone.tetrahedra.begin() + static_cast<std::ptrdiff_t>(*i));
+    std::size_t to = 0;
+    auto next = gone.begin();
+    for (std::uint32_t i = 0; i < zone.tetrahedra.size(); ++i) {
+        if (next != gone.end() && *next == i)
+            ++next;
+        else
+            zone.tetrahedra[to++] = zone.tetrahedra[i];
     }
+    zone.tetrahedra.resize(to);
     return crumbs;
 }
 

@@ -25,7 +25,8 @@ struct Crumbs {
 };
 
 /// Takes pieces of tetrahedra out of the zone that share faces with nothing else: crumbs, and scraps that
-/// hang on something. Pieces with held facets or tips stay.
-Crumbs remove_crumbs(Zone& zone, int threads);
+/// hang on something. `most`: kScrapVolume, or kCrumbVolume for crumbs only. Pieces with held facets
+/// or tips stay.
+Crumbs remove_crumbs(Zone& zone, double most, int threads);
 
 }  // namespace mortise::improve

@@ -131,8 +131,8 @@ class Session {
             // After the first run features may be merged, which may leave room.
             const bool may_help = run == 0 && options_.merge_distance > 0;
             const bool done = improver.is_done() || (improver.is_hopeless() && !may_help) || run + 1 == kRuns;
-            if (done && loosens && options_.merge_distance > 0) improver.loosen(counters_);
             take_out_crumbs(*zone);
+            if (done && loosens && options_.merge_distance > 0) improver.loosen(counters_);
             close(*zone);
             if (done) return;
         }
@@ -172,7 +172,9 @@ class Session {
     }
 
     void take_out_crumbs(Zone& zone) {
-        const Crumbs found = remove_crumbs(zone, options_.threads);
+        // What hangs at a periodic plane is left to the run on the whole mesh, which tells of it.
+        const double most = options_.slabs == nullptr ? kScrapVolume : kCrumbVolume;
+        const Crumbs found = remove_crumbs(zone, most, options_.threads);
         Crumbs& all = counters_.crumbs;
         all.count += found.count;
         all.largest = std::max(all.largest, found.largest);

@@ -33,14 +33,18 @@ class Line {
 
     double number() {
         // Not strtod, which reads 1.5 as 1 where a program has set a locale with decimal commas.
-        while (at_ < text_.size() && (text_[at_] == ' ' || text_[at_] == '\t' || text_[at_] == '+')) ++at_;
-        double value = 0;
+        while (at_ < text_.size() && (text_[at_] == ' ' || text_[at_] == '\t')) ++at_;
+        if (at_ + 1 < text_.size() && text_[at_] == '+' && text_[at_ + 1] != '-') ++at_;
+        long double value = 0;  // what is too small for a double is 0
         const char* const end = text_.data() + text_.size();
         const auto [next, failure] = std::from_chars(text_.data() + at_, end, value);
-        if (failure != std::errc())
+        if (failure == std::errc::invalid_argument)
             file_.damaged("'" + text_.substr(0, 40) + "' found, expected more numbers");
+        const auto result = static_cast<double>(value);
+        if (failure != std::errc() || !std::isfinite(result))
+            file_.damaged("'" + text_.substr(0, 40) + "' found, expected finite numbers");
         at_ = static_cast<std::size_t>(next - text_.data());
-        return value;
+        return result;
     }
     std::uint64_t whole() {
         const double value = number();

@@ -1,10 +1,10 @@
 #include "host/pipeline/check_options.hpp"
-#include "host/common/message_text.hpp"
 
 #include <cmath>
 #include <limits>
 #include <utility>
 
+#include "host/common/message_text.hpp"
 #include "host/octree/octree.hpp"
 #include "host/pipeline/periodic_box.hpp"
 #include "mortise/error.hpp"

@@ -153,10 +153,14 @@ class Estimator {
                 return extrapolate(cells, cell, *trials);
             if (!is_late_) continue;
             if (const std::optional<Trial> part = try_parts(cells, cell)) return from_part(cells, *part);
+            have_parts_failed_ = true;
         }
-        if (const std::optional<MeshEstimate> whole = make(cells, kFirstSeconds)) return *whole;
-        if (const std::optional<Trial> part = try_parts(cells, cell)) return from_part(cells, *part);
-        return *make(cells, HUGE_VAL);
+        if (!have_parts_failed_ && may_have_parts(cells)) {
+            if (const std::optional<MeshEstimate> whole = make(cells, 0.55, 0.7, kFirstSeconds))
+                return *whole;
+            if (const std::optional<Trial> part = try_parts(cells, cell)) return from_part(cells, *part);
+        }
+        return *make(cells, 0.7, 1, HUGE_VAL);
     }
 
   private:
@@ -261,6 +265,11 @@ class Estimator {
         return Trials{*fine, *coarse};
     }
 
+    /// Whether a half along each axis is likely to have kLeastPartCells of them.
+    bool may_have_parts(const CellCounts& cells) const {
+        return cells.nio >= 8 * kLeastPartCells && options_.periodic.empty() && summarize(model_).bounds;
+    }
+
     /// Of a part of the model in cells as they are: around its middle, or else in a corner. None if none of
     /// these has enough of them, other than on its own faces.
     std::optional<Trial> try_parts(const CellCounts& cells, double cell) {
@@ -300,9 +309,9 @@ class Estimator {
     }
 
     /// The mesh itself; none if it takes too long.
-    std::optional<MeshEstimate> make(const CellCounts& cells, double seconds) {
+    std::optional<MeshEstimate> make(const CellCounts& cells, double begin, double end, double seconds) {
         MeshReport report;
-        const std::optional<Trial> trial = run_within(seconds, told(options_, 0.6, 1), report);
+        const std::optional<Trial> trial = run_within(seconds, told(options_, begin, end), report);
         if (!trial) return std::nullopt;
         MeshEstimate result = with_sizes(cells, trial->elements, trial->nodes);
         result.seconds = trial->element_seconds + trial->nio_seconds;
@@ -367,6 +376,7 @@ class Estimator {
     const MeshOptions& options_;
     const TrialRun& run_;
     bool is_late_ = false;  ///< the last trial was given up
+    bool have_parts_failed_ = false;
 };
 
 }  // namespace

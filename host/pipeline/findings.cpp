@@ -1,9 +1,9 @@
 #include "host/pipeline/findings.hpp"
-#include "host/common/message_text.hpp"
 
 #include <algorithm>
 #include <cmath>
 
+#include "host/common/message_text.hpp"
 #include "host/probe/false_facets.hpp"
 #include "host/probe/loose_pieces.hpp"
 #include "mortise/error.hpp"
@@ -196,8 +196,8 @@ void report_improvement(const improve::Counters& counters, const MeshOptions& op
         const improve::Point& at = *counters.crumbs.first;
         const std::string text = counted(out.crumbs, "piece that shares no face with the rest was",
                                          "pieces that share no face with the rest were") +
-                                 " left out, of " + rounded_text(counters.crumbs.largest) +
-                                 " cells at most; the first at " + place_text(at);
+                                 " left out, of " + rounded_text(counters.crumbs.largest, 2) +
+                                 " of a cell's volume at most; the first at " + place_text(at);
         warn_or_refuse(text, options, source, out);
     }
     const auto told = [&out](std::uint64_t count, const std::string& which, const std::string& done) {

@@ -1,5 +1,4 @@
 #include "host/pipeline/periodic.hpp"
-#include "host/common/message_text.hpp"
 
 #include <algorithm>
 #include <array>
@@ -8,6 +7,7 @@
 
 #include "host/common/face_key.hpp"
 #include "host/common/facet_middle.hpp"
+#include "host/common/message_text.hpp"
 #include "host/common/sort_unique.hpp"
 #include "host/tape/reference.hpp"
 

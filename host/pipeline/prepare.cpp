@@ -1,11 +1,11 @@
 #include "host/pipeline/prepare.hpp"
-#include "host/common/message_text.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <optional>
 
 #include "host/cnio/extract.hpp"
+#include "host/common/message_text.hpp"
 #include "host/octree/coincident.hpp"
 #include "host/octree/poles.hpp"
 #include "host/pipeline/findings.hpp"

@@ -116,3 +116,19 @@ TEST_CASE("Gmsh text that is damaged or not supported is refused") {
     CHECK(refused("$MeshFormat\n4.0 0 8\n$EndMeshFormat\n").find("4.1 or 2.2") != std::string::npos);
     CHECK(refused(kFormat4 + kNodes4).find("no volume elements") != std::string::npos);
 }
+
+TEST_CASE("numbers of Gmsh's text: signs, exponents, what is too small; no others") {
+    const std::string apex = "0.5 0.5 2\n";
+    const auto with_apex = [&](const std::string& text) {
+        std::string nodes = kNodes4;
+        nodes.replace(nodes.find(apex), apex.size(), text + "\n");
+        return kFormat4 + nodes + kElements4;
+    };
+    check_cube_and_pyramid(read_mesh(TextFile(with_apex("+0.5\t5E-1  +20e-1")).path()));
+    CHECK(read_mesh(TextFile(with_apex("1e-400 0.5 2")).path()).node_count() == 9);
+    for (const char* const wrong : {"+-1 0.5 2", "++1 0.5 2", "+ 1 0.5 2", "inf 0.5 2", "0.5 nan 2",
+                                    "1e400 0.5 2", "0.5 0,5", "0.5 0.5"}) {
+        CAPTURE(wrong);
+        CHECK_THROWS_AS(read_mesh(TextFile(with_apex(wrong)).path()), Error);
+    }
+}
