@@ -80,25 +80,32 @@ class SmallPieces {
         return attached_[first] == 0 && volume_[first] <= most_;
     }
 
-    /// Finds the loose pieces with a node of something that is not loose, or of another that hangs.
-    void find_hanging() {
-        hangs_.assign(small_.size(), 0);
-        std::vector<std::uint32_t> loose;  // places in small_
-        std::vector<std::uint8_t> is_loose_tetrahedron(zone_.tetrahedra.size(), 0);
-        for (std::uint32_t i = 0; i < small_.size(); ++i) {
-            if (!is_loose(i)) continue;
-            is_loose_tetrahedron[small_[i]] = 1;
-            loose.push_back(i);
-        }
-        if (loose.empty()) return;
+    /// Per node of the zone, whether something has it that is not among the loose ones (places in small_).
+    std::vector<std::uint8_t> nodes_of_others(const std::vector<std::uint32_t>& loose) const {
         std::vector<std::uint8_t> used = zone_.frozen;
-        for (std::size_t i = 0; i < zone_.tetrahedra.size(); ++i) {
-            if (is_loose_tetrahedron[i] != 0) continue;
+        auto next = loose.begin();
+        for (std::uint32_t i = 0; i < zone_.tetrahedra.size(); ++i) {
+            if (next != loose.end() && small_[*next] == i) {
+                ++next;
+                continue;
+            }
             for (const ZoneNode n : zone_.tetrahedra[i].node) used[n] = 1;
         }
         for (const Pyramid& p : zone_.pyramids) {
             for (const ZoneNode n : p.node) used[n] = 1;
         }
+        return used;
+    }
+
+    /// Finds the loose pieces with a node of something that is not loose, or of another that hangs.
+    void find_hanging() {
+        hangs_.assign(small_.size(), 0);
+        std::vector<std::uint32_t> loose;  // places in small_
+        for (std::uint32_t i = 0; i < small_.size(); ++i) {
+            if (is_loose(i)) loose.push_back(i);
+        }
+        if (loose.empty()) return;
+        std::vector<std::uint8_t> used = nodes_of_others(loose);
         for (bool found = true; found;) {
             found = false;
             for (const std::uint32_t i : loose) {
@@ -139,11 +146,12 @@ class SmallPieces {
                 held[faces[i].owner] = 1;
             }
         }
+        std::vector<std::uint8_t> is_tip(zone_.points.size(), 0);
+        for (const auto& tip : zone_.tips) is_tip[tip.first] = 1;
         for (std::uint32_t i = 0; i < small_.size(); ++i) {
             const auto& node = zone_.tetrahedra[small_[i]].node;
-            for (const auto& tip : zone_.tips) {
-                if (std::find(node.begin(), node.end(), tip.first) != node.end()) held[i] = 1;
-            }
+            held[i] |=
+                std::any_of(node.begin(), node.end(), [&](ZoneNode n) { return is_tip[n] != 0; }) ? 1 : 0;
         }
     }
 
