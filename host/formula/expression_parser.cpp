@@ -10,38 +10,12 @@
 #include "host/common/constants.hpp"
 #include "host/common/lower_case.hpp"
 #include "host/common/words.hpp"
+#include "host/formula/functions.hpp"
 
 namespace mortise::formula {
 namespace {
 
 constexpr int kMaxDepth = 1000;
-constexpr std::uint32_t kNoOperand = 0xffffffffu;
-
-struct Function {
-    std::int32_t operation;
-    int least;  ///< number of arguments
-    int most;   ///< -1: any
-};
-
-constexpr std::int32_t kMix = -1;
-constexpr std::int32_t kReciprocal = -2;
-constexpr std::int32_t kClamp = -3;
-constexpr std::int32_t kPow = -4;
-
-const std::map<std::string, Function>& functions() {
-    static const std::map<std::string, Function> kFunctions = {
-        {"neg", {kExprNegate, 1, 1}},    {"abs", {kExprAbs, 1, 1}},     {"sqrt", {kExprSqrt, 1, 1}},
-        {"square", {kExprSquare, 1, 1}}, {"min", {kExprMin, 1, -1}},    {"max", {kExprMax, 1, -1}},
-        {"sin", {kExprSin, 1, 1}},       {"cos", {kExprCos, 1, 1}},     {"exp", {kExprExp, 1, 1}},
-        {"log", {kExprLog, 1, 1}},       {"ln", {kExprLog, 1, 1}},      {"tan", {kExprTan, 1, 1}},
-        {"asin", {kExprAsin, 1, 1}},     {"acos", {kExprAcos, 1, 1}},   {"atan", {kExprAtan, 1, 1}},
-        {"floor", {kExprFloor, 1, 1}},   {"ceil", {kExprCeil, 1, 1}},   {"round", {kExprRound, 1, 1}},
-        {"sign", {kExprSign, 1, 1}},     {"not", {kExprNot, 1, 1}},     {"atan2", {kExprAtan2, 2, 2}},
-        {"mod", {kExprMod, 2, 2}},       {"hypot", {kExprHypot, 2, 2}}, {"compare", {kExprCompare, 2, 2}},
-        {"and", {kExprAnd, 2, 2}},       {"or", {kExprOr, 2, 2}},       {"mix", {kMix, 3, 3}},
-        {"recip", {kReciprocal, 1, 1}},  {"clamp", {kClamp, 3, 3}},     {"pow", {kPow, 2, 2}}};
-    return kFunctions;
-}
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 bool is_name_start(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
@@ -65,7 +39,7 @@ class Parser {
         formula_.root = sum(0);
         accept(';');
         skip_space();
-        if (position_ != text_.size()) fail("an operator or the end of the formula", bounds_hint());
+        if (position_ != text_.size()) fail("an operator or the end of the formula", operator_hint());
         return std::move(formula_);
     }
 
@@ -131,6 +105,20 @@ class Parser {
         return "; bounds need a line of their own: bounds x0 y0 z0 x1 y1 z1";
     }
 
+    /// What to write instead of the operator of another language that is here.
+    std::string operator_hint() const {
+        switch (position_ < text_.size() ? text_[position_] : ' ') {
+            case '<':
+            case '>':
+            case '=': return "; the solid is where the formula is at most 0: instead of a < b write a - b";
+            case '&': return "; write max(a, b) for what is in both";
+            case '|': return "; write min(a, b) for what is in either";
+            case '%': return "; write mod(a, b)";
+            case '?': return "; write min, max or mix for a choice";
+            default: return bounds_hint();
+        }
+    }
+
     void skip_space() {
         for (; position_ < text_.size(); ++position_) {
             if (text_[position_] == '#') {
@@ -141,10 +129,21 @@ class Parser {
         }
     }
 
-    bool accept(char c) {
+    bool is_next(char c) {
         skip_space();
-        if (position_ >= text_.size() || text_[position_] != c) return false;
+        return position_ < text_.size() && text_[position_] == c;
+    }
+
+    bool accept(char c) {
+        if (!is_next(c)) return false;
         ++position_;
+        return true;
+    }
+
+    /// Python's ^.
+    bool accept_power() {
+        if (text_.compare(position_, 2, "**") != 0) return false;
+        position_ += 2;
         return true;
     }
 
@@ -160,7 +159,7 @@ class Parser {
 
     void define(const std::string& name, std::size_t start) {
         const std::string quoted = "'" + excerpt(name) + "'";
-        if (name == "x" || name == "y" || name == "z" || name == "pi" || functions().count(name) > 0)
+        if (name == "x" || name == "y" || name == "z" || name == "pi")
             refuse(start, quoted + " has a meaning already; expected a new name before '='");
         const auto before = names_.find(name);
         if (before != names_.end()) {
@@ -171,7 +170,8 @@ class Parser {
                               "; choose another name");
         }
         const std::uint32_t value = sum(0);
-        if (!accept(';')) fail("an operator or ';' after the definition of " + excerpt(name), bounds_hint());
+        if (!accept(';'))
+            fail("an operator or ';' after the definition of " + excerpt(name), operator_hint());
         names_[name] = {value, start};
     }
 
@@ -208,15 +208,12 @@ class Parser {
         const std::size_t start = position_;
         std::uint32_t left = unary(depth);
         for (;;) {
-            if (accept('*')) {
-                if (position_ < text_.size() && text_[position_] == '*')
-                    refuse(position_ - 1, "expected an operator, found '**'; write ^ for powers");
+            if (accept('*'))
                 left = formula_.add(kExprMultiply, left, unary(depth));
-            } else if (accept('/')) {
+            else if (accept('/'))
                 left = formula_.add(kExprDivide, left, unary(depth));
-            } else {
+            else
                 return left;
-            }
             finite(left, start);
         }
     }
@@ -238,7 +235,7 @@ class Parser {
         skip_space();
         const std::size_t start = position_;
         const std::uint32_t base = atom(depth);
-        if (!accept('^')) return base;
+        if (!accept('^') && !accept_power()) return base;
         // From the right, with its own sign.
         return finite(formula_.add_power(base, unary(depth + 1)), start);
     }
@@ -270,9 +267,10 @@ class Parser {
         if (name == "y") return formula_.add(kExprY);
         if (name == "z") return formula_.add(kExprZ);
         if (name == "pi") return formula_.add_constant(kPi);
-        const auto defined = names_.find(name);
-        if (defined != names_.end()) return defined->second.value;
         const auto function = functions().find(name);
+        const auto defined = names_.find(name);
+        if (defined != names_.end() && (function == functions().end() || !is_next('(')))
+            return defined->second.value;
         if (function == functions().end()) {
             position_ = start;
             fail_at_operand(name);
@@ -302,9 +300,11 @@ class Parser {
     [[noreturn]] void fail_in_call(const std::string& name, const Function& function,
                                    const char* expected) const {
         if (function.most < 0) fail(std::string(expected) + " in the arguments of " + name);
+        const std::string most =
+            function.most == 1 ? "one argument" : std::to_string(function.most) + " arguments";
         refuse(position_,
                name + " takes " +
-                   (function.least == 1 ? "one argument" : std::to_string(function.least) + " arguments") +
+                   (function.least == function.most ? "" : std::to_string(function.least) + " to ") + most +
                    "; expected " + expected + ", found " + found());
     }
 
@@ -318,23 +318,7 @@ class Parser {
         }
         if (count() < function.least) fail_in_call(name, function, "','");
         if (!accept(')')) fail_in_call(name, function, function.most < 0 ? "',' or ')'" : "')'");
-        const std::uint32_t a = arguments[0];
-        const std::uint32_t b = arguments.size() > 1 ? arguments[1] : kNoOperand;
-        const std::uint32_t c = arguments.size() > 2 ? arguments[2] : kNoOperand;
-        switch (function.operation) {
-            case kMix:
-                return formula_.add(kExprAdd, a,
-                                    formula_.add(kExprMultiply, c, formula_.add(kExprSubtract, b, a)));
-            case kReciprocal: return formula_.add(kExprDivide, formula_.add_constant(1), a);
-            case kClamp: return formula_.add(kExprMin, formula_.add(kExprMax, a, b), c);
-            case kPow: return formula_.add_power(a, b);
-            default: break;
-        }
-        if (function.most == 1) return formula_.add(function.operation, a);
-        std::uint32_t value = a;
-        for (std::size_t i = 1; i < arguments.size(); ++i)
-            value = formula_.add(function.operation, value, arguments[i]);
-        return value;
+        return function.build(formula_, arguments);
     }
 
     const std::string& text_;

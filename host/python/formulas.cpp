@@ -1,5 +1,6 @@
 #include "host/python/formulas.hpp"
 
+#include <array>
 #include <cmath>
 #include <iterator>
 #include <map>
@@ -18,8 +19,7 @@ namespace {
 
 namespace py = pybind11;
 
-constexpr double kRadians = 3.14159265358979323846 / 180;  ///< in a degree
-constexpr std::size_t kLongest = 400;                      ///< characters of a text that repr() shows
+constexpr std::size_t kLongest = 400;  ///< characters of a text that repr() shows
 
 /// An operation and what it is of; a word without arguments is a coordinate or a number.
 struct Operation {
@@ -82,29 +82,8 @@ Formula remainder(const Formula& a, const Formula& b) {
     return combined("-", {a, combined("*", {b, combined("floor", {combined("/", {a, b})})})});
 }
 
-Formula scaled(const Formula& a, double by) { return combined("*", {a, number(by)}); }
-
-/// Half of the sum of exp(a) and `sign` times exp(-a).
-Formula half_exponentials(const Formula& a, const char* sign) {
-    const Formula grows = combined("exp", {a});
-    return scaled(combined(sign, {grows, combined("recip", {grows})}), 0.5);
-}
-
-/// What formulas have no word for is made of what they have.
 Formula operation_of(const std::string& word, const std::vector<Formula>& arguments) {
-    const Formula& a = arguments[0];
-    if (word == "mod") return remainder(a, arguments[1]);
-    if (word == "sinh") return half_exponentials(a, "-");
-    if (word == "cosh") return half_exponentials(a, "+");
-    if (word == "tanh") {  // 1 - 2 / (exp(2 a) + 1): finite where exp is not
-        const Formula grows = combined("exp", {scaled(a, 2)});
-        return combined("-", {number(1), scaled(combined("recip", {combined("+", {grows, number(1)})}), 2)});
-    }
-    if (word == "cbrt")
-        return combined("*", {combined("sign", {a}), combined("^", {combined("abs", {a}), number(1.0 / 3)})});
-    if (word == "radians") return scaled(a, kRadians);
-    if (word == "degrees") return scaled(a, 1 / kRadians);
-    return combined(word, arguments);
+    return word == "mod" ? remainder(arguments[0], arguments[1]) : combined(word, arguments);
 }
 
 bool is_infix(const std::string& word) { return word.size() == 1 && std::string("+-*/^").find(word) < 5; }
@@ -154,8 +133,8 @@ const std::map<std::string, const char*>& words() {
         {"arctan", "atan"}, {"arctan2", "atan2"}, {"hypot", "hypot"}, {"minimum", "min"}, {"maximum", "max"},
         {"fmin", "min"}, {"fmax", "max"}, {"mod", "mod"}, {"remainder", "mod"}, {"floor", "floor"},
         {"ceil", "ceil"}, {"sign", "sign"}, {"sinh", "sinh"}, {"cosh", "cosh"}, {"tanh", "tanh"},
-        {"cbrt", "cbrt"}, {"deg2rad", "radians"}, {"radians", "radians"}, {"rad2deg", "degrees"},
-        {"degrees", "degrees"}};
+        {"cbrt", "cbrt"}, {"log2", "log2"}, {"log10", "log10"}, {"deg2rad", "radians"},
+        {"radians", "radians"}, {"rad2deg", "degrees"}, {"degrees", "degrees"}};
     // clang-format on
     return all;
 }
@@ -196,6 +175,24 @@ void bind_operator(py::class_<Formula>& bound, const char* name, const char* wor
     };
     bound.def(("__" + std::string(name) + "__").c_str(), make(true));
     bound.def(("__r" + std::string(name) + "__").c_str(), make(false));
+}
+
+/// A function of three formulas or numbers that numpy has not.
+void bind_function(py::module_& module, const char* word, const std::array<const char*, 3>& names,
+                   const char* help) {
+    module.def(
+        word,
+        [word](const py::object& a, const py::object& b, const py::object& c) {
+            std::vector<Formula> arguments;
+            for (const py::object& argument : {a, b, c}) {
+                const std::optional<Formula> formula = formula_of(argument);
+                if (!formula)
+                    throw py::type_error(std::string(word) + ": expected three numbers or formulas");
+                arguments.push_back(*formula);
+            }
+            return combined(word, arguments);
+        },
+        py::arg(names[0]), py::arg(names[1]), py::arg(names[2]), help);
 }
 
 }  // namespace
@@ -245,6 +242,13 @@ void bind_formulas(py::module_& module) {
             return "<mortise.Formula: " + (text.size() > kLongest ? text.substr(0, kLongest) + "…" : text) +
                    ">";
         });
+    bind_function(module, "smin", {"a", "b", "width"},
+                  "The smaller of a and b, blended where they differ by less than width: a smooth union.");
+    bind_function(
+        module, "smax", {"a", "b", "width"},
+        "The larger of a and b, blended where they differ by less than width: a smooth intersection.");
+    bind_function(module, "smoothstep", {"low", "high", "a"},
+                  "0 up to low, 1 from high on, and smooth between.");
     module.def(
         "coordinates",
         [] {

@@ -238,13 +238,20 @@ class Module(unittest.TestCase):
                  lambda x, y, z: numpy.minimum(x, y) + numpy.maximum(y, 0.1) + numpy.clip(z, 0, 1),
                  lambda x, y, z: numpy.floor(z) + numpy.ceil(z) + numpy.sign(y) + numpy.reciprocal(x),
                  lambda x, y, z: numpy.sinh(x) + numpy.cosh(y) + numpy.tanh(z) + numpy.tanh(500 * x) + numpy.tanh(-500 * y),
-                 lambda x, y, z: numpy.cbrt(x - 1) + numpy.cbrt(y) + numpy.deg2rad(90 * z) + numpy.rad2deg(x) / 50,
+                 lambda x, y, z: numpy.cbrt(x - 1) + numpy.cbrt(y) + numpy.deg2rad(90 * z) + numpy.rad2deg(x) / 50 + numpy.log2(z) - numpy.log10(x),
                  lambda x, y, z: sum([x, y, z]) * numpy.float32(2) + numpy.negative(z) ** 2]
         for case in cases:
             value = float(case(*at))
             near = mortise.implicit(numpy.maximum(numpy.abs(case(x, y, z) - value) - 0.1,
                                                   numpy.sqrt((x - at[0])**2 + (y - at[1])**2 + (z - at[2])**2) - 0.01))
             self.assertAlmostEqual(self.volume(near) / (4 / 3 * math.pi * 1e-6), 1, delta=0.03)
+        blend = mortise.smin(x, mortise.smax(y, z, width=0.5), 1.5) + mortise.smoothstep(low=-1, high=z, a=0.25)
+        self.assertIn("smax(y, z, 0.5)", str(blend))
+        ball, other = numpy.sqrt(x**2 + y**2 + z**2) - 1, numpy.sqrt((x - 1.7)**2 + y**2 + z**2) - 0.9
+        by_hand = numpy.minimum(ball, other) - numpy.maximum(0.6 - abs(ball - other), 0)**2 / 2.4
+        self.assertAlmostEqual(self.volume(mortise.implicit(mortise.smin(ball, other, 0.6))), self.volume(mortise.implicit(by_hand)), places=6)
+        with self.assertRaisesRegex(TypeError, "smin: expected three numbers or formulas"):
+            mortise.smin(x, "y", 1)
         total = x
         for _ in range(50000):
             total = total + 1

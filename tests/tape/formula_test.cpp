@@ -90,6 +90,40 @@ TEST_CASE("formulas have the usual meaning") {
         {"or(and(compare(x, y) + 1, x), y)", [](double x, double y, double) { return std::max(x, y); }},
         {"mix(x, y, z) + clamp(x, -0.5, 1)",
          [](double x, double y, double z) { return x + z * (y - x) + std::min(std::max(x, -0.5), 1.0); }},
+        {"sinh(x) + cosh(y)*tanh(z) + tanh(500*x)/3 + cbrt(y)",
+         [](double x, double y, double z) {
+             return std::sinh(x) + std::cosh(y) * std::tanh(z) + (x > 0 ? 1 : -1) / 3.0 + std::cbrt(y);
+         }},
+        {"length(x, y, z) + length(x, y) - hypot(1, x, y, z) + atan(y, x)",
+         [](double x, double y, double z) {
+             return std::sqrt(x * x + y * y + z * z) + std::hypot(x, y) -
+                    std::sqrt(1 + x * x + y * y + z * z) + std::atan2(y, x);
+         }},
+        {"log2(x*x + 1) - log10(3 + y) + radians(90*z) + degrees(x) + fract(5*y)",
+         [](double x, double y, double z) {
+             return std::log2(x * x + 1) - std::log10(3 + y) + 1.5707963267948966 * z +
+                    x * 57.295779513082320877 + (5 * y - std::floor(5 * y));
+         }},
+        {"smoothstep(-0.5, 1, x)",
+         [](double x, double, double) {
+             const double t = x < -0.5 ? 0 : x > 1 ? 1 : (x + 0.5) / 1.5;
+             return t * t * (3 - 2 * t);
+         }},
+        // The polynomial of degree two that meets min with its slope where the two differ by the width.
+        {"smin(x, y, 0.75) + 2*smax(y, z, 1.5) + smin(x, z, 0) + smax(x, z, -1) + smin(x, y, 0*z)",
+         [](double x, double y, double z) {
+             const auto minimum = [](double a, double b, double width) {
+                 if (std::fabs(a - b) >= width) return std::min(a, b);
+                 const double t = 0.5 + 0.5 * (b - a) / width;
+                 return b + t * (a - b) - width * t * (1 - t);
+             };
+             return minimum(x, y, 0.75) - 2 * minimum(-y, -z, 1.5) + std::min(x, z) + std::max(x, z) +
+                    std::min(x, y);
+         }},
+        {"x**2 + 2 ** -y**2 - (x)**3",
+         [](double x, double y, double) { return x * x + std::pow(2, -y * y) - x * x * x; }},
+        {"length = 2; length(x, y) - length (1, z)*length",
+         [](double x, double y, double z) { return std::hypot(x, y) - 2 * std::hypot(1, z); }},
         {"r2 = x^2 + y^2; # of the axis\n q = r2*z;\n q - r2;",
          [](double x, double y, double z) { return (x * x + y * y) * (z - 1); }},
         {" 1\t-\n.5 ", [](double, double, double) { return 0.5; }},
@@ -105,20 +139,32 @@ TEST_CASE("formulas have the usual meaning") {
 }
 
 TEST_CASE("what is not a formula is refused with its column") {
-    const std::pair<const char*, const char*> cases[] = {
-        {"", "column 1:"},           {"x +", "column 4:"},
-        {"x y", "column 3:"},        {"2*(x+1", "column 7:"},
-        {"sin x", "column 5:"},      {"sinh(x)", "column 1:"},
-        {"x^", "column 3:"},         {"atan2(x)", "column 8:"},
-        {"mix(x,y)", "column 8:"},   {"x = 1; y", "column 1:"},
-        {"sin = x; y", "column 1:"}, {"a = x y; a", "column 7:"},
-        {"a = x", "column 6:"},      {"a + (a = 1; a)", "column 1:"},
-        {"a < b", "column 1:"},      {"x < y", "column 3:"},
-        {"1e999", "column 1:"},      {"0x10", "column 2:"},
-        {"1e", "column 2:"},         {"sin(x,y)", "column 6:"},
-        {"min()", "column 5:"},      {"x)", "column 2:"},
-        {"x*/y", "column 3:"},       {"\xc3\xa9", "column 1:"},
-        {"0x10", "column 2:"},       {"1e", "column 2:"}};
+    const std::pair<const char*, const char*> cases[] = {{"", "column 1:"},
+                                                         {"x +", "column 4:"},
+                                                         {"x y", "column 3:"},
+                                                         {"2*(x+1", "column 7:"},
+                                                         {"sin x", "column 5:"},
+                                                         {"arsinh(x)", "column 1:"},
+                                                         {"x^", "column 3:"},
+                                                         {"atan2(x)", "column 8:"},
+                                                         {"mix(x,y)", "column 8:"},
+                                                         {"x = 1; y", "column 1:"},
+                                                         {"sin = x; sin y", "column 14:"},
+                                                         {"a = x y; a", "column 7:"},
+                                                         {"a = x", "column 6:"},
+                                                         {"a + (a = 1; a)", "column 1:"},
+                                                         {"a < b", "column 1:"},
+                                                         {"x < y", "column 3:"},
+                                                         {"1e999", "column 1:"},
+                                                         {"0x10", "column 2:"},
+                                                         {"1e", "column 2:"},
+                                                         {"sin(x,y)", "column 6:"},
+                                                         {"min()", "column 5:"},
+                                                         {"x)", "column 2:"},
+                                                         {"x*/y", "column 3:"},
+                                                         {"\xc3\xa9", "column 1:"},
+                                                         {"0x10", "column 2:"},
+                                                         {"1e", "column 2:"}};
     for (const auto& [text, column] : cases) {
         const std::string message = refusal_of(text);
         CAPTURE(text);
@@ -137,13 +183,20 @@ TEST_CASE("messages about formulas name whole words and what to write instead") 
         {"x + 1e400", "column 5: expected a finite number, found '1e400'"},
         {"x + 2.5e+999*y", "column 5: expected a finite number, found '2.5e+999'"},
         {"z = 3; x", "column 1: 'z' has a meaning already; expected a new name"},
-        {"sin = 3; x", "column 1: 'sin' has a meaning already; expected a new name"},
+        {"sin = 3; sin = x; x", "column 10: 'sin' is defined twice, first in column 1"},
         {"x radius", "column 3: expected an operator or the end of the formula, found 'radius'"},
         {"sqrt(x,y)", "column 7: sqrt takes one argument; expected ')', found ','"},
         {"atan2(x)", "column 8: atan2 takes 2 arguments; expected ',', found ')'"},
         {"mod(x,y,z)", "column 8: mod takes 2 arguments; expected ')', found ','"},
         {"max(x y z)", "column 7: expected ',' or ')' in the arguments of max, found 'y'"},
-        {"x**2", "column 2: expected an operator, found '**'; write ^ for powers"},
+        {"atan(x,y,z)", "column 9: atan takes 1 to 2 arguments; expected ')', found ','"},
+        {"hypot(x)", "column 8: expected ',' in the arguments of hypot, found ')'"},
+        {"x^2 <= 1", "found '<'; the solid is where the formula is at most 0: instead of a < b write a - b"},
+        {"x^2 = 1", "found '='; the solid is where"},
+        {"x && y", "found '&'; write max(a, b) for what is in both"},
+        {"x || y", "found '|'; write min(a, b) for what is in either"},
+        {"a = x % 2; a", "found '%'; write mod(a, b)"},
+        {"x > 0 ? y : z", "found '>'; the solid is where"},
         {"a = 1; a = 2; a*x", "column 8: 'a' is defined twice, first in column 1; choose another name"},
     };
     for (const auto& [text, expected] : cases) {

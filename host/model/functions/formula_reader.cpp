@@ -49,14 +49,16 @@ Box3 read_bounds(TextCursor& cursor) {
     return box;
 }
 
-/// Refuses what cannot stand in a formula: the formula itself is parsed late, and the file may be none.
+/// Refuses what cannot stand in a formula: the formula itself is parsed late, and the file may be none. Of
+/// operators of other languages its parser tells more.
 void refuse_foreign_text(const std::string& text, const std::string& source) {
     TextCursor cursor(text, source);
     for (cursor.skip_blanks(); !cursor.at_end(); cursor.skip_blanks()) {
         const char c = cursor.peek();
         if (c == '#') {
             cursor.take_line();
-        } else if (is_name_part(c) || std::string_view("+-*/^().,=;").find(c) != std::string_view::npos) {
+        } else if (is_name_part(c) ||
+                   std::string_view("+-*/^().,=;<>&|%?").find(c) != std::string_view::npos) {
             cursor.advance();
         } else {
             cursor.fail_here("expected a formula (names, numbers and + - * / ^ ( ) , = ;), found " +
