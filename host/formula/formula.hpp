@@ -25,6 +25,11 @@ class Formula {
     /// a^b: products for small whole exponents.
     std::uint32_t add_power(std::uint32_t a, std::uint32_t b);
 
+    /// Min and max, which are set operations where only signs count.
+    static bool combines(const Node& node) {
+        return node.operation == kExprMin || node.operation == kExprMax;
+    }
+
     const std::vector<Node>& nodes() const { return nodes_; }
     std::uint32_t root = 0;
 
@@ -44,6 +49,10 @@ class Formula {
 /// The same function, to the last bit, with |a| as max(a, -a) where that can come before all sums and
 /// multiples by constants, so that formula_set() tells the two sides of a sheet |a| <= t apart.
 Formula split_absolutes(const Formula& formula);
+
+/// A function of the same sign for formula_set(): with absolutes split, and signed distances of sharp solids,
+/// as of boxes, replaced by the max that they are the distance to.
+Formula with_sharp_edges(const Formula& formula);
 
 /// What a formula is as a set { f <= 0 }: min and max that are reached from the root through each other and
 /// through changes of sign are unions and intersections of surfaces.

@@ -15,8 +15,6 @@ constexpr std::uint64_t kGrowth = 4;       ///< words of tape per node of the fo
 constexpr std::uint64_t kShortest = 256;   ///< words that every formula may have
 constexpr std::uint64_t kMostCopies = 64;  ///< of one min or max
 
-bool combines(const Formula::Node& node) { return node.operation == kExprMin || node.operation == kExprMax; }
-
 /// Which nodes cannot be negative, and which may not be a number for numbers x, y, z.
 struct Signs {
     std::vector<bool> nonnegative;
@@ -82,7 +80,7 @@ FormulaSet formula_set(const Formula& formula) {
             if (n.operation == kExprNegate) {
                 copies[n.a][1 - flipped] += count;
                 expanded[i][flipped] = true;
-            } else if (combines(n) && count <= kMostCopies && length + count <= most) {
+            } else if (Formula::combines(n) && count <= kMostCopies && length + count <= most) {
                 copies[n.a][flipped] += count;
                 copies[n.b][flipped] += count;
                 length += count;

@@ -319,7 +319,7 @@ class Compiler {
 
     std::uint32_t formula(const Primitive& p, const Surface& frame, const std::string& base,
                           const Frame& at) {
-        const formula::Formula parsed = formula::split_absolutes(
+        const formula::Formula parsed = formula::with_sharp_edges(
             formula::parse_formula(p.expression, model_.source, model_.nodes[at.node].where));
         const formula::FormulaSet set = formula::formula_set(parsed);
         std::vector<std::uint32_t> terms;

@@ -117,6 +117,35 @@ TEST_CASE("creases below a sum leave no single elements hanging on the rest") {
     }
 }
 
+TEST_CASE("signed distances and rippled solids keep their sharp edges") {
+    // A box turned about z, as its distance; a cube with ripples.
+    const std::string turned =
+        "u = 0.8*x + 0.6*y; v = 0.8*y - 0.6*x; p = abs(u) - 1; q = abs(v) - 0.7; r = abs(z) - 0.5;"
+        "length(max(p,0), max(q,0), max(r,0)) + min(max(p, max(q, r)), 0)";
+    const std::string rippled = "max(abs(x), abs(y), abs(z)) - 1 + 0.05*sin(6*x)*sin(6*y)*sin(6*z)";
+    double rippled_volume = 0;  // a sum over a grid of 128³ points in an eighth, and its mirror images
+    const double step = 1.1 / 128;
+    for (int n = 0; n < 128 * 128 * 128; ++n) {
+        const double x = (n % 128 + 0.5) * step, y = (n / 128 % 128 + 0.5) * step,
+                     z = (n / 16384 + 0.5) * step;
+        const double ripple = 0.05 * std::sin(6 * x) * std::sin(6 * y) * std::sin(6 * z);
+        for (const double sign : {1, -1}) {
+            if (std::max({x, y, z}) - 1 + sign * ripple <= 0) rippled_volume += 4 * step * step * step;
+        }
+    }
+    for (const std::string& text : {turned, rippled}) {
+        CAPTURE(text);
+        const Meshed meshed = mesh_and_check(parse_model(text, "formula", "m.formula"), 5);
+        CHECK(meshed.defects == "");
+        CHECK(meshed.check.euler_characteristic == 2);
+        CHECK(meshed.report.features.curves.size() == 12);
+        CHECK(meshed.report.features.corners.size() == 8);
+        CHECK(meshed.report.warnings.empty());
+        if (text == turned) CHECK(meshed.check.volume == doctest::Approx(2.8).epsilon(1e-9));
+        if (text == rippled) CHECK(meshed.check.volume == doctest::Approx(rippled_volume).epsilon(1e-3));
+    }
+}
+
 TEST_CASE("a sheet |f| < t has both its sides where it is about a cell thick") {
     // Cells are 0.42 wide, the sheet is 0.46 thick where f is steepest.
     const char* const kBox = "bounds -6.28 -6.28 -6.28 6.28 6.28 6.28\n";

@@ -317,7 +317,10 @@ TEST_CASE("absolute values become two surfaces where nothing but sums and multip
     CHECK(surfaces("2*max(x*y, z)/3-0.1") == 2);
     CHECK(surfaces("abs(max(x, y, z, x+y, x+z, y+z, x-y, x-z, y-z)) - 0.3") > 1);
     CHECK(surfaces("0.1-min(x*y, max(z, x-y))*-2") == 3);
-    CHECK(surfaces("min(x*y, z)-x^2") == 1);  // functions do not: a smooth union is one surface
+    CHECK(surfaces("min(x*y, z)-x^2") == 2);  // so do functions without kinks
+    CHECK(surfaces("max(x*y, z) + 0.1*sin(9*x)*length(y, z)") == 2);
+    CHECK(surfaces("min(x*y, z) - sqrt((x*y-z)^2)/2") == 1);  // others may make a smooth union
+    CHECK(surfaces("smin(x*y, z, 0.3)") == 1);
     CHECK(surfaces("a = x*y; b = z; h = max(0.3-abs(a-b), 0); min(a, b)-h*h/1.2") == 1);
     CHECK(surfaces("min(max(abs(x*y), z), x-y)") == 3);  // x*y and its negative are one
     CHECK(surfaces("sqrt(abs(x*y))-0.3") == 1);
@@ -335,7 +338,7 @@ TEST_CASE("absolute values become two surfaces where nothing but sums and multip
           "abs(abs(x*z)-0.3)-0.1", "-2*(0.1-abs(z))*0.7-abs(x)/3", "abs(min(x,y))-0.2",
           "abs(sqrt(x)-0.5)-0.2", "abs(x)+abs(y)+abs(z)+abs(x-y)+abs(y-z)-0.7", "abs(x)*abs(y)-0.1",
           "-abs(x)", "abs(1/x)-3", "max(x,min(y,z))*-2+0.3", "1-min(x,y)/3", "max(abs(x),abs(y),abs(z))-0.7",
-          "max(sqrt(x),y)-0.5"}) {
+          "max(sqrt(x),y)-0.5", "0.2*sin(9*x)-min(x*y,z,x-z)", "x*y+(max(x,z)-z*z)"}) {
         CAPTURE(formula);
         const formula::Formula parsed = formula::parse_formula(formula);
         const formula::Formula split = formula::split_absolutes(parsed);
@@ -356,12 +359,57 @@ TEST_CASE("absolute values become two surfaces where nothing but sums and multip
     }
 }
 
+TEST_CASE("signed distances of sharp solids have a surface for each face") {
+    const std::string q =
+        "p = abs(x)-0.7; q = abs(y-0.1)-0.5; r = abs(z)-0.3;"
+        "box = length(max(p,0), max(q,0), max(r,0)) + min(max(p, max(q, r)), 0);"
+        "u = length(x, y) - 0.6; v = abs(z) - 0.4;"
+        "rod = min(max(u, v), 0) + hypot(max(v, 0), max(0, u));";
+    struct Case {
+        const char* formula;
+        std::size_t surfaces;
+    };
+    const Case cases[] = {
+        {"box", 6},
+        {"rod", 3},
+        {"box + 0.05", 6},       // all of it a bit smaller
+        {"box - 0.05", 1},       // with rounded edges
+        {"0.1 - 2*box", 1},      // what lies outside of that
+        {"-0.1 - 2*box", 6},     // outside of the smaller one
+        {"abs(rod) - 0.03", 4},  // rounded outside, sharp inside
+        {"max(rod, -box*0.5)", 9},
+        {"min(box, rod, x + 0.9)", 10},
+        {"sqrt(max(p,0)^2 + max(q,0)*max(q,0)) + min(max(q,p),0)", 4},
+        {"max(p,0) + min(p,0)", 2},
+        // A rod of that outline, sharp at its ends.
+        {"o = length(max(p,0), max(q,0)) + min(max(p,q),0); length(max(o,0), max(r,0)) + min(max(r,o),0)", 6},
+        {"length(max(p,0), max(q,0)) + min(max(p,q,r),0)", 1},  // no distance
+        {"length(max(p,0), max(q,0), r) + min(max(p,q,r),0)", 1},
+        {"length(max(p,0), max(q,0), max(r,0)) + min(max(p,q),0)", 1},
+        {"length(max(p,0), max(q,0)) + min(max(p,q),0) + 0.01*sin(30*x)", 1},
+    };
+    RandomSource random(65);
+    for (const Case& one : cases) {
+        const std::string formula = q + one.formula;
+        CAPTURE(one.formula);
+        CHECK(surfaces(formula) == one.surfaces);
+        const tape::BoundModel model = bind_model(formula_model(formula, 1), 4);
+        for (int i = 0; i < 2000; ++i) {
+            const Vec3 local = {random.uniform(0, 1), random.uniform(0, 1), random.uniform(0, 1)};
+            const Vec3 at = to_model(model, local);
+            bool inside = value_of(formula, at[0], at[1], at[2]) <= 0;
+            for (const double x : at) inside = inside && std::fabs(x) <= 1;
+            CHECK(tape::region_at(model, local[0], local[1], local[2]) == (inside ? 1 : 0));
+        }
+    }
+}
+
 TEST_CASE("min, max and neg above the other operations become set operations") {
     CHECK(surfaces("x^2+y^2-0.3") == 1);
     CHECK(surfaces("min(x^2+y^2-0.3, z)") == 2);
     CHECK(surfaces("max(x-0.1, neg(min(y, z)), x*y)") == 4);
     CHECK(surfaces("max(x-0.1, x-0.1)") == 1);
-    CHECK(surfaces("min(x,y)+z") == 1);
+    CHECK(surfaces("min(x,y)+z") == 2);
     RandomSource random(62);
     for (const char* formula : {"min(x^2+y^2-0.3, z)", "max(x-0.1, neg(min(y, z)), x*y)",
                                 "neg(max(x, neg(y)))", "min(x, max(y, z-0.2))", "-max(x,y)"}) {
