@@ -46,6 +46,60 @@ json copy_section(const Settings& settings) {
     return result;
 }
 
+namespace {
+
+/// Measures a model in cells of a level, or of two levels less if these do not fit into memory, and so on;
+/// null if none do. Failures are told, and appended to `failures`.
+json measure_fitting(Task& task, json& failures) {
+    for (; task.level > 2; task.level -= 2) {
+        announce("octree, " + task.model + ", " + std::to_string(task.level));
+        try {
+            return measure_in_child(task);
+        } catch (const Error& error) {  // tapes may not fit into memory
+            std::printf("  %s failed at level %d: %s\n", task.model.c_str(), task.level, error.what());
+            failures.push_back({{"model", task.model}, {"level", task.level}, {"failed", error.what()}});
+        }
+    }
+    return nullptr;
+}
+
+struct OctreeRates {
+    double cells;  ///< per core, or of a GPU
+    Samples kernels, stage, reference;
+    double kernel_rate, reference_rate;
+    double shared_rate;  ///< of all threads
+};
+
+OctreeRates octree_rates(const json& measured, const json& shared) {
+    OctreeRates rates{};
+    const double cores = measured.at("is_gpu").get<bool>() ? 1 : measured.at("compute_units").get<double>();
+    rates.cells = measured.at("cells").get<double>() / cores;
+    rates.kernels = collect(measured.at("runs"), "kernel_seconds");
+    rates.stage = collect(measured.at("runs"), "stage_seconds");
+    rates.reference = collect(measured.at("runs"), "reference_seconds");
+    rates.kernel_rate = rates.cells / rates.kernels.median();
+    rates.reference_rate = measured.at("reference_cells").get<double>() / rates.reference.median();
+    const Samples shared_kernels = collect(shared.at("runs"), "kernel_seconds");
+    rates.shared_rate = shared.at("cells").get<double>() / shared_kernels.median();
+    return rates;
+}
+
+/// Instead of single runs: what they come to.
+void conclude(json& measured, const OctreeRates& rates, const Task& task) {
+    measured["kernels_to_reference"] = rates.kernel_rate / rates.reference_rate;
+    measured["all_threads_to_reference"] = rates.shared_rate / rates.reference_rate;
+    measured.erase("runs");
+    measured["model"] = task.model;
+    measured["level"] = task.level;
+    measured["kernel_seconds"] = to_json(rates.kernels);
+    measured["stage_seconds"] = to_json(rates.stage);
+    measured["reference_seconds"] = to_json(rates.reference);
+    measured["kernel_cells_per_second_per_core"] = rates.kernel_rate;
+    measured["reference_cells_per_second"] = rates.reference_rate;
+}
+
+}  // namespace
+
 json octree_section(const Settings& settings) {
     std::printf(
         "Octree descent: cells classified as in, out or undecided, in million cells/s on one core\n"
@@ -77,56 +131,29 @@ json octree_section(const Settings& settings) {
         task.model = model;
         task.level = settings.level(task.model == "sphere" ? 8 : 7);
         task.repeats = std::min(settings.repeats, 3);
-        json measured;
-        for (; measured.is_null() && task.level > 2; task.level -= 2) {
-            announce("octree, " + task.model + ", " + std::to_string(task.level));
-            try {
-                measured = measure_in_child(task);
-                break;
-            } catch (const Error& error) {  // tapes may not fit into memory
-                std::printf("  %s failed at level %d: %s\n", task.model.c_str(), task.level, error.what());
-                result.push_back({{"model", task.model}, {"level", task.level}, {"failed", error.what()}});
-            }
-        }
+        json measured = measure_fitting(task, result);
         if (measured.is_null()) continue;
         const std::string title = task.model + ", " + std::to_string(task.level);
         device = measured.at("device").get<std::string>();
         if (measured.at("is_gpu").get<bool>()) device += " (a GPU: rates are of the whole device)";
-        const double cores =
-            measured.at("is_gpu").get<bool>() ? 1 : measured.at("compute_units").get<double>();
-        const double cells = measured.at("cells").get<double>() / cores;
-        const Samples kernels = collect(measured.at("runs"), "kernel_seconds");
-        const Samples stage = collect(measured.at("runs"), "stage_seconds");
-        const Samples reference = collect(measured.at("runs"), "reference_seconds");
-        const double kernel_rate = cells / kernels.median();
-        const double reference_rate = measured.at("reference_cells").get<double>() / reference.median();
         task.threads = settings.threads;
         announce("octree, " + title + ", " + count_of_threads(settings.threads));
         const json shared = measure_in_child(task);
-        const Samples shared_kernels = collect(shared.at("runs"), "kernel_seconds");
-        const double shared_rate = shared.at("cells").get<double>() / shared_kernels.median();
-        if (task.model == "random:30") cost_at_30 = 1 / kernel_rate;
-        const double cost = cost_at_30 > 0 ? 1 / (kernel_rate * cost_at_30) : 0;
+        const OctreeRates rates = octree_rates(measured, shared);
+        if (task.model == "random:30") cost_at_30 = 1 / rates.kernel_rate;
+        const double cost = cost_at_30 > 0 ? 1 / (rates.kernel_rate * cost_at_30) : 0;
         const double tree_bytes =
             measured.at("tree_bytes").get<double>() / std::max(1.0, measured.at("nio_cells").get<double>());
         table.add({title, grouped(measured.at("surfaces")), grouped(measured.at("cells")),
-                   grouped(measured.at("reference_cells")), short_number(1e-6 * kernel_rate),
-                   percent(kernels.spread()), short_number(1e-6 * cells / stage.median()),
-                   percent(stage.spread()), short_number(1e-6 * reference_rate), percent(reference.spread()),
-                   fixed(kernel_rate / reference_rate, 2), fixed(shared_rate / reference_rate, 2),
-                   cost > 0 ? fixed(cost, 2) : "", short_number(tree_bytes)});
+                   grouped(measured.at("reference_cells")), short_number(1e-6 * rates.kernel_rate),
+                   percent(rates.kernels.spread()), short_number(1e-6 * rates.cells / rates.stage.median()),
+                   percent(rates.stage.spread()), short_number(1e-6 * rates.reference_rate),
+                   percent(rates.reference.spread()), fixed(rates.kernel_rate / rates.reference_rate, 2),
+                   fixed(rates.shared_rate / rates.reference_rate, 2), cost > 0 ? fixed(cost, 2) : "",
+                   short_number(tree_bytes)});
         if (cost > 0) measured["cell_cost_to_random_30"] = cost;
         measured["tree_bytes_per_undecided_cell"] = tree_bytes;
-        measured["kernels_to_reference"] = kernel_rate / reference_rate;
-        measured["all_threads_to_reference"] = shared_rate / reference_rate;
-        measured.erase("runs");
-        measured["model"] = task.model;
-        measured["level"] = task.level;
-        measured["kernel_seconds"] = to_json(kernels);
-        measured["stage_seconds"] = to_json(stage);
-        measured["reference_seconds"] = to_json(reference);
-        measured["kernel_cells_per_second_per_core"] = kernel_rate;
-        measured["reference_cells_per_second"] = reference_rate;
+        conclude(measured, rates, task);
         result.push_back(measured);
     }
     table.print();

@@ -48,14 +48,8 @@ Json missed_document(const std::vector<MissedFeature>& missed) {
     return json;
 }
 
-}  // namespace
-
-Json mesh_document(const MeshReport& report, const MeshFigures& figures) {
-    Json json;
-    json["version"] = MORTISE_VERSION;
-    json["device"] = report.device;
-    json["level"] = report.level;
-    json["finest_level"] = report.finest_level;
+/// What only some options make.
+void add_optional_members(const MeshReport& report, Json& json) {
     if (!report.leaves.empty()) {
         json["cells_by_level"] = report.leaves;
         json["transition_cells"] = report.transition_cells;
@@ -74,6 +68,43 @@ Json mesh_document(const MeshReport& report, const MeshFigures& figures) {
             {"thickness", report.layers.thickness},
             {"asked", report.layers.asked},
             {"first_bare", report.layers.first_bare ? Json(*report.layers.first_bare) : Json(nullptr)}};
+}
+
+Json features_document(const Features& features) {
+    double crease_length = 0;
+    for (const FeatureCurve& curve : features.curves) crease_length += curve.length;
+    return {{"creases", features.curves.size()},
+            {"crease_length", crease_length},
+            {"corners", features.corners.size()}};
+}
+
+Json periodic_document(const std::vector<MeshFigures::Periodic>& pairs) {
+    Json json = Json::array();
+    for (const MeshFigures::Periodic& pair : pairs)
+        json.push_back({{"shift", pair.shift}, {"nodes", pair.nodes}});
+    return json;
+}
+
+Json stages_document(const std::vector<StageTime>& stages) {
+    Json json = Json::array();
+    for (const StageTime& stage : stages) {
+        json.push_back({{"stage", stage.stage},
+                        {"wall_seconds", stage.wall_seconds},
+                        {"cpu_seconds", stage.cpu_seconds},
+                        {"items", stage.items}});
+    }
+    return json;
+}
+
+}  // namespace
+
+Json mesh_document(const MeshReport& report, const MeshFigures& figures) {
+    Json json;
+    json["version"] = MORTISE_VERSION;
+    json["device"] = report.device;
+    json["level"] = report.level;
+    json["finest_level"] = report.finest_level;
+    add_optional_members(report, json);
     json["cell_size"] = report.cell_size;
     json["root_box"] = {{"min", report.root.min}, {"max", report.root.max}};
     json["nodes"] = figures.nodes;
@@ -87,14 +118,8 @@ Json mesh_document(const MeshReport& report, const MeshFigures& figures) {
     json["worst_place"] = figures.worst_place ? Json(*figures.worst_place) : Json(nullptr);
     json["regions"] = names_with_counts(figures.regions, figures.in_region, "elements");
     json["surfaces"] = names_with_counts(figures.surfaces, figures.on_surface, "facets");
-    json["periodic"] = Json::array();
-    for (const MeshFigures::Periodic& pair : figures.periodic)
-        json["periodic"].push_back({{"shift", pair.shift}, {"nodes", pair.nodes}});
-    double crease_length = 0;
-    for (const FeatureCurve& curve : report.features.curves) crease_length += curve.length;
-    json["features"] = {{"creases", report.features.curves.size()},
-                        {"crease_length", crease_length},
-                        {"corners", report.features.corners.size()}};
+    json["periodic"] = periodic_document(figures.periodic);
+    json["features"] = features_document(report.features);
     json["cells"] = {{"evaluated", report.cells_evaluated},
                      {"in", report.in_cells},
                      {"nio", report.nio_cells},
@@ -113,13 +138,7 @@ Json mesh_document(const MeshReport& report, const MeshFigures& figures) {
     json["dropped_features"] = report.dropped_features;
     json["first_dropped_feature"] = report.first_dropped ? Json(*report.first_dropped) : Json(nullptr);
     json["missed_features"] = missed_document(report.missed);
-    json["stages"] = Json::array();
-    for (const StageTime& stage : report.stages) {
-        json["stages"].push_back({{"stage", stage.stage},
-                                  {"wall_seconds", stage.wall_seconds},
-                                  {"cpu_seconds", stage.cpu_seconds},
-                                  {"items", stage.items}});
-    }
+    json["stages"] = stages_document(report.stages);
     json["warnings"] = report.warnings;
     return json;
 }

@@ -196,6 +196,8 @@ TEST_CASE(".formula: a mistake is told before the want of a z") {
     const std::pair<const char*, const char*> cases[] = {
         {"x^2 +", "m.formula:1:6: formula: expected a number"},
         {"x +\n y+w", "m.formula:2:4: formula: expected a number"},
+        {"x^2 + y^2\n < 1",
+         "m.formula:2:2: formula: expected an operator or the end of the formula, found '<'; the"},
         {"X^2+Y^2+Z^2-1", "found 'X'; did you mean 'x'?"},
         {"x - 1/0", "m.formula:1:5: formula: '1/0' has no finite value"},
         {"x*y\nboundz -1 -1 -1 1 1 1", "m.formula:2:1: formula: expected an operator"},

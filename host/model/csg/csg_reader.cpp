@@ -116,16 +116,23 @@ class CsgReader {
         return scene_.united(take_operands(0));
     }
 
-    void read_node(TextCursor& cursor) {
-        bool removed = frames_.back().removed;
-        bool marked_as_root = false;
-        const std::size_t offset = cursor.offset();
+    struct Modifiers {
+        bool root = false;
+        bool removed = false;
+    };
+    static Modifiers take_modifiers(TextCursor& cursor) {
+        Modifiers found;
         for (char c = cursor.peek(); is_modifier(c); c = cursor.peek()) {
-            if (c == '!') marked_as_root = true;
-            if (c == '%' || c == '*') removed = true;
+            if (c == '!') found.root = true;
+            if (c == '%' || c == '*') found.removed = true;
             cursor.advance();
             skip_csg_blanks(cursor);
         }
+        return found;
+    }
+
+    /// The name of a node, up to the '(' that must follow.
+    std::string_view take_node_name(TextCursor& cursor) const {
         const SourceLocation where = cursor.where();
         if (!is_name_start(cursor.peek())) {
             cursor.fail_here("expected a node such as cube, union or multmatrix, found " + cursor.found() +
@@ -141,52 +148,62 @@ class CsgReader {
             cursor.fail_here("expected '(' after " + in_quotes(name) + ", found " + cursor.found() +
                              (cursor.peek() == '=' ? kOnlyInScad : ""));
         }
-        if (marked_as_root && !removed && only_look_for_root_) note_root(offset, where);
-        const bool active = !only_look_for_root_ && !removed && (frames_.back().active || offset == root_);
+        return name;
+    }
+
+    /// What a node that counts makes of its arguments, which have been read. Returns whether it is a leaf,
+    /// whose operand is there now.
+    bool start_node(std::string_view name, SourceLocation where, Frame& frame) {
+        const CsgNodeType& type = csg_node_type(name, source_, where);
+        const bool is_leaf = type.leaf != nullptr;
+        frame.operation = type.operation;
+        if (type.operation != CsgNode::Op::kPrimitive) return is_leaf;
+        const CsgNodeText node = {name, arguments_, source_, where, type_name(type), scene_.facets};
+        try {
+            if (is_leaf) operands_.push_back(type.leaf(scene_, node));
+            if (!is_leaf) frame.finish = type.branch(scene_, node);
+        } catch (const NoExtent& empty) {
+            const CsgOperand nothing = scene_.leave_out(empty.where, empty.what);
+            if (is_leaf) operands_.push_back(nothing);
+            if (!is_leaf) frame.finish = [](CsgScene&, auto&&) { return CsgOperand{}; };
+        }
+        return is_leaf;
+    }
+
+    /// What comes after the arguments of a node: ';', '{' or the only child.
+    void refuse_wrong_end(const TextCursor& cursor, std::string_view name, bool is_leaf) const {
+        const char c = cursor.peek();
+        if (c == '{' && is_leaf)
+            cursor.fail_here("'" + std::string(name) + "' takes no children; expected ';'");
+        if (c == '{' || c == ';' || (!is_leaf && starts_node(c))) return;
+        cursor.fail_here("expected " + std::string(is_leaf ? "';'" : "';', '{' or a node") + " after '" +
+                         std::string(name) + "(...)', found " + cursor.found());
+    }
+
+    void read_node(TextCursor& cursor) {
+        const std::size_t offset = cursor.offset();
+        const Modifiers modifiers = take_modifiers(cursor);
+        const bool removed = frames_.back().removed || modifiers.removed;
+        const SourceLocation where = cursor.where();
+        const std::string_view name = take_node_name(cursor);
+        if (modifiers.root && !removed && only_look_for_root_) note_root(offset, where);
         arguments_.read(cursor);
         Frame frame;
-        frame.active = active;
+        frame.active = !only_look_for_root_ && !removed && (frames_.back().active || offset == root_);
         frame.removed = removed;
-        bool is_leaf = false;
-        if (active) {
-            const CsgNodeType& type = csg_node_type(name, source_, where);
-            is_leaf = type.leaf != nullptr;
-            frame.operation = type.operation;
-            if (type.operation == CsgNode::Op::kPrimitive) {
-                const CsgNodeText node = {name, arguments_, source_, where, type_name(type), scene_.facets};
-                try {
-                    if (is_leaf) operands_.push_back(type.leaf(scene_, node));
-                    if (!is_leaf) frame.finish = type.branch(scene_, node);
-                } catch (const NoExtent& empty) {
-                    const CsgOperand nothing = scene_.leave_out(empty.where, empty.what);
-                    if (is_leaf) operands_.push_back(nothing);
-                    if (!is_leaf) frame.finish = [](CsgScene&, auto&&) { return CsgOperand{}; };
-                }
-            }
-        }
-
+        const bool is_leaf = frame.active && start_node(name, where, frame);
         skip_csg_blanks(cursor);
-        const bool opens = cursor.peek() == '{';
+        refuse_wrong_end(cursor, name, is_leaf);
         frame.is_single = !is_leaf && starts_node(cursor.peek());
-        if (!opens && !frame.is_single && cursor.peek() != ';') {
-            cursor.fail_here("expected " + std::string(is_leaf ? "';'" : "';', '{' or a node") + " after '" +
-                             std::string(name) + "(...)', found " + cursor.found());
-        }
-        if (opens && is_leaf) {
-            cursor.fail_here("'" + std::string(name) + "' takes no children; expected ';'");
-        }
         frame.brace = cursor.where();
         frame.first_operand = operands_.size();
-        if (frame.is_single) {
+        const bool has_children = frame.is_single || cursor.peek() == '{';
+        if (!frame.is_single) cursor.advance();
+        if (has_children) {
             frames_.push_back(std::move(frame));
             return;
         }
-        cursor.advance();
-        if (opens) {
-            frames_.push_back(std::move(frame));
-            return;
-        }
-        if (active && !is_leaf) operands_.push_back(value_of(frame));
+        if (frame.active && !is_leaf) operands_.push_back(value_of(frame));
         close_single_frames();
     }
 

@@ -228,58 +228,15 @@ CsgFinish read_minkowski(CsgScene& opening, const CsgNodeText& node) {
     };
 }
 
-CsgFinish read_resize(CsgScene&, const CsgNodeText& node) {
-    refuse_unknown_arguments(node, {"newsize", "auto", "convexity"}, 2);
+namespace {
+
+/// What `resize` asks for: lengths, 0 where there are none, and axes that follow the largest of them.
+struct Resizing {
     Vec3 size{};
     std::array<bool, 3> automatic{};
-    if (const CsgArgument* argument = node.arguments.find("newsize", 0))
-        size = three_numbers(node, *argument);
-    for (const double length : size) {
-        if (length < 0) {
-            fail_size(node, node.arguments.find("newsize", 0)->where, "newsize", length,
-                      "positive numbers, or 0 to keep a size");
-        }
-    }
-    if (const CsgArgument* argument = node.arguments.find("auto", 1)) {
-        if (argument->kind == CsgArgument::Kind::kBoolean) {
-            automatic.fill(argument->boolean);
-        } else if (argument->kind == CsgArgument::Kind::kList && argument->rows == 0 &&
-                   argument->count == argument->direct && (argument->count == 2 || argument->count == 3)) {
-            for (std::size_t k = 0; k < argument->count; ++k)
-                automatic[k] = node.arguments.numbers(*argument)[k] != 0;
-        } else {
-            fail(node.source, argument->where,
-                 in_quotes(node.name) + ": auto is neither true or false nor a list of two or three of them");
-        }
-    }
-    const SourceLocation where = node.where;
-    return [size, automatic, where](CsgScene& scene, std::vector<CsgOperand> children) -> CsgOperand {
-        CsgOperand child = scene.united(std::move(children));
-        if (child.kind == Kind::kNothing || size == Vec3{}) return child;
-        const bool flat = child.kind == Kind::kFlat;
-        Vec3 extent{};
-        if (flat) {
-            Box2 box = flat_bounds(scene.flat, child.node);
-            if (!has_exact_bounds(scene.flat, child.node)) {
-                FlatTree polygons;
-                box = flat_bounds(polygons, polygons.add_contours(outline(scene, child)));
-                if (box.is_empty()) return {};
-            }
-            for (std::size_t k = 0; k < 2; ++k) extent[k] = box.max[k] - box.min[k];
-        } else {
-            std::optional<Box3> box = exact_bounds(scene.model, child.node, scene.extents);
-            if (!box) {
-                box = flat_faced_bounds(scene.model, child.node, Wanted{"resize", scene.source, where});
-            }
-            if (!box) {
-                fail_not_yet(scene.source, where,
-                             "'resize' is not supported yet for this solid, whose exact size is not known: "
-                             "it may hold unions of cubes, spheres, cylinders and straight extrusions, and "
-                             "anything with flat faces");
-            }
-            for (std::size_t k = 0; k < 3; ++k) extent[k] = box->max[k] - box->min[k];
-        }
-        const std::size_t dimensions = flat ? 2 : 3;
+
+    /// Factors of a shape with these extents.
+    Vec3 scale_of(const Vec3& extent, std::size_t dimensions) const {
         std::size_t largest = 0;
         for (std::size_t k = 1; k < dimensions; ++k) {
             if (size[k] > size[largest]) largest = k;
@@ -287,12 +244,76 @@ CsgFinish read_resize(CsgScene&, const CsgNodeText& node) {
         const double common = size[largest] > 0 ? size[largest] / extent[largest] : 1;
         Vec3 scale = {1, 1, 1};
         for (std::size_t k = 0; k < dimensions; ++k) {
-            if (size[k] > 0) {
+            if (size[k] > 0)
                 scale[k] = size[k] / extent[k];
-            } else if (automatic[k]) {
+            else if (automatic[k])
                 scale[k] = common;
-            }
         }
+        return scale;
+    }
+};
+
+Resizing read_resizing(const CsgNodeText& node) {
+    Resizing asked;
+    if (const CsgArgument* argument = node.arguments.find("newsize", 0)) {
+        asked.size = three_numbers(node, *argument);
+        for (const double length : asked.size) {
+            if (length < 0)
+                fail_size(node, argument->where, "newsize", length, "positive numbers, or 0 to keep a size");
+        }
+    }
+    const CsgArgument* argument = node.arguments.find("auto", 1);
+    if (argument == nullptr) return asked;
+    if (argument->kind == CsgArgument::Kind::kBoolean) {
+        asked.automatic.fill(argument->boolean);
+    } else if (argument->kind == CsgArgument::Kind::kList && argument->rows == 0 &&
+               argument->count == argument->direct && (argument->count == 2 || argument->count == 3)) {
+        for (std::size_t k = 0; k < argument->count; ++k)
+            asked.automatic[k] = node.arguments.numbers(*argument)[k] != 0;
+    } else {
+        fail(node.source, argument->where,
+             in_quotes(node.name) + ": auto is neither true or false nor a list of two or three of them");
+    }
+    return asked;
+}
+
+/// None if the shape is empty.
+std::optional<Vec3> flat_extent(CsgScene& scene, const CsgOperand& shape) {
+    Box2 box = flat_bounds(scene.flat, shape.node);
+    if (!has_exact_bounds(scene.flat, shape.node)) {
+        FlatTree polygons;
+        box = flat_bounds(polygons, polygons.add_contours(outline(scene, shape)));
+        if (box.is_empty()) return std::nullopt;
+    }
+    return Vec3{box.max[0] - box.min[0], box.max[1] - box.min[1], 0};
+}
+
+Vec3 solid_extent(CsgScene& scene, const CsgOperand& solid, SourceLocation where) {
+    std::optional<Box3> box = exact_bounds(scene.model, solid.node, scene.extents);
+    if (!box) box = flat_faced_bounds(scene.model, solid.node, Wanted{"resize", scene.source, where});
+    if (!box) {
+        fail_not_yet(scene.source, where,
+                     "'resize' is not supported yet for this solid, whose exact size is not known: it may "
+                     "hold unions of cubes, spheres, cylinders and straight extrusions, and anything with "
+                     "flat faces");
+    }
+    return {box->max[0] - box->min[0], box->max[1] - box->min[1], box->max[2] - box->min[2]};
+}
+
+}  // namespace
+
+CsgFinish read_resize(CsgScene&, const CsgNodeText& node) {
+    refuse_unknown_arguments(node, {"newsize", "auto", "convexity"}, 2);
+    const Resizing asked = read_resizing(node);
+    const SourceLocation where = node.where;
+    return [asked, where](CsgScene& scene, std::vector<CsgOperand> children) -> CsgOperand {
+        CsgOperand child = scene.united(std::move(children));
+        if (child.kind == Kind::kNothing || asked.size == Vec3{}) return child;
+        const bool flat = child.kind == Kind::kFlat;
+        const std::optional<Vec3> extent =
+            flat ? flat_extent(scene, child) : solid_extent(scene, child, where);
+        if (!extent) return {};
+        const Vec3 scale = asked.scale_of(*extent, flat ? 2 : 3);
         if (scale == Vec3{1, 1, 1}) return child;
         child.node = flat ? scene.flat.add_transform({scale[0], 0, 0, 0, scale[1], 0}, child.node)
                           : scene.model.add_transform(

@@ -49,17 +49,18 @@ Box3 read_bounds(TextCursor& cursor) {
     return box;
 }
 
-/// Refuses what cannot stand in a formula: the formula itself is parsed late, and the file may be none. Of
-/// operators of other languages its parser tells more.
+/// Refuses what cannot stand in a formula: the formula itself is parsed late, and the file may be none.
 void refuse_foreign_text(const std::string& text, const std::string& source) {
     TextCursor cursor(text, source);
+    // Of operators of other languages the formula's parser tells more, but no formula begins with one.
+    std::string_view symbols = "+-*/^().,=;";
     for (cursor.skip_blanks(); !cursor.at_end(); cursor.skip_blanks()) {
         const char c = cursor.peek();
         if (c == '#') {
             cursor.take_line();
-        } else if (is_name_part(c) ||
-                   std::string_view("+-*/^().,=;<>&|%?").find(c) != std::string_view::npos) {
+        } else if (is_name_part(c) || symbols.find(c) != std::string_view::npos) {
             cursor.advance();
+            symbols = "+-*/^().,=;<>&|%?";
         } else {
             cursor.fail_here("expected a formula (names, numbers and + - * / ^ ( ) , = ;), found " +
                              cursor.found());
