@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "host/common/constants.hpp"
 
@@ -11,21 +12,69 @@ namespace {
 constexpr std::uint32_t kLeafSize = 4;
 constexpr double kFar = 2.5;  ///< radii from which a group counts as a dipole
 
-/// Solid angle of a triangle (Van Oosterom & Strackee 1983), positive from behind.
-double solid_angle(const std::array<glm::dvec3, 3>& triangle, const glm::dvec3& point) {
-    const glm::dvec3 a = triangle[0] - point;
-    const glm::dvec3 b = triangle[1] - point;
-    const glm::dvec3 c = triangle[2] - point;
-    const double la = glm::length(a);
-    const double lb = glm::length(b);
-    const double lc = glm::length(c);
-    return 2 * std::atan2(glm::dot(a, glm::cross(b, c)),
-                          la * lb * lc + glm::dot(a, b) * lc + glm::dot(b, c) * la + glm::dot(c, a) * lb);
+/// Adds up solid angles of triangles (Van Oosterom & Strackee 1983), positive from behind. Half a solid angle
+/// is that of a complex number, and the sum of small ones that of their product: most need no arc tangent of
+/// their own.
+class SolidAngles {
+  public:
+    void add(const std::array<glm::dvec3, 3>& triangle, const glm::dvec3& point) {
+        const glm::dvec3 a = triangle[0] - point;
+        const glm::dvec3 b = triangle[1] - point;
+        const glm::dvec3 c = triangle[2] - point;
+        const double la = glm::length(a);
+        const double lb = glm::length(b);
+        const double lc = glm::length(c);
+        const double imaginary = glm::dot(a, glm::cross(b, c));
+        const double real = la * lb * lc + glm::dot(a, b) * lc + glm::dot(b, c) * la + glm::dot(c, a) * lb;
+        if (!(std::fabs(imaginary) < kSmall * real)) {
+            sum_ += std::atan2(imaginary, real);
+            return;
+        }
+        const double product = real_ * real - imaginary_ * imaginary;
+        imaginary_ = real_ * imaginary + imaginary_ * real;
+        real_ = product;
+        if (++count_ == kMostInProduct) close_product();
+    }
+
+    double total() {
+        close_product();
+        return 2 * sum_;
+    }
+
+  private:
+    static constexpr double kSmall = 0.4;  ///< tangent of less than an eighth of half a turn
+    static constexpr int kMostInProduct = 4;
+
+    void close_product() {
+        if (count_ > 0) sum_ += std::atan2(imaginary_, real_);
+        real_ = 1;
+        imaginary_ = 0;
+        count_ = 0;
+    }
+
+    double sum_ = 0;  ///< of half the angles
+    double real_ = 1, imaginary_ = 0;
+    int count_ = 0;
+};
+
+bool has_closed_edges(const TriangleSurface& surface) {
+    using Edge = std::pair<std::uint32_t, std::uint32_t>;
+    std::vector<Edge> forward, back;
+    for (const auto& t : surface.triangles) {
+        for (std::size_t k = 0; k < 3; ++k) {
+            const std::uint32_t a = t[k], b = t[(k + 1) % 3];
+            (a < b ? forward : back).push_back({std::min(a, b), std::max(a, b)});
+        }
+    }
+    if (forward.size() != back.size()) return false;
+    std::sort(forward.begin(), forward.end());
+    std::sort(back.begin(), back.end());
+    return forward == back;
 }
 
 }  // namespace
 
-WindingNumber::WindingNumber(const TriangleSurface& surface) {
+WindingNumber::WindingNumber(const TriangleSurface& surface) : is_closed_(has_closed_edges(surface)) {
     for (const auto& t : surface.triangles) {
         Triangle triangle;
         for (std::size_t k = 0; k < 3; ++k) {
@@ -86,7 +135,8 @@ WindingNumber::WindingNumber(const TriangleSurface& surface) {
 
 double WindingNumber::at(const glm::dvec3& point) const {
     if (nodes_.empty()) return 0;
-    double sum = 0;
+    double far = 0;
+    SolidAngles near;
     std::uint32_t stack[64];  // halves at every step: deep enough for 2^32 triangles
     int top = 0;
     stack[0] = 0;
@@ -94,19 +144,19 @@ double WindingNumber::at(const glm::dvec3& point) const {
         const std::uint32_t index = stack[top--];
         const Node& node = nodes_[index];
         const glm::dvec3 away = node.centre - point;
-        const double distance = glm::length(away);
-        if (distance > kFar * node.radius) {
-            sum += glm::dot(away, node.area) / (distance * distance * distance);
+        const double squared = glm::dot(away, away);
+        if (squared > kFar * kFar * node.radius * node.radius) {
+            far += glm::dot(away, node.area) / (squared * std::sqrt(squared));
         } else if (node.right == 0) {
             for (std::uint32_t t = node.first; t < node.first + node.count; ++t) {
-                sum += solid_angle(triangles_[t], point);
+                near.add(triangles_[t], point);
             }
         } else {
             stack[++top] = node.right;
             stack[++top] = index + 1;
         }
     }
-    return sum / (4 * kPi);
+    return (far + near.total()) / (4 * kPi);
 }
 
 }  // namespace mortise::triangles

@@ -22,6 +22,9 @@ class WindingNumber {
     double at(const glm::dvec3& point) const;
     bool is_inside(const glm::dvec3& point) const { return at(point) > 0.5; }
 
+    /// Whether every edge is run through as often one way as the other.
+    bool is_closed() const { return is_closed_; }
+
   private:
     struct Node {
         glm::dvec3 centre{0.0};   ///< of the triangles' areas
@@ -35,6 +38,7 @@ class WindingNumber {
 
     std::vector<Triangle> triangles_;
     std::vector<Node> nodes_;
+    bool is_closed_ = false;
 };
 
 }  // namespace mortise::triangles
