@@ -146,6 +146,7 @@ void read_mesh_words(const Words& words, Arguments& arguments) {
             (i < 3 ? box.min : box.max)[i % 3] = parse_number("--box", words.box[i]);
         }
         options.box = box;
+        arguments.read.is_cut = true;
     }
     if (!words.elements.empty() && words.elements != "hex" && words.elements != "tet") {
         refuse("--elements '" + words.elements + "': expected hex or tet");

@@ -169,8 +169,8 @@ void add_output_options(CLI::App& app, Arguments& arguments, Words& words) {
     app.add_option("--cut", words.cut, "open it across x, y or z: in the middle, or at x=4.5")
         ->option_text("AXIS");
     app.add_option("--report", arguments.report, "write figures and times, .json")->option_text("FILE");
-    CLI::Option* json = app.add_flag("--json", arguments.json, "print the report on stdout, not the summary");
-    app.add_flag("--quiet", arguments.quiet, "no summary and no progress; warnings stay")->excludes(json);
+    app.add_flag("--json", arguments.json, "print the report on stdout, not the summary");
+    app.add_flag("--quiet", arguments.quiet, "no summary and no progress; warnings stay");
     add_device_options(app, arguments, words);
     app.add_option("--memory", words.memory, "mesh part by part within this much memory: 4G, 800M (.vtu)")
         ->option_text("BYTES");

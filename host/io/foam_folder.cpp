@@ -14,9 +14,19 @@ std::string without_slashes(std::string path) {
     return path;
 }
 
+std::string folder_above(const std::string& path) {
+    const std::size_t slash = path.find_last_of('/');
+    if (slash == std::string::npos) return ".";
+    return slash == 0 ? "/" : without_slashes(path.substr(0, slash));
+}
+
 }  // namespace
 
-FoamFolder::FoamFolder(const std::string& path) : path_(without_slashes(path)), folder_(path_) {}
+FoamFolder::FoamFolder(const std::string& path)
+    : path_(without_slashes(path)),
+      case_(folder_above(folder_above(path_))),
+      constant_(folder_above(path_)),
+      folder_(path_) {}
 
 TemporaryFile& FoamFolder::file(const std::string& name) {
     names_.push_back(name);
@@ -28,6 +38,8 @@ void FoamFolder::commit() {
     for (const char* const name : kOfOldMesh) unlink((path_ + "/" + name).c_str());
     for (const std::string& name : names_) unlink((path_ + "/" + name + ".gz").c_str());
     for (TemporaryFile& file : files_) file.commit();
+    case_.keep();
+    constant_.keep();
     folder_.keep();
 }
 

@@ -8,8 +8,11 @@
 
 namespace mortise::io {
 
-/// Files under temporary names in a folder that is made if it is missing; without commit() nothing of it is
-/// left. Failures as those of TemporaryFile.
+/// Folders above polyMesh that are made, too: those of a case, as case/constant.
+inline constexpr int kMostCaseFolders = 2;
+
+/// Files under temporary names in a folder that is made if it is missing, and its case with it; without
+/// commit() nothing of it is left. Failures as those of TemporaryFile.
 class FoamFolder {
   public:
     explicit FoamFolder(const std::string& path);
@@ -23,7 +26,7 @@ class FoamFolder {
 
   private:
     std::string path_;
-    NewFolder folder_;
+    NewFolder case_, constant_, folder_;
     std::deque<std::string> names_;
     std::deque<TemporaryFile> files_;  ///< goes before the folder
 };

@@ -11,6 +11,7 @@
 #include "host/common/lower_case.hpp"
 #include "host/io/coordinates.hpp"
 #include "host/io/element_table.hpp"
+#include "host/io/foam_folder.hpp"
 #include "host/io/formats.hpp"
 #include "mortise/error.hpp"
 #include "mortise/io.hpp"
@@ -20,7 +21,8 @@ namespace {
 
 enum class Format { kVtu, kMsh, kInp, kStl, kFoam };
 
-Format format_of(const std::string& path) {
+/// `reads`: .vtu and .msh are what else to use.
+Format format_of(const std::string& path, bool reads = false) {
     if (is_mesh_folder(path)) return Format::kFoam;
     const std::size_t slash = path.find_last_of('/');
     const std::string name = slash == std::string::npos ? path : path.substr(slash + 1);
@@ -34,7 +36,9 @@ Format format_of(const std::string& path) {
     if (small == ".stl") return Format::kStl;
     throw Error(ExitCode::kUsage,
                 "'" + path + "': unknown mesh format '" + extension +
-                    "', expected .vtu, .msh, .inp, .stl (the surface), or a folder polyMesh (OpenFOAM)");
+                    (reads ? "', expected .vtu or .msh"
+                           : "', expected .vtu, .msh, .inp, .stl (the surface), or a folder polyMesh "
+                             "(OpenFOAM)"));
 }
 
 [[noreturn]] void refuse(const std::string& path, const std::string& cause) {
@@ -171,10 +175,15 @@ void check_writable(const std::string& path) {
     const bool is_there = stat(path.c_str(), &status) == 0;
     if (is_there && is_folder != S_ISDIR(status.st_mode))
         refuse(path, is_folder ? "it is a file, expected a folder" : std::strerror(EISDIR));
-    // The folder that is written to: of a polyMesh that is not there yet the one above it.
-    const std::size_t slash = path.find_last_of('/', path.find_last_not_of('/'));
-    const std::string above = slash == std::string::npos ? "." : path.substr(0, slash + 1);
-    const std::string folder = is_folder && is_there ? path : above;
+    // The folder that is written to: of a polyMesh that is not there yet the one above it, in which it is
+    // made with the folders of its case.
+    const auto above = [](const std::string& below) -> std::string {
+        const std::size_t slash = below.find_last_of('/', below.find_last_not_of('/'));
+        return slash == std::string::npos ? "." : below.substr(0, slash + 1);
+    };
+    std::string folder = is_folder && is_there ? path : above(path);
+    for (int made = 0; is_folder && made < io::kMostCaseFolders && stat(folder.c_str(), &status) != 0; ++made)
+        folder = above(folder);
     if (stat(folder.c_str(), &status) != 0)
         refuse(path, "folder '" + folder + "': " + std::strerror(errno) + "; create it first");
     if (!S_ISDIR(status.st_mode)) refuse(path, "'" + folder + "' is not a folder");
@@ -184,7 +193,7 @@ void check_writable(const std::string& path) {
 }
 
 Mesh read_mesh(const std::string& path) {
-    const Format format = format_of(path);
+    const Format format = format_of(path, true);
     if (format == Format::kFoam)
         throw Error(
             ExitCode::kUsage,

@@ -258,8 +258,9 @@ void report_layers(const std::string& source, MeshReport& out) {
     if (found.bare > 0) text += (found.lower > 0 ? " and missing on " : "missing on ") + percent(found.bare);
     text += " of the walls' facets";
     if (found.bare > 0) text += ", first near " + place_text(*found.first_bare);
-    text += ", for want of room: as asked they are " + rounded_text(found.asked) +
-            " thick together, on edges of " + rounded_text(found.edge) + " in the mean";
+    text += ", where elements behind them would be too flat: as asked they are " + rounded_text(found.asked) +
+            " thick together, on edges of " + rounded_text(found.edge) +
+            " in the mean; fewer layers, or a smaller --first-layer, need less room";
     out.warnings.push_back(text);
 }
 

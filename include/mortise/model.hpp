@@ -197,6 +197,8 @@ struct ReadOptions {
     /// Height of the solid above a function of x and y alone (.vm, .frep, .formula); 0: refuse such a
     /// function.
     double extrude = 0;
+    /// The solid is to be cut (MeshOptions::box), so that a function of x and y alone describes one, too.
+    bool is_cut = false;
     /// .scad only: NAME=VALUE, each as if it stood at the end of the file.
     std::vector<std::string> definitions;
     /// .scad only: longest time for the program openscad, which converts it.

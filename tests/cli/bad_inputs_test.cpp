@@ -215,6 +215,7 @@ TEST_CASE("a command line that is not understood") {
                    {model, "-o", scratch.file("out/a.MSH"), "--hanging"});
     expect_failure(scratch, kUsage, "a folder polyMesh (OpenFOAM)", {model, "-o", scratch.file("out/mesh")});
     expect_failure(scratch, kUsage, "OpenFOAM's meshes are written only", {"check", "case/polyMesh"});
+    expect_failure(scratch, kUsage, "expected .vtu or .msh", {"check", model});
     expect_failure(scratch, kUsage, "merge_distance (--merge) 0.3 is out of range; use 0 to 0.25 of a cell",
                    {model, "-o", out, "--merge", "0.3"});
     expect_failure(scratch, kUsage, "no mesh given", {"check"});

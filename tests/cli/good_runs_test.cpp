@@ -320,6 +320,36 @@ TEST_CASE("a mesh with hanging nodes as .vtu, which check reads, and for OpenFOA
     CHECK(scratch.names("out") == Names{"a.vtu", "polyMesh"});
 }
 
+TEST_CASE("OpenFOAM's folder is made with its case, and with neither if the run fails") {
+    const ScratchFolder scratch;
+    scratch.names("out");
+    const std::string foam = scratch.file("out/case/constant/polyMesh");
+    CHECK(
+        run({scratch.write("empty.csg", "intersection(){cube(1); translate([3,0,0]) cube(1);}"), "-o", foam})
+            .code == 2);
+    CHECK(scratch.names("out").empty());
+    const Outcome outcome = run({asset("block.csg"), "--level", "3", "-o", foam + "/", "--json", "--quiet"});
+    CHECK(outcome.code == 0);
+    CHECK(contains(outcome.out, "\"surfaces\""));
+    CHECK(scratch.names("out/case/constant/polyMesh").size() == 6);
+    const Outcome deeper =
+        run({asset("block.csg"), "--level", "3", "-o", scratch.file("out/a/b/c/polyMesh"), "--quiet"});
+    CHECK(deeper.code == 6);
+    CHECK(contains(deeper.err, "create it first"));
+    CHECK(scratch.names("out") == Names{"case"});
+}
+
+TEST_CASE("a function of x and y alone is a solid in a box") {
+    const ScratchFolder scratch;
+    scratch.names("out");
+    const std::string disc = scratch.write("disc.formula", "x^2 + y^2 - 1");
+    const Outcome outcome = run({disc, "-o", scratch.file("out/a.vtu"), "--level", "4", "--check", "--box",
+                                 "-2", "-2", "0", "2", "2", "1"});
+    CHECK(outcome.code == 0);
+    CHECK(contains(outcome.out, "volume 3.0"));
+    CHECK(run({disc, "-o", scratch.file("out/b.vtu")}).code == 2);
+}
+
 TEST_CASE("a mesh of second order as .vtu and .msh, which check reads") {
     const ScratchFolder scratch;
     const std::string vtu = scratch.file("a.vtu"), msh = scratch.file("a.msh"), json = scratch.file("a.json");

@@ -321,10 +321,13 @@ TEST_CASE("nothing is left of a polyMesh that cannot be written") {
     const Folder folder;
     Mesh broken = mixed();
     broken.facets = {};  // outer faces without a surface
-    CHECK(error_of(broken, folder.file("polyMesh")).code() == ExitCode::kMeshing);
-    CHECK(folder.entries() == 0);
-    CHECK(error_of(mixed(), folder.file("missing/polyMesh")).code() == ExitCode::kFiles);
-    CHECK_THROWS_AS(check_writable(folder.file("missing/polyMesh")), Error);
+    for (const char* path : {"polyMesh", "case/constant/polyMesh"}) {
+        CHECK_NOTHROW(check_writable(folder.file(path)));
+        CHECK(error_of(broken, folder.file(path)).code() == ExitCode::kMeshing);
+        CHECK(folder.entries() == 0);
+    }
+    CHECK(error_of(mixed(), folder.file("a/missing/case/polyMesh")).code() == ExitCode::kFiles);
+    CHECK_THROWS_AS(check_writable(folder.file("a/missing/case/polyMesh")), Error);
     std::ofstream(folder.file("polyMesh")) << "a file";
     CHECK_THROWS_AS(check_writable(folder.file("polyMesh")), Error);
     CHECK(error_of(mixed(), folder.file("polyMesh")).code() == ExitCode::kFiles);

@@ -205,7 +205,7 @@ TEST_CASE(".formula: a mistake is told before the want of a z") {
         {"x*y - 1 bounds -1 -1 -1 1 1 1", "found 'bounds'; bounds need a line of their own"},
         {"boundz -1 -1 -1 1 1 1\nx*y", "found 'boundz'; bounds need a line of their own"},
         {"a = 1;\nb = 2; a = 2;\na*x", "m.formula:2:8: formula: 'a' is defined twice, first in line 1"},
-        {"x*y", "names no z: a flat figure"},
+        {"x*y", "names no z: a flat figure; use --extrude H for the solid above it, 0 <= z <= H, or --box"},
     };
     for (const auto& [text, expected] : cases) {
         const std::string message = refusal(text, "formula");

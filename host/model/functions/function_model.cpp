@@ -60,13 +60,13 @@ void add_function(Model& model, const std::string& formula, bool has_z, const st
         throw Error(ExitCode::kUsage,
                     "--extrude " + number_text(options.extrude) + " is out of range; use a positive length");
     }
-    if (!has_z && !flat) {
+    if (!has_z && !flat && !options.is_cut) {
         // What is wrong with the formula itself comes first.
         formula::parse_formula(formula, model.source, where);
         throw Error(ExitCode::kInput,
                     model.source +
                         ": the formula names no z: a flat figure; use --extrude H for the solid above it, "
-                        "0 <= z <= H");
+                        "0 <= z <= H, or --box for what lies in a box");
     }
     if (has_z && flat)
         throw Error(ExitCode::kUsage, model.source + ": the function depends on z; leave --extrude out");
