@@ -23,7 +23,7 @@ class DistanceReplacer {
   public:
     explicit DistanceReplacer(const Formula& formula) : nodes_(formula.nodes()) {
         copy_.reserve(formula.root + 1);
-        for (Index i = 0; i <= formula.root; ++i) copy_.push_back(copy(nodes_[i]));
+        for (Index i = 0; i <= formula.root; ++i) copy_.push_back(out_.add_copy(nodes_[i], copy_));
         find_set(formula.root);
         std::vector<Index> sign(copy_);
         for (Index i = 0; i <= formula.root; ++i) {
@@ -46,12 +46,6 @@ class DistanceReplacer {
     }
 
   private:
-    Index copy(const Formula::Node& n) {
-        if (n.operation == kExprConstant) return out_.add_constant(n.constant);
-        if (expression_is_leaf(n.operation)) return out_.add(n.operation);
-        return out_.add(n.operation, copy_[n.a], copy_[expression_is_binary(n.operation) != 0 ? n.b : n.a]);
-    }
-
     /// Marks min, max and neg that are reached from the root through each other, and what they are of: only
     /// the sign of these counts.
     void find_set(Index root) {
@@ -189,7 +183,7 @@ Formula with_sharp_edges(const Formula& formula) {
         if (!replaced) break;
         sharp = split_absolutes(*replaced);
     }
-    return sharp;
+    return with_joined_jumps(sharp);
 }
 
 }  // namespace mortise::formula

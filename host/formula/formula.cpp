@@ -30,6 +30,13 @@ std::uint32_t Formula::find_or_add(const Node& node) {
 
 std::uint32_t Formula::add_constant(double value) { return find_or_add({kExprConstant, 0, 0, value}); }
 
+std::uint32_t Formula::add_copy(const Node& node, const std::vector<std::uint32_t>& copies) {
+    if (node.operation == kExprConstant) return add_constant(node.constant);
+    if (expression_is_leaf(node.operation)) return add(node.operation);
+    const bool binary = expression_is_binary(node.operation) != 0;
+    return add(node.operation, copies[node.a], copies[binary ? node.b : node.a]);
+}
+
 std::uint32_t Formula::add(std::int32_t operation, std::uint32_t a, std::uint32_t b) {
     if (expression_is_leaf(operation)) return find_or_add({operation, 0, 0, 0});
     const bool binary = expression_is_binary(operation) != 0;

@@ -1,6 +1,7 @@
 // A formula as a graph of operations, and its register program for kernels/shared/expression.h.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <unordered_map>
 #include <vector>
@@ -22,12 +23,20 @@ class Formula {
 
     std::uint32_t add(std::int32_t operation, std::uint32_t a = 0, std::uint32_t b = 0);
     std::uint32_t add_constant(double value);
+    /// A node of another formula, the copies of whose arguments are here.
+    std::uint32_t add_copy(const Node& node, const std::vector<std::uint32_t>& copies);
     /// a^b: products for small whole exponents.
     std::uint32_t add_power(std::uint32_t a, std::uint32_t b);
 
     /// Min and max, which are set operations where only signs count.
     static bool combines(const Node& node) {
         return node.operation == kExprMin || node.operation == kExprMax;
+    }
+
+    /// A min or max that is no set operation, but one surface.
+    void keep_whole(std::uint32_t node) { whole_.push_back(node); }
+    bool is_whole(std::uint32_t node) const {
+        return std::find(whole_.begin(), whole_.end(), node) != whole_.end();
     }
 
     const std::vector<Node>& nodes() const { return nodes_; }
@@ -43,6 +52,7 @@ class Formula {
     std::uint32_t find_or_add(const Node& node);
 
     std::vector<Node> nodes_;
+    std::vector<std::uint32_t> whole_;
     std::unordered_map<Node, std::uint32_t, Hash, Equal> places_;
 };
 
@@ -50,8 +60,12 @@ class Formula {
 /// multiples by constants, so that formula_set() tells the two sides of a sheet |a| <= t apart.
 Formula split_absolutes(const Formula& formula);
 
-/// A function of the same sign for formula_set(): with absolutes split, and signed distances of sharp solids,
-/// as of boxes, replaced by the max that they are the distance to.
+/// The same function, with arguments of min or max that jump where their min or max does not side by side,
+/// and kept whole.
+Formula with_joined_jumps(const Formula& formula);
+
+/// A function of the same sign for formula_set(): with absolutes split, signed distances of sharp solids, as
+/// of boxes, replaced by the max that they are the distance to, and jumps joined.
 Formula with_sharp_edges(const Formula& formula);
 
 /// What a formula is as a set { f <= 0 }: min and max that are reached from the root through each other and

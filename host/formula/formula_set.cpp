@@ -80,7 +80,8 @@ FormulaSet formula_set(const Formula& formula) {
             if (n.operation == kExprNegate) {
                 copies[n.a][1 - flipped] += count;
                 expanded[i][flipped] = true;
-            } else if (Formula::combines(n) && count <= kMostCopies && length + count <= most) {
+            } else if (Formula::combines(n) && !formula.is_whole(i) && count <= kMostCopies &&
+                       length + count <= most) {
                 copies[n.a][flipped] += count;
                 copies[n.b][flipped] += count;
                 length += count;

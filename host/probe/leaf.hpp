@@ -76,6 +76,10 @@ class LeafProbe {
     bool passes_through(int f, const Vec3& x) const;
     bool surrounds(int e, const Vec3& x) const;
     bool is_cap_across_edge(int f, double u, double v) const;
+    int steps_to_end(const Vec3& x, const Vec3& step) const;
+    std::array<int, 8> steps_around(const Vec3& x, std::size_t axis) const;
+    bool is_tip_at_edge(int e, const Vec3& x) const;
+    bool is_tip_in_face(int f, const Vec3& x) const;
     void find_section(int f);
     void find_bridge(int e);
     void note_section(const Found& found);

@@ -23,6 +23,9 @@ constexpr int kShallow = kSide / 4;
 /// Bases of a cap are one where their pieces lie within so many pieces: its rim is rough.
 constexpr std::int32_t kBesides = 2;
 
+/// Of the surface of a groove's tip, in faces of pieces.
+constexpr double kLeastOpen = 0.25;
+
 constexpr std::size_t kChunk = 256;
 
 /// Nothing thinner than this, in cells, is a feature: signs are known to kSignTolerance only.
@@ -182,6 +185,27 @@ class Clusters {
         return queue.size() == pieces;
     }
 
+    /// Whether so much of a cluster's surface touches what is meshed that it is the tip of a groove, or a
+    /// ridge, between walls that part; a rod or hole has a base that is small beside its sides.
+    bool is_open(const std::vector<std::size_t>& cluster) const {
+        std::size_t faces = 0, open = 0;
+        for (const std::size_t i : cluster) {
+            const Component& component = components_[i];
+            open += component.open.size();
+            for (const std::uint16_t piece : component.pieces) {
+                for (int f = 0; f < 6; ++f) {
+                    const int step = 1 << (kDepth * (f / 2));
+                    const int next = (f & 1) != 0 ? piece + step : piece - step;
+                    const bool ends =
+                        on_face(piece, f) || !holds(component, static_cast<std::uint16_t>(next));
+                    faces += ends ? 1 : 0;
+                }
+            }
+            faces -= joined_[i].size();
+        }
+        return static_cast<double>(open) >= kLeastOpen * static_cast<double>(faces);
+    }
+
     /// Whether a cluster touches what is meshed in places apart from each other: a hole through a plate, a
     /// bar between two walls. However short, it is no cap, which has one base.
     bool joins_apart(const std::vector<std::size_t>& cluster) const {
@@ -238,7 +262,8 @@ class Clusters {
                 }
             }
         }
-        if (attached && !torn && is_shallow(cluster) && !joins_apart(cluster)) return;
+        const bool has_base = attached && !torn && !joins_apart(cluster);
+        if (has_base && (is_shallow(cluster) || is_open(cluster))) return;
         const Component& main = components_[deepest];
         MissedFeature feature;
         double size = 0;

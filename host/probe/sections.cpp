@@ -1,6 +1,8 @@
 // Sections that a face or an edge of a leaf does not see: a rod that crosses a face between its corners and
 // its centre, a slot that crosses an edge between its ends. The leaf's other samples may see these, so that
 // nothing is hidden in the leaf, but its mesh ends at that face, or has a bridge at that edge.
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "host/probe/leaf.hpp"
@@ -13,6 +15,8 @@ constexpr int kAcross = 8;  ///< a face is sampled at this many places less one 
 /// Cells on both sides of a face, or around an edge, that a rod or a slot must hold. A cap that reaches less
 /// far through it is how a mesh approximates a curved surface.
 constexpr double kThrough = 0.25;
+constexpr int kGrooveSteps = 16;  ///< of a cell's edge, in which the tip of a groove is measured
+constexpr double kDiagonal = 0.70710678118654752;
 
 }  // namespace
 
@@ -71,6 +75,58 @@ bool LeafProbe::is_cap_across_edge(int f, double u, double v) const {
     return false;
 }
 
+/// Steps from x, a place of what is hidden, until that ends, kGrooveSteps at most.
+int LeafProbe::steps_to_end(const Vec3& x, const Vec3& step) const {
+    const std::uint32_t surface = surfaces_[hidden_[0]];
+    Vec3 at = x;
+    for (int n = 1; n < kGrooveSteps; ++n) {
+        for (std::size_t j = 0; j < 3; ++j) at[j] += step[j];
+        if (sign_at(surface, at) != -hidden_sign_[0]) return n;
+    }
+    return kGrooveSteps;
+}
+
+/// The same in eight directions across an axis, each 45 degrees on from the one before.
+std::array<int, 8> LeafProbe::steps_around(const Vec3& x, std::size_t axis) const {
+    constexpr int kAround[8][2] = {{1, 0}, {1, 1}, {0, 1}, {-1, 1}, {-1, 0}, {-1, -1}, {0, -1}, {1, -1}};
+    std::array<int, 8> found{};
+    for (std::size_t k = 0; k < 8; ++k) {
+        const double length = edge_ / kGrooveSteps * (k % 2 != 0 ? kDiagonal : 1);
+        Vec3 step{};
+        step[(axis + 1) % 3] = length * kAround[k][0];
+        step[(axis + 2) % 3] = length * kAround[k][1];
+        found[k] = steps_to_end(x, step);
+    }
+    return found;
+}
+
+// Walls that part from each other under a crease that a formula hides leave a groove, or a ridge, whose tip
+// faces and edges do not see. It is what meshes fill in, and no feature is lost, where it ends no deeper
+// below a place than it is wide there, and is open above.
+
+/// Whether x, a place on edge e, lies in such a tip.
+bool LeafProbe::is_tip_at_edge(int e, const Vec3& x) const {
+    const auto axis = static_cast<std::size_t>(e / 4);
+    Vec3 along{}, back{};
+    along[axis] = edge_ / kGrooveSteps;
+    back[axis] = -along[axis];
+    const int width = steps_to_end(x, along) + steps_to_end(x, back);
+    const std::array<int, 8> reach = steps_around(x, axis);
+    const auto lowest =
+        static_cast<std::size_t>(std::min_element(reach.begin(), reach.end()) - reach.begin());
+    return reach[lowest] <= width && reach[(lowest + 4) % 8] == kGrooveSteps;
+}
+
+/// The same of a place on face f.
+bool LeafProbe::is_tip_in_face(int f, const Vec3& x) const {
+    const std::array<int, 8> reach = steps_around(x, static_cast<std::size_t>(f / 2));
+    for (std::size_t k = 0; k < 8; ++k) {
+        const int width = reach[(k + 2) % 8] + reach[(k + 6) % 8];
+        if (reach[k] <= width && width < kGrooveSteps && reach[(k + 4) % 8] == kGrooveSteps) return true;
+    }
+    return false;
+}
+
 /// Pieces beside face f that hold parts of a section which the face's corners and centre do not see.
 void LeafProbe::find_section(int f) {
     const std::uint32_t surface = surfaces_[hidden_[0]];
@@ -99,7 +155,7 @@ void LeafProbe::find_section(int f) {
         const bool as_seen = (values_[i] <= 0) == (hidden_sign_[0] < 0);
         Found found;
         if (!as_seen && is_missed(x, found) && passes_through(f, x) &&
-            !is_cap_across_edge(f, places[i][0], places[i][1]))
+            !is_cap_across_edge(f, places[i][0], places[i][1]) && !is_tip_in_face(f, x))
             note_section(found);
     }
 }
@@ -121,7 +177,6 @@ void LeafProbe::note_section(const Found& found) {
 /// Whether what holds x, a place on edge e, goes on all around the edge. (Values by gradients tell too large
 /// a distance inside small holes.)
 bool LeafProbe::surrounds(int e, const Vec3& x) const {
-    constexpr double kDiagonal = 0.70710678118654752;
     const auto axis = static_cast<std::size_t>(e / 4);
     const std::uint32_t surface = surfaces_[hidden_[0]];
     for (int k = 0; k < 9; ++k) {
@@ -146,7 +201,9 @@ void LeafProbe::find_bridge(int e) {
     for (std::size_t i = 0; i < points.size(); ++i) {
         const bool as_seen = (values_[i] <= 0) == (sign < 0);
         Found found;
-        if (!as_seen && surrounds(e, points[i]) && is_missed(points[i], found)) note_section(found);
+        if (!as_seen && surrounds(e, points[i]) && !is_tip_at_edge(e, points[i]) &&
+            is_missed(points[i], found))
+            note_section(found);
     }
 }
 

@@ -125,7 +125,7 @@ struct MissedFeature {
 /// What walls got of the layers that were asked for, MeshOptions::layers.
 struct LayerFigures {
     std::uint64_t facets = 0;    ///< of the walls
-    std::uint64_t lower = 0;     ///< of these, with lower layers, where others would be too flat, at some corner
+    std::uint64_t lower = 0;     ///< of these, with lower layers at some corner: others would be too flat
     std::uint64_t bare = 0;      ///< without layers
     std::uint64_t elements = 0;  ///< in layers
     double thickness = 0;        ///< of all layers, mean over the walls' nodes that have some; model units

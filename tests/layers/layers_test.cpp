@@ -237,8 +237,8 @@ TEST_CASE("much too high layers are as high as there is room, and told of") {
         CHECK(meshed.defects.empty());
         CHECK(meshed.report.layers.bare < meshed.report.layers.facets / 10);
         REQUIRE(!meshed.report.warnings.empty());
-        CHECK(meshed.report.warnings.front().find("where elements behind them would be too flat: as asked they are") !=
-              std::string::npos);
+        CHECK(meshed.report.warnings.front().find(
+                  "where elements behind them would be too flat: as asked they are") != std::string::npos);
     }
 }
 

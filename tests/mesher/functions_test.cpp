@@ -117,6 +117,30 @@ TEST_CASE("creases below a sum leave no single elements hanging on the rest") {
     }
 }
 
+TEST_CASE("a lattice of rods that mod repeats is whole, and no tip of a groove is called a hole") {
+    // In eight cells 35 nodes (corners and centres) and 64 rods: 35 - 64 = -29 is that of the solid, its skin
+    // has twice as much.
+    const std::string cell = "X=mod(x,6)-3; Y=mod(y,6)-3; Z=mod(z,6)-3;";
+    const std::string box = ",-x,-y,-z,x-12,y-12,z-12)";
+    const std::string rods = cell +
+                             "q=X^2+Y^2+Z^2; a=q-(X+Y+Z)^2/3; b=q-(X+Y-Z)^2/3; c=q-(X-Y+Z)^2/3;"
+                             "d=q-(Y+Z-X)^2/3; max(min(a,b,c,d)-0.64" +
+                             box;
+    const std::string mirrored = cell +
+                                 "a=abs(X); b=abs(Y); c=abs(Z); d=(a+b+c)/3;"
+                                 "max(sqrt((a-d)^2+(b-d)^2+(c-d)^2)-0.8" +
+                                 box;
+    for (const std::string& text : {rods, mirrored}) {
+        CAPTURE(text);
+        const Meshed meshed = mesh_and_check(parse_model(text, "formula", "m.formula"), 5);
+        CHECK(meshed.defects == "");
+        CHECK(meshed.check.euler_characteristic == -58);
+        CHECK(meshed.check.components == 1);
+        CHECK(meshed.report.missed.empty());
+        CHECK(meshed.report.hinge_edges == 0);
+    }
+}
+
 TEST_CASE("signed distances and rippled solids keep their sharp edges") {
     // A box turned about z, as its distance; a cube with ripples.
     const std::string turned =

@@ -404,6 +404,35 @@ TEST_CASE("signed distances of sharp solids have a surface for each face") {
     }
 }
 
+TEST_CASE("functions that jump are one surface together where their min does not jump") {
+    // Rods along the diagonals of cells of edge 0.6: where one ends at a face, the mirror image of another
+    // goes on.
+    const std::string cell =
+        "X=mod(x,0.6)-0.3; Y=mod(y,0.6)-0.3; Z=mod(z,0.6)-0.3; q=X^2+Y^2+Z^2;"
+        "a=q-(X+Y+Z)^2/3; b=q-(X+Y-Z)^2/3; c=q-(X-Y+Z)^2/3; d=q-(Y+Z-X)^2/3;";
+    CHECK(surfaces(cell + "min(a,b,c,d)-0.01") == 1);
+    CHECK(surfaces(cell + "max(min(a,b,c,d)-0.01,x+y,z-0.3)") == 3);
+    CHECK(surfaces(cell + "max(0.01-a,x,0.01-b,0.01-c,0.01-d)") == 2);
+    CHECK(surfaces(cell + "min(-max(0.01-a,0.01-b,0.01-c,0.01-d),x)") == 2);
+    CHECK(surfaces(cell + "min(a,b,c)-0.01") == 3);  // without d the others end at faces
+    // Steps are meant; a mod that does not jump joins nothing.
+    CHECK(surfaces("min(z-0.3*floor(3*x),z-mod(y,0.5))") == 2);
+    CHECK(surfaces("u=abs(mod(x,0.5)-0.25); v=abs(mod(y,0.5)-0.25); min(u+z^2-0.1,v+z^2-0.1)") == 2);
+    RandomSource random(66);
+    for (const char* end : {"min(a,b,c,d)-0.01", "max(min(a,b,c,d)-0.01,x+y,z-0.3)", "min(a,b,c)-0.01"}) {
+        const std::string formula = cell + end;
+        CAPTURE(end);
+        const tape::BoundModel model = bind_model(formula_model(formula, 1), 4);
+        for (int i = 0; i < 2000; ++i) {
+            const Vec3 local = {random.uniform(0, 1), random.uniform(0, 1), random.uniform(0, 1)};
+            const Vec3 at = to_model(model, local);
+            bool inside = value_of(formula, at[0], at[1], at[2]) <= 0;
+            for (const double x : at) inside = inside && std::fabs(x) <= 1;
+            CHECK(tape::region_at(model, local[0], local[1], local[2]) == (inside ? 1 : 0));
+        }
+    }
+}
+
 TEST_CASE("min, max and neg above the other operations become set operations") {
     CHECK(surfaces("x^2+y^2-0.3") == 1);
     CHECK(surfaces("min(x^2+y^2-0.3, z)") == 2);
