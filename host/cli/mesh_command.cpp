@@ -1,9 +1,6 @@
 // `mortise MODEL -o FILE`: read, mesh, check, write, report.
-#include <sys/resource.h>
-
 #include <algorithm>
 #include <chrono>
-#include <cstdio>
 #include <ctime>
 #include <memory>
 
@@ -15,6 +12,7 @@
 #include "host/cli/quality_text.hpp"
 #include "host/cli/refusals.hpp"
 #include "host/cli/signals.hpp"
+#include "host/cli/summary.hpp"
 #include "host/cli/text.hpp"
 #include "mortise/io.hpp"
 
@@ -23,14 +21,6 @@ namespace {
 
 constexpr double kChecking = 0.8;  // progress when the mesh is there
 constexpr double kWriting = 0.9;
-
-constexpr double kWorthTelling = 0.001;  // seconds
-
-std::string seconds_text(double seconds) {
-    char text[40];
-    std::snprintf(text, sizeof text, "%.3f", seconds);
-    return text;
-}
 
 /// Runs one stage of the command line and appends its times.
 template <class Action>
@@ -41,92 +31,6 @@ void timed(const char* stage, std::vector<StageTime>& stages, std::uint64_t item
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - wall;
     stages.push_back({stage, seconds.count(),
                       static_cast<double>(std::clock() - cpu) / static_cast<double>(CLOCKS_PER_SEC), items});
-}
-
-/// "1200 at level 5, 340 at level 6"
-std::string list_levels(const std::vector<std::uint64_t>& leaves) {
-    std::string text;
-    for (std::size_t level = 0; level < leaves.size(); ++level) {
-        if (leaves[level] == 0) continue;
-        text +=
-            (text.empty() ? "" : ", ") + std::to_string(leaves[level]) + " at level " + std::to_string(level);
-    }
-    return text;
-}
-
-/// The most memory that this process has had, bytes.
-std::uint64_t peak_memory() {
-    rusage usage{};
-    getrusage(RUSAGE_SELF, &usage);
-    return static_cast<std::uint64_t>(usage.ru_maxrss) << 10;
-}
-
-/// `check`: none if it was not asked for.
-std::string summary(const Arguments& arguments, const MeshReport& report, const MeshFigures& figures,
-                    const CheckReport* check) {
-    std::string text = arguments.file + ": " + std::to_string(figures.element_count()) + " elements, " +
-                       std::to_string(figures.nodes) + " nodes; level " + std::to_string(report.level) +
-                       ", cell size " + rounded_text(report.cell_size, 4) + "\n";
-    if (!report.leaves.empty()) {
-        text += "  cells      " + list_levels(report.leaves);
-        if (report.transition_cells > 0) {
-            text += "; " + std::to_string(report.transition_cells) + " inside beside smaller ones";
-            // What is left of templates: cells with hanging nodes are an element each.
-            const std::uint64_t divided = report.transition_cells - report.hanging_cells;
-            if (report.hanging_cells > 0)
-                text += ", " + std::to_string(report.hanging_cells) + " of them hexahedra with hanging nodes";
-            if (divided > 0 && figures.kinds[3] > report.hanging_cells)
-                text += std::string(report.hanging_cells > 0 ? ", the others" : ",") + " of " +
-                        rounded_text(static_cast<double>(figures.kinds[3] - report.hanging_cells) /
-                                         static_cast<double>(divided),
-                                     3) +
-                        " elements each";
-        }
-        text += "\n";
-    }
-    text += "  elements   " + list_elements(figures.elements) + "\n";
-    if (report.middle_nodes > 0) {
-        text += "  order 2    " + std::to_string(report.middle_nodes) + " nodes in the middles of edges; " +
-                std::to_string(report.curved_edges) + " edges are curved";
-        if (report.relaxed_edges > 0)
-            text += ", " + std::to_string(report.relaxed_edges) +
-                    " less than the model, for the shape of elements there";
-        text += "\n";
-    }
-    if (report.layers.facets > 0) {
-        text += "  layers     " + std::to_string(report.layers.elements) + " elements, " +
-                rounded_text(report.layers.thickness, 3) + " thick in the mean, on " +
-                std::to_string(report.layers.facets - report.layers.bare) + " of " +
-                std::to_string(report.layers.facets) + " facets\n";
-    }
-    for (const MeshFigures::Periodic& pair : figures.periodic)
-        text += "  periodic   " + std::to_string(pair.nodes) + " nodes are copies of others, moved by " +
-                place_text(pair.shift) + "\n";
-    text += "  worst      scaled Jacobian " + list_jacobians(figures.elements, figures.min_scaled_jacobian);
-    if (figures.worst_place) text += "; the lowest at " + place_text(*figures.worst_place);
-    text += "\n";
-    if (check != nullptr) {
-        text += "  check      valid; volume " + rounded_text(check->volume, 9) + ", area " +
-                rounded_text(check->boundary_area, 9) + ", Euler characteristic " +
-                std::to_string(check->euler_characteristic) + ", " + counted(check->components, "component") +
-                touching_text(*check) + "\n";
-    }
-    double total = 0;
-    std::string stages;
-    for (const StageTime& stage : report.stages) {
-        total += stage.wall_seconds;
-        if (stage.wall_seconds < kWorthTelling) continue;
-        stages += (stages.empty() ? ": " : ", ") + stage.stage + " " + seconds_text(stage.wall_seconds);
-    }
-    text += "  time       " + seconds_text(total) + " s" + stages + "\n";
-    text += "  device     " + report.device + "\n";
-    if (arguments.in_parts) text += "  memory     " + std::to_string(peak_memory() >> 20) + " MiB at most\n";
-    std::string files;
-    for (const std::string& path : arguments.outputs) files += (files.empty() ? "" : ", ") + path;
-    for (const std::string& path : {arguments.picture, arguments.report, arguments.features}) {
-        if (!path.empty()) files += ", " + path;
-    }
-    return text + "  written    " + files + "\n";
 }
 
 void check_outputs(const Arguments& arguments) {

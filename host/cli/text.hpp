@@ -4,9 +4,11 @@
 #include <array>
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "host/common/message_text.hpp"
 #include "mortise/check.hpp"
+#include "mortise/mesher.hpp"
 #include "mortise/model.hpp"
 
 namespace mortise::cli {
@@ -26,5 +28,8 @@ std::string describe(const Defect& defect);
 
 /// " (2 of them hang on others by an edge or a node only)", or nothing.
 std::string touching_text(const CheckReport& report);
+
+/// Lines of a run's summary: its time by stages, and what may take less where improvement takes long.
+std::string times_text(const std::vector<StageTime>& stages);
 
 }  // namespace mortise::cli

@@ -33,8 +33,9 @@ struct ReportedMesh {
 
 constexpr std::array<const char*, kElementTypes> kBlockNames = {"hexahedra", "wedges", "pyramids",
                                                                 "tetrahedra"};
-/// As VTK and meshio call them.
-constexpr std::array<const char*, kElementTypes> kCellNames = {"hexahedron", "wedge", "pyramid", "tetra"};
+/// As VTK and meshio call them; of first order and of second.
+constexpr std::array<std::array<const char*, 2>, kElementTypes> kCellNames = {
+    {{"hexahedron", "hexahedron20"}, {"wedge", "wedge15"}, {"pyramid", "pyramid13"}, {"tetra", "tetra10"}}};
 
 /// A path as str, bytes or pathlib has it.
 std::string path_of(const py::object& path) {
@@ -51,28 +52,37 @@ struct Block {
     }
 };
 
-/// The nodes of one type in VTK's order, as a copy.
+/// The nodes of one type in VTK's order, as a copy: corners, then those in the middles of edges.
 py::array_t<NodeId> cell_array(const ElementBlock& block, ElementType type) {
-    const auto count = static_cast<std::size_t>(kElementNodes[static_cast<std::size_t>(type)]);
-    py::array_t<NodeId> array({static_cast<py::ssize_t>(block.size()), static_cast<py::ssize_t>(count)});
-    NodeId* const to = array.mutable_data();
+    const auto corners = static_cast<std::size_t>(kElementNodes[static_cast<std::size_t>(type)]);
+    const LocalEdges edges = local_edges(type);
+    const std::size_t middles = block.middles.empty() ? 0 : static_cast<std::size_t>(edges.count);
+    py::array_t<NodeId> array(
+        {static_cast<py::ssize_t>(block.size()), static_cast<py::ssize_t>(corners + middles)});
     const std::array<int, 8>& order = kVtkNodes[static_cast<std::size_t>(type)];
-    for (std::size_t i = 0; i < block.nodes.size(); ++i) {
-        const std::size_t k = i % count;
-        to[i] = block.nodes[i - k + static_cast<std::size_t>(order[k])];
+    std::vector<std::size_t> middle_order;
+    for (std::size_t e = 0; e < middles; ++e) {  // VTK's edges have the same numbers, by its own corners
+        const auto end = [&](std::size_t k) { return order[static_cast<std::size_t>(edges.edges[e][k])]; };
+        middle_order.push_back(static_cast<std::size_t>(local_edge(type, end(0), end(1))));
+    }
+    NodeId* to = array.mutable_data();
+    for (std::size_t i = 0; i < block.size(); ++i) {
+        for (std::size_t k = 0; k < corners; ++k)
+            *to++ = block.nodes[i * corners + static_cast<std::size_t>(order[k])];
+        for (const std::size_t e : middle_order) *to++ = block.middles[i * middles + e];
     }
     return array;
 }
 
 py::dict cells(const Mesh& mesh) {
-    if (mesh.is_second_order() || mesh.hanging.size() > 0)
-        throw Error(
-            ExitCode::kUsage,
-            "cells() is of elements of first order without hanging nodes; write() has formats for others");
+    if (mesh.hanging.size() > 0)
+        throw Error(ExitCode::kUsage,
+                    "cells() is of elements without hanging nodes; write() has formats for others");
+    const std::size_t order = mesh.is_second_order() ? 1 : 0;
     py::dict result;
     for (std::size_t t = 0; t < kElementTypes; ++t) {
         if (mesh.elements[t].size() > 0)
-            result[kCellNames[t]] = cell_array(mesh.elements[t], static_cast<ElementType>(t));
+            result[kCellNames[t][order]] = cell_array(mesh.elements[t], static_cast<ElementType>(t));
     }
     return result;
 }
@@ -374,7 +384,12 @@ void bind_mesher(py::module_& module) {
         .def_readonly("file_bytes", &MeshEstimate::file_bytes)
         .def_readonly("seconds", &MeshEstimate::seconds)
         .def_readonly("is_exact", &MeshEstimate::is_exact)
-        .def_readonly("warnings", &MeshEstimate::warnings);
+        .def_readonly("warnings", &MeshEstimate::warnings)
+        .def("__repr__", [](const MeshEstimate& estimate) {
+            return "<mortise.MeshEstimate: " + std::string(estimate.is_exact ? "" : "about ") +
+                   std::to_string(estimate.elements) + " elements, " + std::to_string(estimate.nodes) +
+                   " nodes, " + std::to_string(estimate.memory_bytes >> 20) + " MiB>";
+        });
     py::class_<Mesher>(module, "Mesher", "Meshes one model after another on one device; kernels stay loaded.")
         .def(py::init<std::string, int>(), py::arg("device") = "", py::arg("work_group_size") = 0)
         .def(

@@ -5,6 +5,7 @@
 #include <pybind11/stl.h>
 
 #include "host/python/arrays.hpp"
+#include "host/python/numbers.hpp"
 #include "mortise/check.hpp"
 #include "mortise/mesher.hpp"
 
@@ -180,7 +181,15 @@ void bind_check(py::module_& module) {
         .def_readonly("region_volume", &CheckReport::region_volume)
         .def_readonly("min_scaled_jacobian", &CheckReport::min_scaled_jacobian)
         .def_readonly("min_dihedral", &CheckReport::min_dihedral)
-        .def_readonly("max_dihedral", &CheckReport::max_dihedral);
+        .def_readonly("max_dihedral", &CheckReport::max_dihedral)
+        .def("__repr__", [](const CheckReport& report) {
+            if (!report.valid())
+                return "<mortise.CheckReport: not valid, " + report.defects.front().what + ">";
+            return "<mortise.CheckReport: valid, volume " + rounded_text(report.volume) + ", area " +
+                   rounded_text(report.boundary_area) + ", Euler characteristic " +
+                   std::to_string(report.euler_characteristic) + ", components " +
+                   std::to_string(report.components) + ">";
+        });
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 
 #include "host/common/box_faces.hpp"
 #include "host/common/constants.hpp"
+#include "host/common/coordinate_limits.hpp"
 #include "host/formula/expression_parser.hpp"
 #include "host/tape/affine_map.hpp"
 #include "host/tape/bodies.hpp"
@@ -24,7 +25,6 @@
 namespace mortise::tape {
 namespace {
 
-constexpr double kLargestNumber = 1e100;  ///< squares of such numbers are still finite
 constexpr std::size_t kMaxTerms = 1u << 24;
 constexpr std::uint32_t kNoNode = 0xffffffffu;
 
@@ -362,7 +362,7 @@ class Compiler {
                 throw Error(ExitCode::kInput,
                             model_.source + ": the map of '" + name + "' is singular or not finite");
             }
-            if (std::fabs(surface.map[i]) > kLargestNumber) {
+            if (std::fabs(surface.map[i]) > kLargestCoordinate) {
                 throw Error(ExitCode::kInput,
                             model_.source + ": '" + name +
                                 "' is too small or too far away to be meshed; choose other units");
@@ -457,9 +457,9 @@ class Compiler {
         for (const WorldSurface& world : out_.surfaces)
             out_.scale = std::max(out_.scale, reach(world.surface));
         if (!(out_.scale > 0)) out_.scale = 1;
-        if (!(out_.scale < kLargestNumber)) {
-            throw Error(ExitCode::kInput,
-                        model_.source + ": the model is larger than 1e100 in its units; choose other units");
+        if (!(out_.scale < kLargestCoordinate)) {
+            throw Error(ExitCode::kInput, model_.source + ": the model is larger than " +
+                                              kLargestCoordinateText + " in its units; choose other units");
         }
     }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "host/common/coordinate_limits.hpp"
 #include "host/model/csg/csg_checks.hpp"
 
 namespace mortise::model_reader {
@@ -66,11 +67,12 @@ CsgOperand CsgScene::united_flat(std::vector<CsgOperand> operands, std::string_v
 }
 
 CsgOperand CsgScene::outlined(const Contours& loops, SourceLocation where) {
-    constexpr double kLargest = 1e100;
     for (const auto& loop : loops) {
         for (const Vec2& point : loop) {
-            if (std::max(std::fabs(point[0]), std::fabs(point[1])) < kLargest) continue;
-            fail(source, where, "this 2D shape is larger than 1e100 in its units; choose other units");
+            if (std::max(std::fabs(point[0]), std::fabs(point[1])) < kLargestCoordinate) continue;
+            fail(source, where,
+                 std::string("this 2D shape is larger than ") + kLargestCoordinateText +
+                     " in its units; choose other units");
         }
     }
     const std::uint32_t node = flat.add_contours(loops);

@@ -9,6 +9,7 @@
 #include <cmath>
 
 #include "host/common/constants.hpp"
+#include "host/common/coordinate_limits.hpp"
 #include "host/common/vec3.hpp"
 #include "host/model/affine.hpp"
 
@@ -125,18 +126,17 @@ class CurveReader {
                 lexer_.take_symbol(',', "between the coordinates of a point");
                 point[axis] = lexer_.take_number("a coordinate of a point");
             }
-            // Squares of lengths must be finite and not vanish.
-            constexpr double kLargest = 1e100;
             for (const double x : point) {
-                if (!(std::fabs(x) <= kLargest)) {
-                    refuse(where, "a coordinate is " + number_text(x) + "; expected at most 1e100");
+                if (!(std::fabs(x) <= kLargestCoordinate)) {
+                    refuse(where, "a coordinate is " + number_text(x) + "; expected at most " +
+                                      kLargestCoordinateText);
                 }
                 extent_ = std::max(extent_, std::fabs(x));
             }
             points_.push_back(point);
         }
         lexer_.take_symbol(';', "before the number of pieces");
-        if (!(extent_ >= 1e-100)) {
+        if (!(extent_ >= kSmallestCoordinate)) {
             refuse(lexer_.token().where, "the points of the curve are all at the origin; expected a curve");
         }
     }

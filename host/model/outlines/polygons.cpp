@@ -5,6 +5,7 @@
 #include <iterator>
 #include <utility>
 
+#include "host/common/coordinate_limits.hpp"
 #include "host/common/sort_unique.hpp"
 #include "mortise/error.hpp"
 
@@ -12,9 +13,6 @@ namespace mortise::model_reader {
 namespace {
 
 constexpr int kLatticeBits = 45;
-/// Squares of coordinates up to the largest are finite; drawings smaller than the smallest have no area.
-constexpr double kLargest = 1e100;
-constexpr double kSmallest = 1e-100;
 /// What deviates less from a straight line, in units of the drawing's size, is straight.
 constexpr double kStraight = 1e-11;
 
@@ -222,9 +220,10 @@ LatticePaths filled(const LatticePaths& paths, ClipperLib::PolyFillType rule) {
 
 }  // namespace
 
-PolygonLattice::PolygonLattice(double reach) : reach_(std::max(reach, kSmallest)) {
-    if (!(reach < kLargest)) {
-        throw Error(ExitCode::kInput, "a 2D shape is larger than 1e100 in its units; choose other units");
+PolygonLattice::PolygonLattice(double reach) : reach_(std::max(reach, kSmallestCoordinate)) {
+    if (!(reach < kLargestCoordinate)) {
+        throw Error(ExitCode::kInput, std::string("a 2D shape is larger than ") + kLargestCoordinateText +
+                                          " in its units; choose other units");
     }
     step_ = std::ldexp(1.0, std::ilogb(reach_) + 1 - kLatticeBits);
 }
@@ -324,7 +323,7 @@ double signed_area(const std::vector<Vec2>& loop) {
 Contours normalised(const Contours& loops) {
     const double reach = reach_of(loops);
     const PolygonLattice lattice(reach);
-    const double tolerance = kStraight * std::max(reach, kSmallest);
+    const double tolerance = kStraight * std::max(reach, kSmallestCoordinate);
     Contours kept = loops;
     for (auto& loop : kept) straighten(loop, tolerance);
     kept.erase(std::remove_if(kept.begin(), kept.end(), [](const auto& loop) { return loop.empty(); }),
@@ -335,7 +334,7 @@ Contours normalised(const Contours& loops) {
 
 Contours wound(const Contours& loops) {
     const double reach = reach_of(loops);
-    const double tolerance = kStraight * std::max(reach, kSmallest);
+    const double tolerance = kStraight * std::max(reach, kSmallestCoordinate);
     Contours kept = loops;
     for (auto& loop : kept) straighten(loop, tolerance);
     kept.erase(std::remove_if(kept.begin(), kept.end(), [](const auto& loop) { return loop.empty(); }),

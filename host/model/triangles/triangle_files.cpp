@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "host/common/coordinate_limits.hpp"
 #include "host/model/affine.hpp"
 #include "host/model/outlines/polygon_triangles.hpp"
 #include "host/model/triangles/surface_repair.hpp"
@@ -14,13 +15,12 @@ namespace mortise::model_reader {
 
 TriangleSurface finished_surface(TriangleSurface surface, const std::string& source,
                                  std::vector<std::string>& warnings) {
-    // Products of three coordinates are still finite.
-    constexpr double kLargest = 1e100;
     for (const Vec3& point : surface.points) {
         for (const double coordinate : point) {
-            if (std::fabs(coordinate) <= kLargest) continue;
+            if (std::fabs(coordinate) <= kLargestCoordinate) continue;
             throw Error(ExitCode::kInput, source + ": a coordinate is " + number_text(coordinate) +
-                                              "; expected at most 1e100, choose other units");
+                                              "; expected at most " + kLargestCoordinateText +
+                                              ", choose other units");
         }
     }
     const SurfaceFindings findings = repair_surface(surface);
