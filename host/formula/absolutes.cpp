@@ -7,6 +7,7 @@
 // to other max and min: max(|x|, |y|, |z|) - 1 is a cube, and stays one under ripples. Those with kinks are
 // not: min(a, b) - h(|a - b|) is a smooth union. A function that jumps stays inside its absolute value:
 // |mod(x, 1) - 1/2| is continuous, its two sides are not.
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -17,10 +18,12 @@ namespace {
 
 using Index = std::uint32_t;
 
-constexpr std::uint32_t kMostTerms = 16;  ///< that one sum may become: four absolute values
+constexpr std::uint32_t kMostTerms = 16;    ///< that one sum may become: four absolute values
+constexpr std::uint32_t kMostLeaves = 256;  ///< that are visited for one sum
+
 class AbsoluteSplitter {
   public:
-    explicit AbsoluteSplitter(const Formula& formula) : nodes_(formula.nodes()) {
+    explicit AbsoluteSplitter(const Formula& formula) : nodes_(formula.nodes()), signs_(formula.nodes()) {
         split_.resize(formula.root + 1);
         find_jumps(formula.root);
         find_kinks(formula.root);
@@ -39,7 +42,9 @@ class AbsoluteSplitter {
         /// The same, if a function without kinks may be: max and min of any origin count, where one with
         /// kinks may make a smooth union of them.
         std::uint32_t parts = 1;
+        std::uint32_t leaves = 1;  ///< below max and min at the top of `whole`; kMany: as many, or more
     };
+    static constexpr std::uint32_t kMany = 1u << 12;
 
     /// Which nodes may jump where their arguments do not: steps, branches, poles.
     void find_jumps(Index root) {
@@ -92,9 +97,9 @@ class AbsoluteSplitter {
     }
     void count_uses(Index root) {
         uses_.assign(root + 1, 0);
-        for (Index i = 0; i <= root; ++i) {
+        for (Index i = root + 1; i-- > 0;) {
             const Formula::Node& n = nodes_[i];
-            if (expression_is_leaf(n.operation)) continue;
+            if (expression_is_leaf(n.operation) || (i < root && uses_[i] == 0)) continue;
             ++uses_[n.a];
             if (expression_is_binary(n.operation) != 0) ++uses_[n.b];
         }
@@ -113,12 +118,14 @@ class AbsoluteSplitter {
         switch (n.operation) {
             case kExprAbs:
                 if (jumps_[n.a] != 0) return leaf(plain);
-                return {plain, out_.add(kExprMax, a.whole, negative(a.whole)), 2 * a.terms, 2 * a.parts};
-            case kExprNegate: return {plain, negative(a.whole), a.terms, a.parts};
+                return {plain, out_.add(kExprMax, a.whole, negative(a.whole)), 2 * a.terms, 2 * a.parts,
+                        std::min(kMany, 2 * a.leaves)};
+            case kExprNegate: return {plain, negative(a.whole), a.terms, a.parts, a.leaves};
             case kExprMin:
             case kExprMax:
                 return {plain, out_.add(n.operation, a.whole, b.whole), 1,
-                        a.parts + b.parts <= kMostTerms ? a.parts + b.parts : 1};
+                        a.parts + b.parts <= kMostTerms ? a.parts + b.parts : 1,
+                        std::min(kMany, a.leaves + b.leaves)};
             case kExprAdd:
             case kExprSubtract:
                 return sum(plain, a, b, n.operation == kExprSubtract,
@@ -138,25 +145,27 @@ class AbsoluteSplitter {
     /// would grow with every level of such uses.
     bool may_join(Index function, Index other) const {
         if (is_constant(function)) return true;
+        // Where one of them is no number, all is outside; of a union only its part would be.
+        if (signs_.partial[function] || signs_.partial[other]) return false;
         while (nodes_[other].operation == kExprNegate && uses_[other] == 1) other = nodes_[other].a;
         return kinks_[function] == 0 && uses_[other] == 1;
     }
 
-    static Split leaf(Index plain) { return {plain, plain, 1, 1}; }
+    static Split leaf(Index plain) { return {plain, plain, 1, 1, 1}; }
     bool is_constant(Index i) const { return nodes_[i].operation == kExprConstant; }
     Index negative(Index i) { return out_.add(kExprNegate, i); }
 
     Split sum(Index plain, const Split& a, const Split& b, bool subtracts, bool by_parts) {
         if (a.parts * b.parts > kMostTerms) by_parts = false;
         const std::uint32_t terms = a.terms * b.terms, parts = by_parts ? a.parts * b.parts : terms;
-        if (parts == 1 || parts > kMostTerms) return leaf(plain);
+        if (parts == 1 || parts > kMostTerms || a.leaves * b.leaves > kMostLeaves) return leaf(plain);
         const Index whole = map(a, by_parts, false, [&](Index p, bool negative_p) {
             return map(b, by_parts, subtracts, [&](Index q, bool negative_q) {
                 const Index first = negative_p ? negative(p) : p;
                 return out_.add(negative_q ? kExprSubtract : kExprAdd, first, q);
             });
         });
-        return {plain, whole, terms, parts};
+        return {plain, whole, terms, parts, a.leaves * b.leaves};
     }
 
     Split multiple(Index plain, const Split& a, double factor, std::int32_t operation) {
@@ -166,7 +175,7 @@ class AbsoluteSplitter {
             const Index scaled = out_.add(operation, p, size);
             return is_negative ? negative(scaled) : scaled;
         });
-        return {plain, whole, a.terms, a.parts};
+        return {plain, whole, a.terms, a.parts, a.leaves};
     }
 
     /// The max and min of `a`, or of its negative, over make(term, whether the term's negative is meant).
@@ -187,6 +196,7 @@ class AbsoluteSplitter {
 
     const std::vector<Formula::Node>& nodes_;
     std::vector<Split> split_;
+    const Signs signs_;
     std::vector<std::uint8_t> jumps_;
     std::vector<std::uint8_t> kinks_;
     std::vector<std::uint32_t> uses_;  ///< as arguments

@@ -7,7 +7,10 @@
 // positive number that of max(…) plus that number: intersections, whose edges are sharp. Less a positive
 // number it is a box with rounded edges, and stays as it is.
 #include <algorithm>
+#include <cmath>
 #include <optional>
+#include <set>
+#include <utility>
 
 #include "host/common/sort_unique.hpp"
 #include "host/formula/formula.hpp"
@@ -101,7 +104,9 @@ class DistanceReplacer {
         const Linear linear = take_apart(i);
         const Formula::Node& n = nodes_[linear.core];
         const double inset = linear.constant / linear.factor;
-        if (n.operation != kExprAdd || !(inset >= 0)) return std::nullopt;
+        if (n.operation != kExprAdd || linear.factor == 0 || !std::isfinite(linear.factor) || !(inset >= 0) ||
+            !std::isfinite(inset))
+            return std::nullopt;
         for (const auto& [outside, inside] : {std::pair{n.a, n.b}, std::pair{n.b, n.a}}) {
             const std::optional<Index> most = greatest_of(outside, inside);
             if (!most) continue;
@@ -129,25 +134,19 @@ class DistanceReplacer {
 
     /// The arguments of max, through further max.
     void gather_arguments(Index of, std::vector<Index>& found) const {
-        std::vector<Index> open = {of};
-        while (!open.empty()) {
-            const Index i = open.back();
-            open.pop_back();
-            const Formula::Node& n = nodes_[i];
-            if (n.operation == kExprMax)
-                open.insert(open.end(), {n.a, n.b});
-            else
-                found.push_back(i);
-        }
+        for (const Index i : formula::arguments_of(nodes_, of, kExprMax)) found.push_back(i);
     }
 
     /// Those q of which a node that is not negative is 0 exactly where none is positive; false if it is none
     /// of such.
     bool gather_excesses(Index of, std::vector<Index>& found) const {
         std::vector<Index> open = {of};
+        std::set<Index> seen;
         while (!open.empty()) {
-            const Formula::Node& n = nodes_[open.back()];
+            const Index i = open.back();
+            const Formula::Node& n = nodes_[i];
             open.pop_back();
+            if (!seen.insert(i).second) continue;
             switch (n.operation) {
                 case kExprMax:
                     if (is_zero(n.a) == is_zero(n.b)) return false;

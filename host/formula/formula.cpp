@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <functional>
+#include <set>
 
 namespace mortise::formula {
 namespace {
@@ -69,6 +70,24 @@ std::uint32_t Formula::add_power(std::uint32_t a, std::uint32_t b) {
         if (((bits >> bit) & 1u) != 0) result = add(kExprMultiply, result, a);
     }
     return exponent.constant < 0 ? add(kExprDivide, add_constant(1), result) : result;
+}
+
+std::vector<std::uint32_t> arguments_of(const std::vector<Formula::Node>& nodes, std::uint32_t of,
+                                        std::int32_t operation) {
+    std::vector<std::uint32_t> found, open = {of};
+    std::set<std::uint32_t> seen;
+    while (!open.empty()) {
+        const std::uint32_t i = open.back();
+        open.pop_back();
+        if (!seen.insert(i).second) continue;
+        const Formula::Node& n = nodes[i];
+        if (n.operation == operation)
+            open.insert(open.end(), {n.a, n.b});
+        else
+            found.push_back(i);
+    }
+    std::sort(found.begin(), found.end());
+    return found;
 }
 
 }  // namespace mortise::formula

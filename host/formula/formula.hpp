@@ -56,6 +56,19 @@ class Formula {
     std::unordered_map<Node, std::uint32_t, Hash, Equal> places_;
 };
 
+/// What the min or max (`operation`) at `of` is of, through further ones of the same kind: ascending, each
+/// once.
+std::vector<std::uint32_t> arguments_of(const std::vector<Formula::Node>& nodes, std::uint32_t of,
+                                        std::int32_t operation);
+
+/// Which nodes cannot be negative, and which may not be a number for numbers x, y, z.
+struct Signs {
+    std::vector<bool> nonnegative;
+    std::vector<bool> partial;
+
+    explicit Signs(const std::vector<Formula::Node>& nodes);
+};
+
 /// The same function, to the last bit, with |a| as max(a, -a) where that can come before all sums and
 /// multiples by constants, so that formula_set() tells the two sides of a sheet |a| <= t apart.
 Formula split_absolutes(const Formula& formula);

@@ -15,50 +15,44 @@ constexpr std::uint64_t kGrowth = 4;       ///< words of tape per node of the fo
 constexpr std::uint64_t kShortest = 256;   ///< words that every formula may have
 constexpr std::uint64_t kMostCopies = 64;  ///< of one min or max
 
-/// Which nodes cannot be negative, and which may not be a number for numbers x, y, z.
-struct Signs {
-    std::vector<bool> nonnegative;
-    std::vector<bool> partial;
+}  // namespace
 
-    explicit Signs(const std::vector<Formula::Node>& nodes)
-        : nonnegative(nodes.size(), false), partial(nodes.size(), false) {
-        for (std::size_t i = 0; i < nodes.size(); ++i) {
-            const Formula::Node& n = nodes[i];
-            if (n.operation == kExprConstant) nonnegative[i] = n.constant >= 0;
-            if (expression_is_leaf(n.operation)) continue;
-            const bool binary = expression_is_binary(n.operation) != 0;
-            const bool both = nonnegative[n.a] && binary && nonnegative[n.b];
-            partial[i] = partial[n.a] || (binary && partial[n.b]);
-            switch (n.operation) {
-                case kExprAbs:
-                case kExprSquare:
-                case kExprExp:
-                case kExprHypot:
-                case kExprNot: nonnegative[i] = true; break;
-                case kExprSqrt:
-                    nonnegative[i] = true;
-                    partial[i] = partial[i] || !nonnegative[n.a];
-                    break;
-                case kExprAdd:
-                case kExprMultiply:
-                case kExprMin: nonnegative[i] = both; break;
-                case kExprMax: nonnegative[i] = nonnegative[n.a] || nonnegative[n.b]; break;
-                case kExprDivide:
-                    nonnegative[i] = both;
-                    partial[i] = partial[i] || nodes[n.b].operation != kExprConstant;
-                    break;
-                case kExprLog:
-                case kExprAsin:
-                case kExprAcos:
-                case kExprMod:
-                case kExprPower: partial[i] = true; break;
-                default: break;
-            }
+Signs::Signs(const std::vector<Formula::Node>& nodes)
+    : nonnegative(nodes.size(), false), partial(nodes.size(), false) {
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+        const Formula::Node& n = nodes[i];
+        if (n.operation == kExprConstant) nonnegative[i] = n.constant >= 0;
+        if (expression_is_leaf(n.operation)) continue;
+        const bool binary = expression_is_binary(n.operation) != 0;
+        const bool both = nonnegative[n.a] && binary && nonnegative[n.b];
+        partial[i] = partial[n.a] || (binary && partial[n.b]);
+        switch (n.operation) {
+            case kExprAbs:
+            case kExprSquare:
+            case kExprExp:
+            case kExprHypot:
+            case kExprNot: nonnegative[i] = true; break;
+            case kExprSqrt:
+                nonnegative[i] = true;
+                partial[i] = partial[i] || !nonnegative[n.a];
+                break;
+            case kExprAdd:
+            case kExprMultiply:
+            case kExprMin: nonnegative[i] = both; break;
+            case kExprMax: nonnegative[i] = nonnegative[n.a] || nonnegative[n.b]; break;
+            case kExprDivide:
+                nonnegative[i] = both;
+                partial[i] = partial[i] || nodes[n.b].operation != kExprConstant;
+                break;
+            case kExprLog:
+            case kExprAsin:
+            case kExprAcos:
+            case kExprMod:
+            case kExprPower: partial[i] = true; break;
+            default: break;
         }
     }
-};
-
-}  // namespace
+}
 
 FormulaSet formula_set(const Formula& formula) {
     const std::vector<Formula::Node>& nodes = formula.nodes();

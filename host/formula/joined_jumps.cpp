@@ -25,7 +25,8 @@ constexpr int kLeastPower = -2, kMostPower = 4;
 constexpr int kLines = 16, kSteps = 48;
 constexpr int kHalvings = 50;                         ///< of a step in which something jumps
 constexpr std::uint64_t kMostEvaluated = 30'000'000;  ///< operations
-constexpr std::size_t kMostPlaces = 400;
+constexpr std::size_t kMostNumbers = 4'000'000;       ///< values that are kept
+constexpr int kLeastLines = 4;                        ///< of each length, or too little is known
 constexpr double kSame = 1e-6;  ///< relative difference of the values beside a jump that is none
 
 /// Whether an operation may jump where its arguments do not.
@@ -70,10 +71,13 @@ class JumpSearch {
         for (Index i = 0; i < count_; ++i) {
             if (steps(nodes_[i].operation)) stepping_.push_back(i);
         }
-        for (int power = kLeastPower; power <= kMostPower; ++power) {
-            for (int line = 0; line < kLines; ++line) search_line(std::pow(10.0, power));
+        for (; lines_ < kLines && !is_spent(); ++lines_) {
+            for (int power = kLeastPower; power <= kMostPower; ++power) search_line(std::pow(10.0, power));
         }
     }
+
+    /// Whether enough has been looked at.
+    bool is_whole() const { return lines_ >= kLeastLines; }
 
     const std::vector<Place>& places() const { return places_; }
 
@@ -102,13 +106,20 @@ class JumpSearch {
         return value;
     }
 
-    /// On which step of its staircase a node is.
-    double step_of(Index i, const std::vector<double>& value) const {
+    bool is_spent() const {
+        return evaluated_ > kMostEvaluated || 2 * count_ * places_.size() > kMostNumbers;
+    }
+
+    /// Whether a node stands on another step of its staircase.
+    bool has_stepped(Index i, const std::vector<double>& p, const std::vector<double>& q) const {
         const Formula::Node& n = nodes_[i];
-        if (n.operation == kExprMod) return std::floor(value[n.a] / std::fabs(value[n.b]));
-        if (n.operation == kExprAtan2) return value[n.b] < 0 && value[n.a] < 0 ? 1 : 0;
-        if (n.operation == kExprAnd || n.operation == kExprOr) return value[n.a] == 0 ? 1 : 0;
-        return value[i];
+        const auto step = [&n](const std::vector<double>& value) {
+            return std::floor(value[n.a] / std::fabs(value[n.b]));
+        };
+        if (n.operation == kExprMod) return step(p) != step(q);
+        if (n.operation == kExprAtan2) return p[n.b] < 0 && q[n.b] < 0 && (p[n.a] < 0) != (q[n.a] < 0);
+        if (n.operation == kExprAnd || n.operation == kExprOr) return (p[n.a] == 0) != (q[n.a] == 0);
+        return p[i] != q[i];
     }
 
     void search_line(double size) {
@@ -125,15 +136,15 @@ class JumpSearch {
         for (int k = 1; k <= kSteps; ++k) {
             std::vector<double> here = at(static_cast<double>(k) / kSteps);
             for (const Index i : stepping_) {
-                if (evaluated_ > kMostEvaluated || places_.size() >= kMostPlaces) return;
-                if (is_found[i] != 0 || step_of(i, last) == step_of(i, here)) continue;
+                if (is_spent()) return;
+                if (is_found[i] != 0 || !has_stepped(i, last, here)) continue;
                 is_found[i] = 1;
                 double low = static_cast<double>(k - 1) / kSteps, high = static_cast<double>(k) / kSteps;
                 Place place{last, here};
                 for (int h = 0; h < kHalvings; ++h) {
                     const double middle = 0.5 * (low + high);
                     std::vector<double> value = at(middle);
-                    const bool is_before = step_of(i, value) == step_of(i, place.before);
+                    const bool is_before = !has_stepped(i, place.before, value);
                     (is_before ? low : high) = middle;
                     (is_before ? place.before : place.behind) = std::move(value);
                 }
@@ -147,12 +158,15 @@ class JumpSearch {
     const std::size_t count_;
     std::vector<Index> stepping_;
     std::vector<Place> places_;
+    int lines_ = 0;  ///< of each length
     std::uint64_t evaluated_ = 0;
     std::uint64_t state_ = 1;
 };
 
+/// Also where a value is infinite, or none.
 bool is_jump(double before, double behind) {
-    return std::fabs(before - behind) > kSame * std::max(std::fabs(before), std::fabs(behind));
+    return before != behind &&
+           !(std::fabs(before - behind) <= kSame * std::max(std::fabs(before), std::fabs(behind)));
 }
 
 /// Rebuilds a formula with such arguments side by side.
@@ -200,9 +214,13 @@ class Joiner {
     Index tree(Index top, const std::vector<std::uint8_t>& may_jump, const std::vector<Index>& made) {
         const std::int32_t operation = nodes_[top].operation;
         std::vector<Index> joined, apart;
-        for (const Index argument : arguments_of(top))
+        for (const Index argument : arguments_of(nodes_, top, operation))
             (may_jump[argument] != 0 && jumps(argument) ? joined : apart).push_back(argument);
-        if (joined.size() < 2 || !are_continuous(operation, joined)) {
+        const bool has_own_edges = std::any_of(joined.begin(), joined.end(), [&](Index i) {
+            while (nodes_[i].operation == kExprNegate) i = nodes_[i].a;
+            return Formula::combines(nodes_[i]);
+        });
+        if (joined.size() < 2 || has_own_edges || !search_.is_whole() || !are_continuous(operation, joined)) {
             apart.insert(apart.end(), joined.begin(), joined.end());
             std::sort(apart.begin(), apart.end());
             joined.clear();
@@ -218,22 +236,6 @@ class Joiner {
         }
         for (const Index argument : apart) add(made[argument]);
         return *result;
-    }
-
-    /// Ascending.
-    std::vector<Index> arguments_of(Index top) const {
-        std::vector<Index> found, open = {top};
-        while (!open.empty()) {
-            const Index i = open.back();
-            open.pop_back();
-            if (nodes_[i].operation == nodes_[top].operation)
-                open.insert(open.end(), {nodes_[i].a, nodes_[i].b});
-            else
-                found.push_back(i);
-        }
-        std::sort(found.begin(), found.end());
-        found.erase(std::unique(found.begin(), found.end()), found.end());
-        return found;
     }
 
     bool jumps(Index i) const {

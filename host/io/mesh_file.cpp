@@ -183,7 +183,10 @@ void check_writable(const std::string& path) {
         return slash == std::string::npos ? "." : below.substr(0, slash + 1);
     };
     std::string folder = is_folder && is_there ? path : above(path);
-    for (int made = 0; is_folder && made < io::kMostCaseFolders && stat(folder.c_str(), &status) != 0; ++made)
+    const auto is_missing = [&status](const std::string& name) {
+        return lstat(name.substr(0, name.find_last_not_of('/') + 1).c_str(), &status) != 0 && errno == ENOENT;
+    };
+    for (int made = 0; is_folder && made < io::kMostCaseFolders && is_missing(folder); ++made)
         folder = above(folder);
     if (stat(folder.c_str(), &status) != 0)
         refuse(path, "folder '" + folder + "': " + std::strerror(errno) + "; create it first");

@@ -32,6 +32,8 @@ Slot slots[kSlots];
 std::atomic<unsigned> next_number{0};
 static_assert(std::atomic<int>::is_always_lock_free, "remove_temporary_files runs in signal handlers");
 
+constexpr int kMostNested = 4;  ///< folders in each other
+
 int take_slot(const std::string& name, bool is_folder) {
     for (int i = 0; i < kSlots; ++i) {
         int expected = kFree;
@@ -92,8 +94,10 @@ void remove_temporary_files() noexcept {
     for (Slot& slot : slots) {
         if (slot.state == kNamed && !slot.is_folder) unlink(slot.name);
     }
-    for (Slot& slot : slots) {
-        if (slot.state == kNamed && slot.is_folder) rmdir(slot.name);
+    for (int nested = 0; nested < kMostNested; ++nested) {  // whichever comes first
+        for (Slot& slot : slots) {
+            if (slot.state == kNamed && slot.is_folder) rmdir(slot.name);
+        }
     }
 }
 
@@ -189,12 +193,9 @@ NewFolder::NewFolder(const std::string& path) : path_(path) {
     const auto fail = [this](int error) {
         throw Error(ExitCode::kFiles, "cannot create '" + path_ + "': " + std::strerror(error));
     };
-    if (mkdir(path_.c_str(), 0777) != 0) {
-        struct stat status;
-        const int error = errno;
-        if (error == EEXIST && stat(path_.c_str(), &status) == 0 && S_ISDIR(status.st_mode)) return;
-        fail(error);
-    }
+    struct stat status;
+    if (stat(path_.c_str(), &status) == 0 && S_ISDIR(status.st_mode)) return;
+    if (mkdir(path_.c_str(), 0777) != 0) fail(errno);
     slot_ = path_.size() < kNameSize ? take_slot(path_, true) : -1;
     if (slot_ < 0) {
         rmdir(path_.c_str());

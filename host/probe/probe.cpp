@@ -23,7 +23,9 @@ constexpr int kShallow = kSide / 4;
 /// Bases of a cap are one where their pieces lie within so many pieces: its rim is rough.
 constexpr std::int32_t kBesides = 2;
 
-/// Of the surface of a groove's tip, in faces of pieces.
+/// The same for a groove's tip, of whose surface so much touches what is meshed, by pieces there for each
+/// face of a piece at its surface.
+constexpr int kShallowGroove = kSide / 2;
 constexpr double kLeastOpen = 0.25;
 
 constexpr std::size_t kChunk = 256;
@@ -142,8 +144,9 @@ class Clusters {
         return x;
     }
 
-    /// Whether every piece of a cluster lies near what is meshed, on ways through the cluster.
-    bool is_shallow(const std::vector<std::size_t>& cluster) const {
+    /// Whether every piece of a cluster lies within so many pieces of what is meshed, on ways through the
+    /// cluster.
+    bool is_shallow(const std::vector<std::size_t>& cluster, int most) const {
         struct Step {
             std::size_t component;
             std::uint16_t piece;
@@ -172,7 +175,7 @@ class Clusters {
             const std::vector<std::uint16_t>& list = components_[i].pieces;
             const auto place = std::lower_bound(list.begin(), list.end(), piece) - list.begin();
             const int here = distance[i][static_cast<std::size_t>(place)];
-            if (here >= kShallow) return false;
+            if (here >= most) return false;
             for (int f = 0; f < 6; ++f) {
                 if (on_face(piece, f)) continue;
                 const int step = 1 << (kDepth * (f / 2));
@@ -263,7 +266,7 @@ class Clusters {
             }
         }
         const bool has_base = attached && !torn && !joins_apart(cluster);
-        if (has_base && (is_shallow(cluster) || is_open(cluster))) return;
+        if (has_base && is_shallow(cluster, is_open(cluster) ? kShallowGroove : kShallow)) return;
         const Component& main = components_[deepest];
         MissedFeature feature;
         double size = 0;

@@ -24,11 +24,7 @@ constexpr std::size_t kMostAlike = 3;   ///< samples that must agree
 constexpr int kGrid = 3;                ///< samples along an edge of the cell
 constexpr double kGridWeight = 1e-3;    ///< area that a grid sample counts for, in cell faces
 constexpr std::size_t kMostPlaces = 3;  ///< of one crease that are sampled
-/// Of a distance to a patch: so near all is on the same side. It is one up to its rim; beyond it may grow
-/// faster.
-constexpr double kSameSide = 0.25;
-constexpr double kLeastKnown = 0.05;  ///< cells: shorter distances are of no use for others
-constexpr double kLeastTurn = 1e-4;   ///< surfaces more alike, by the determinant of normals, tell nothing
+constexpr double kLeastTurn = 1e-4;     ///< surfaces more alike, by the determinant of normals, tell nothing
 
 glm::dvec3 gradient(const SurfaceSample& s) { return {s.gradient[0], s.gradient[1], s.gradient[2]}; }
 
@@ -42,7 +38,6 @@ void CellFormula::make(const std::vector<Polygon>& polygons, const glm::dvec3& c
     surfaces_.clear();
     for (const Polygon& polygon : polygons) surfaces_.push_back(polygon.surface);
     sort_unique(surfaces_);
-    known_.assign(surfaces_.size(), {});
     const bool flat = std::all_of(surfaces_.begin(), surfaces_.end(), [this](std::uint32_t surface) {
         return model_.surfaces[surface].kind == kSurfacePlane;
     });
@@ -51,11 +46,14 @@ void CellFormula::make(const std::vector<Polygon>& polygons, const glm::dvec3& c
 }
 
 std::vector<CellFormula::Sample> CellFormula::take_samples(const std::vector<Polygon>& polygons,
-                                                           const glm::dvec3& centre) {
+                                                           const glm::dvec3& centre) const {
     std::vector<Sample> samples;
     const auto add = [&](const glm::dvec3& x, double weight, int side = 0) {
         Sample sample;
-        for (std::size_t s = 0; s < surfaces_.size(); ++s) sample.behind.push_back(is_behind(s, x));
+        for (const std::uint32_t surface : surfaces_) {
+            sample.behind.push_back(
+                surface_value(&model_.surfaces[surface], model_.expression_ops.data(), x.x, x.y, x.z) < 0);
+        }
         sample.at = x;
         sample.weight = weight;
         sample.side = side;
@@ -95,7 +93,7 @@ std::vector<CellFormula::Sample> CellFormula::take_samples(const std::vector<Pol
 /// Around places where two surfaces meet, or three: a point for each choice of their signs. Some choices
 /// occur nowhere else, as in the corner of a cell between a hole and the cone beside which it ends.
 template <class Add>
-void CellFormula::sample_creases(const std::vector<Polygon>& polygons, const Add& add) {
+void CellFormula::sample_creases(const std::vector<Polygon>& polygons, const Add& add) const {
     std::map<std::vector<std::uint32_t>, std::vector<glm::dvec3>> places;
     std::set<std::tuple<std::uint32_t, double, double, double>> seen;  // neighbours share their corners
     const double near = std::max(tolerance_, 1e-5 * cell_size_);
@@ -104,8 +102,8 @@ void CellFormula::sample_creases(const std::vector<Polygon>& polygons, const Add
             const glm::dvec3& x = polygon.corner[static_cast<std::size_t>(k)];
             if (!seen.insert({polygon.surface, x.x, x.y, x.z}).second) continue;
             std::vector<std::uint32_t> here;
-            for (std::size_t s = 0; s < surfaces_.size(); ++s) {
-                if (surfaces_[s] == polygon.surface || is_on(s, x, near)) here.push_back(surfaces_[s]);
+            for (const std::uint32_t surface : surfaces_) {
+                if (surface == polygon.surface || is_on(surface, x, near)) here.push_back(surface);
             }
             if (here.size() < 2 || here.size() > 3) continue;
             std::vector<glm::dvec3>& list = places[here];
@@ -133,33 +131,6 @@ void CellFormula::sample_creases(const std::vector<Polygon>& polygons, const Add
             }
         }
     }
-}
-
-/// Where a surface's value has the same sign as at x, and is not near 0 there, if that is known.
-const CellFormula::KnownDistance* CellFormula::find_known(std::size_t place, const glm::dvec3& x) const {
-    for (const KnownDistance& known : known_[place]) {
-        const glm::dvec3 way = x - known.at;
-        const double near = kSameSide * known.distance;
-        if (glm::dot(way, way) < near * near) return &known;
-    }
-    return nullptr;
-}
-
-/// Patches are distances, so that a value tells the side of all that is much closer than that.
-void CellFormula::note_distance(std::size_t place, const glm::dvec3& x, double value) {
-    const Surface& s = model_.surfaces[surfaces_[place]];
-    if (s.kind != kSurfacePatch) return;
-    const double distance = value / std::hypot(s.map[0], s.map[1], s.map[2]);
-    if (std::fabs(distance) > kLeastKnown * cell_size_) known_[place].push_back({x, distance});
-}
-
-/// Whether a surface's value is negative.
-bool CellFormula::is_behind(std::size_t place, const glm::dvec3& x) {
-    if (const KnownDistance* known = find_known(place, x)) return known->distance < 0;
-    const Surface& s = model_.surfaces[surfaces_[place]];
-    const double value = surface_value(&s, model_.expression_ops.data(), x.x, x.y, x.z);
-    note_distance(place, x, value);
-    return value < 0;
 }
 
 /// Winding numbers cost most: of samples on the same sides of all surfaces, which no formula tells apart, the
@@ -217,10 +188,8 @@ SurfaceSample CellFormula::sample(std::uint32_t surface, const glm::dvec3& x) co
     return surface_sample(&model_.surfaces[surface], model_.expression_ops.data(), x.x, x.y, x.z);
 }
 
-bool CellFormula::is_on(std::size_t place, const glm::dvec3& x, double near) {
-    if (find_known(place, x) != nullptr) return false;
-    const SurfaceSample s = sample(surfaces_[place], x);
-    note_distance(place, x, s.value);
+bool CellFormula::is_on(std::uint32_t surface, const glm::dvec3& x, double near) const {
+    const SurfaceSample s = sample(surface, x);
     return std::fabs(s.value) <= near * glm::length(gradient(s));
 }
 

@@ -47,20 +47,12 @@ class CellFormula {
         double weight = 0;  ///< of its polygon: its area
         int side = 0;       ///< of its polygon: -1 behind it, 1 before it; 0 if it belongs to none
     };
-    /// Where a patch has been evaluated.
-    struct KnownDistance {
-        glm::dvec3 at;
-        double distance;  ///< to it, negative behind it
-    };
 
     std::uint32_t divide(std::vector<Polygon> polygons);
-    std::vector<Sample> take_samples(const std::vector<Polygon>& polygons, const glm::dvec3& centre);
+    std::vector<Sample> take_samples(const std::vector<Polygon>& polygons, const glm::dvec3& centre) const;
     template <class Add>
-    void sample_creases(const std::vector<Polygon>& polygons, const Add& add);
+    void sample_creases(const std::vector<Polygon>& polygons, const Add& add) const;
     void find_solid(std::vector<Sample>& samples) const;
-    const KnownDistance* find_known(std::size_t place, const glm::dvec3& x) const;
-    void note_distance(std::size_t place, const glm::dvec3& x, double value);
-    bool is_behind(std::size_t place, const glm::dvec3& x);
     std::uint32_t decide(const std::vector<Sample>& samples);
     std::uint32_t combine(std::uint32_t surface, std::uint32_t inner, std::uint32_t outer);
     std::uint32_t choose_plane(const std::vector<Polygon>& polygons) const;
@@ -70,15 +62,14 @@ class CellFormula {
     std::uint32_t add_term(const Term& term);
     CutPlane plane(std::uint32_t surface) const;
     SurfaceSample sample(std::uint32_t surface, const glm::dvec3& x) const;
-    bool is_on(std::size_t place, const glm::dvec3& x, double near);
+    bool is_on(std::uint32_t surface, const glm::dvec3& x, double near) const;
     void emit(std::uint32_t term);
 
     const tape::BoundModel& model_;
     const WindingNumber& winding_;
     double cell_size_ = 1;
     double tolerance_ = 0;
-    std::vector<std::uint32_t> surfaces_;            ///< of the polygons, ascending
-    std::vector<std::vector<KnownDistance>> known_;  ///< per surface
+    std::vector<std::uint32_t> surfaces_;  ///< of the polygons, ascending
     std::vector<Term> terms_;
     std::uint32_t root_ = kFalse;
     std::vector<std::uint32_t> words_;

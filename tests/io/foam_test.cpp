@@ -330,6 +330,13 @@ TEST_CASE("nothing is left of a polyMesh that cannot be written") {
     CHECK_THROWS_AS(check_writable(folder.file("a/missing/case/polyMesh")), Error);
     std::ofstream(folder.file("polyMesh")) << "a file";
     CHECK_THROWS_AS(check_writable(folder.file("polyMesh")), Error);
+    std::ofstream(folder.file("file")) << "no folder";
+    for (const char* path : {"file/polyMesh", "file/constant/polyMesh"})
+        CHECK_THROWS_AS(check_writable(folder.file(path)), Error);
+    std::filesystem::remove(folder.file("file"));
+    std::filesystem::create_symlink("nowhere", folder.file("link"));
+    CHECK_THROWS_AS(check_writable(folder.file("link/constant/polyMesh")), Error);
+    std::filesystem::remove(folder.file("link"));
     CHECK(error_of(mixed(), folder.file("polyMesh")).code() == ExitCode::kFiles);
     CHECK(folder.entries() == 1);
 }

@@ -287,6 +287,25 @@ TEST_CASE("shared min and max are expanded only while that stays short") {
     }
 }
 
+TEST_CASE("short formulas that use parts again and again take no long time") {
+    std::string chain = "t0 = abs(x)-1;";
+    for (int i = 1; i < 60; ++i) {
+        const std::string before = "t" + std::to_string(i - 1), n = std::to_string(i);
+        chain += "t" + n + " = max(max(" + before + ", y-" + n + "), max(" + before + ", z-" + n + "));";
+    }
+    std::string wide = "max(0";
+    for (int i = 1; i < 300; ++i) wide += ", x-y*" + std::to_string(i);
+    wide += ")";
+    for (const std::string& text : {chain + "max(t59,0) + min(t59,0)", chain + "max(t59, mod(x,0.5)-0.3)",
+                                    chain + "sqrt(square(max(t59,0)) + square(max(t59,0))) + min(t59,0)",
+                                    "abs(" + wide + ") + abs(z + " + wide + ") - 1"}) {
+        const formula::Formula formula = formula::parse_formula(text);
+        const formula::Formula sharp = formula::with_sharp_edges(formula);
+        CHECK(sharp.nodes().size() < 20 * formula.nodes().size());
+        CHECK(formula::formula_set(sharp).nodes.size() < 20 * formula.nodes().size());
+    }
+}
+
 TEST_CASE("what is not a number is outside of a set and of its mirror image") {
     // sqrt(x) - 0.5 and its negative: neither holds points with x < 0.
     for (const char* text : {"sqrt(x) - 0.5", "0.5 - sqrt(x)", "-(sqrt(x) - 0.5)", "-max(sqrt(x) - 0.5, -9)",
@@ -321,6 +340,9 @@ TEST_CASE("absolute values become two surfaces where nothing but sums and multip
     CHECK(surfaces("max(x*y, z) + 0.1*sin(9*x)*length(y, z)") == 2);
     CHECK(surfaces("min(x*y, z) - sqrt((x*y-z)^2)/2") == 1);  // others may make a smooth union
     CHECK(surfaces("smin(x*y, z, 0.3)") == 1);
+    // Where a part is no number all is outside, not that part alone.
+    CHECK(surfaces("min(sqrt(x)-0.5, y) + 0.1*sin(z)") == 1);
+    CHECK(surfaces("min(x*y, z) + log(y)") == 1);
     CHECK(surfaces("a = x*y; b = z; h = max(0.3-abs(a-b), 0); min(a, b)-h*h/1.2") == 1);
     CHECK(surfaces("min(max(abs(x*y), z), x-y)") == 3);  // x*y and its negative are one
     CHECK(surfaces("sqrt(abs(x*y))-0.3") == 1);
@@ -387,6 +409,7 @@ TEST_CASE("signed distances of sharp solids have a surface for each face") {
         {"length(max(p,0), max(q,0), r) + min(max(p,q,r),0)", 1},
         {"length(max(p,0), max(q,0), max(r,0)) + min(max(p,q),0)", 1},
         {"length(max(p,0), max(q,0)) + min(max(p,q),0) + 0.01*sin(30*x)", 1},
+        {"max(x-0.5, -(0*box)-1)", 2},
     };
     RandomSource random(65);
     for (const Case& one : cases) {
@@ -415,6 +438,10 @@ TEST_CASE("functions that jump are one surface together where their min does not
     CHECK(surfaces(cell + "max(0.01-a,x,0.01-b,0.01-c,0.01-d)") == 2);
     CHECK(surfaces(cell + "min(-max(0.01-a,0.01-b,0.01-c,0.01-d),x)") == 2);
     CHECK(surfaces(cell + "min(a,b,c)-0.01") == 3);  // without d the others end at faces
+    // Square rods have edges of their own, which would be rounded off.
+    CHECK(surfaces(
+              "a=mod(x,0.6); b=mod(y,0.6); min(max(a,b),max(0.6-a,b),max(a,0.6-b),max(0.6-a,0.6-b))-0.2") ==
+          4);
     // Steps are meant; a mod that does not jump joins nothing.
     CHECK(surfaces("min(z-0.3*floor(3*x),z-mod(y,0.5))") == 2);
     CHECK(surfaces("u=abs(mod(x,0.5)-0.25); v=abs(mod(y,0.5)-0.25); min(u+z^2-0.1,v+z^2-0.1)") == 2);
