@@ -27,11 +27,11 @@ class DistanceReplacer {
     explicit DistanceReplacer(const Formula& formula) : nodes_(formula.nodes()) {
         copy_.reserve(formula.root + 1);
         for (Index i = 0; i <= formula.root; ++i) copy_.push_back(out_.add_copy(nodes_[i], copy_));
-        find_set(formula.root);
+        const std::vector<std::uint8_t> in_set = set_nodes(formula);
         std::vector<Index> sign(copy_);
         for (Index i = 0; i <= formula.root; ++i) {
             const Formula::Node& n = nodes_[i];
-            if (in_set_[i] == 0) continue;
+            if (in_set[i] == 0) continue;
             if (Formula::combines(n))
                 sign[i] = out_.add(n.operation, sign[n.a], sign[n.b]);
             else if (n.operation == kExprNegate)
@@ -49,19 +49,6 @@ class DistanceReplacer {
     }
 
   private:
-    /// Marks min, max and neg that are reached from the root through each other, and what they are of: only
-    /// the sign of these counts.
-    void find_set(Index root) {
-        in_set_.assign(root + 1, 0);
-        in_set_[root] = 1;
-        for (Index i = root + 1; i-- > 0;) {
-            const Formula::Node& n = nodes_[i];
-            if (in_set_[i] == 0 || (!Formula::combines(n) && n.operation != kExprNegate)) continue;
-            in_set_[n.a] = 1;
-            if (Formula::combines(n)) in_set_[n.b] = 1;
-        }
-    }
-
     bool is_constant(Index i) const { return nodes_[i].operation == kExprConstant; }
     bool is_zero(Index i) const { return is_constant(i) && nodes_[i].constant == 0; }
 
@@ -168,7 +155,6 @@ class DistanceReplacer {
 
     const std::vector<Formula::Node>& nodes_;
     std::vector<Index> copy_;  ///< in the new formula, as they were
-    std::vector<std::uint8_t> in_set_;
     bool has_replaced_ = false;
     Formula out_;
 };

@@ -90,4 +90,16 @@ std::vector<std::uint32_t> arguments_of(const std::vector<Formula::Node>& nodes,
     return found;
 }
 
+std::vector<std::uint8_t> set_nodes(const Formula& formula) {
+    std::vector<std::uint8_t> found(formula.root + 1, 0);
+    found[formula.root] = 1;
+    for (std::uint32_t i = formula.root + 1; i-- > 0;) {
+        const Formula::Node& n = formula.nodes()[i];
+        if (found[i] == 0 || (!Formula::combines(n) && n.operation != kExprNegate)) continue;
+        found[n.a] = 1;
+        if (Formula::combines(n)) found[n.b] = 1;
+    }
+    return found;
+}
+
 }  // namespace mortise::formula

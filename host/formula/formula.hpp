@@ -61,6 +61,10 @@ class Formula {
 std::vector<std::uint32_t> arguments_of(const std::vector<Formula::Node>& nodes, std::uint32_t of,
                                         std::int32_t operation);
 
+/// Per node up to the root whether it is reached from there through min, max and neg alone: of these, and of
+/// what they are of, only the sign counts.
+std::vector<std::uint8_t> set_nodes(const Formula& formula);
+
 /// Which nodes cannot be negative, and which may not be a number for numbers x, y, z.
 struct Signs {
     std::vector<bool> nonnegative;

@@ -172,10 +172,11 @@ bool is_jump(double before, double behind) {
 /// Rebuilds a formula with such arguments side by side.
 class Joiner {
   public:
-    explicit Joiner(const Formula& formula) : nodes_(formula.nodes()), search_(formula) {
+    explicit Joiner(const Formula& formula)
+        : nodes_(formula.nodes()), search_(formula), in_set_(set_nodes(formula)) {
         const std::vector<std::uint8_t> may_jump = find_steps(formula);
         for (Index i = 0; i <= formula.root; ++i) copy_.push_back(out_.add_copy(nodes_[i], copy_));
-        find_trees(formula.root);
+        find_tops(formula.root);
         std::vector<Index> made(copy_);
         for (Index i = 0; i <= formula.root; ++i) {
             const Formula::Node& n = nodes_[i];
@@ -193,18 +194,14 @@ class Joiner {
     }
 
   private:
-    /// Marks what is reached from the root through min, max and neg, and the topmost of each run of min or
-    /// max.
-    void find_trees(Index root) {
-        in_set_.assign(root + 1, 0);
+    /// Marks the topmost of each run of min or max that is reached from the root.
+    void find_tops(Index root) {
         is_top_.assign(root + 1, 0);
-        in_set_[root] = 1;
         is_top_[root] = Formula::combines(nodes_[root]) ? 1 : 0;
-        for (Index i = root + 1; i-- > 0;) {
+        for (Index i = 0; i <= root; ++i) {
             const Formula::Node& n = nodes_[i];
             if (in_set_[i] == 0 || (!Formula::combines(n) && n.operation != kExprNegate)) continue;
             for (const Index argument : {n.a, n.operation == kExprNegate ? n.a : n.b}) {
-                in_set_[argument] = 1;
                 const Formula::Node& below = nodes_[argument];
                 if (Formula::combines(below) && below.operation != n.operation) is_top_[argument] = 1;
             }
@@ -260,7 +257,8 @@ class Joiner {
     const std::vector<Formula::Node>& nodes_;
     JumpSearch search_;
     std::vector<Index> copy_;  ///< in the new formula, as they were
-    std::vector<std::uint8_t> in_set_, is_top_;
+    const std::vector<std::uint8_t> in_set_;
+    std::vector<std::uint8_t> is_top_;
     bool has_joined_ = false;
     Formula out_;
 };

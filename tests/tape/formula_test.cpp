@@ -40,6 +40,19 @@ std::size_t surfaces(const std::string& formula) {
     return bind_model(formula_model(formula, 1), 4).surfaces.size() - 6;
 }
 
+/// The set of a formula holds where its value is not positive.
+void check_set(const std::string& formula, int count, RandomSource& random) {
+    CAPTURE(formula);
+    const tape::BoundModel model = bind_model(formula_model(formula, 1), 4);
+    for (int i = 0; i < count; ++i) {
+        const Vec3 local = {random.uniform(0, 1), random.uniform(0, 1), random.uniform(0, 1)};
+        const Vec3 at = to_model(model, local);
+        bool inside = value_of(formula, at[0], at[1], at[2]) <= 0;
+        for (const double x : at) inside = inside && std::fabs(x) <= 1;
+        CHECK(tape::region_at(model, local[0], local[1], local[2]) == (inside ? 1 : 0));
+    }
+}
+
 }  // namespace
 
 TEST_CASE("formulas have the usual meaning") {
@@ -416,14 +429,7 @@ TEST_CASE("signed distances of sharp solids have a surface for each face") {
         const std::string formula = q + one.formula;
         CAPTURE(one.formula);
         CHECK(surfaces(formula) == one.surfaces);
-        const tape::BoundModel model = bind_model(formula_model(formula, 1), 4);
-        for (int i = 0; i < 2000; ++i) {
-            const Vec3 local = {random.uniform(0, 1), random.uniform(0, 1), random.uniform(0, 1)};
-            const Vec3 at = to_model(model, local);
-            bool inside = value_of(formula, at[0], at[1], at[2]) <= 0;
-            for (const double x : at) inside = inside && std::fabs(x) <= 1;
-            CHECK(tape::region_at(model, local[0], local[1], local[2]) == (inside ? 1 : 0));
-        }
+        check_set(formula, 2000, random);
     }
 }
 
@@ -449,14 +455,7 @@ TEST_CASE("functions that jump are one surface together where their min does not
     for (const char* end : {"min(a,b,c,d)-0.01", "max(min(a,b,c,d)-0.01,x+y,z-0.3)", "min(a,b,c)-0.01"}) {
         const std::string formula = cell + end;
         CAPTURE(end);
-        const tape::BoundModel model = bind_model(formula_model(formula, 1), 4);
-        for (int i = 0; i < 2000; ++i) {
-            const Vec3 local = {random.uniform(0, 1), random.uniform(0, 1), random.uniform(0, 1)};
-            const Vec3 at = to_model(model, local);
-            bool inside = value_of(formula, at[0], at[1], at[2]) <= 0;
-            for (const double x : at) inside = inside && std::fabs(x) <= 1;
-            CHECK(tape::region_at(model, local[0], local[1], local[2]) == (inside ? 1 : 0));
-        }
+        check_set(formula, 2000, random);
     }
 }
 
@@ -469,14 +468,6 @@ TEST_CASE("min, max and neg above the other operations become set operations") {
     RandomSource random(62);
     for (const char* formula : {"min(x^2+y^2-0.3, z)", "max(x-0.1, neg(min(y, z)), x*y)",
                                 "neg(max(x, neg(y)))", "min(x, max(y, z-0.2))", "-max(x,y)"}) {
-        const tape::BoundModel model = bind_model(formula_model(formula, 1), 4);
-        for (int i = 0; i < 500; ++i) {
-            const Vec3 local = {random.uniform(0, 1), random.uniform(0, 1), random.uniform(0, 1)};
-            const Vec3 at = to_model(model, local);
-            bool inside = value_of(formula, at[0], at[1], at[2]) <= 0;
-            for (const double x : at) inside = inside && std::fabs(x) <= 1;
-            CAPTURE(formula);
-            CHECK(tape::region_at(model, local[0], local[1], local[2]) == (inside ? 1 : 0));
-        }
+        check_set(formula, 500, random);
     }
 }
