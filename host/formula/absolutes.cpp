@@ -11,7 +11,7 @@
 #include <cmath>
 #include <utility>
 
-#include "host/formula/formula.hpp"
+#include "host/formula/formula_set.hpp"
 
 namespace mortise::formula {
 namespace {
@@ -52,18 +52,12 @@ class AbsoluteSplitter {
         for (Index i = 0; i <= root; ++i) {
             const Formula::Node& n = nodes_[i];
             if (expression_is_leaf(n.operation)) continue;
+            if (Formula::steps(n.operation)) {
+                jumps_[i] = 1;
+                continue;
+            }
             switch (n.operation) {
-                case kExprFloor:
-                case kExprCeil:
-                case kExprRound:
-                case kExprSign:
-                case kExprNot:
-                case kExprTan:
-                case kExprAtan2:
-                case kExprMod:
-                case kExprCompare:
-                case kExprAnd:
-                case kExprOr: jumps_[i] = 1; break;
+                case kExprTan: jumps_[i] = 1; break;
                 case kExprDivide: jumps_[i] = is_constant(n.b) ? jumps_[n.a] : std::uint8_t{1}; break;
                 case kExprPower:
                     jumps_[i] = jumps_[n.a] | (is_constant(n.b) && nodes_[n.b].constant >= 0 ? 0 : 1);

@@ -13,14 +13,12 @@
 #include <utility>
 
 #include "host/common/sort_unique.hpp"
-#include "host/formula/formula.hpp"
+#include "host/formula/formula_set.hpp"
 
 namespace mortise::formula {
 namespace {
 
 using Index = std::uint32_t;
-
-constexpr int kMostNested = 16;  ///< distances in each other's arguments, as of extruded outlines
 
 class DistanceReplacer {
   public:
@@ -161,14 +159,6 @@ class DistanceReplacer {
 
 }  // namespace
 
-Formula with_sharp_edges(const Formula& formula) {
-    Formula sharp = split_absolutes(formula);
-    for (int nested = 0; nested < kMostNested; ++nested) {
-        const std::optional<Formula> replaced = DistanceReplacer(sharp).take();
-        if (!replaced) break;
-        sharp = split_absolutes(*replaced);
-    }
-    return with_joined_jumps(sharp);
-}
+std::optional<Formula> replace_distances(const Formula& formula) { return DistanceReplacer(formula).take(); }
 
 }  // namespace mortise::formula

@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <functional>
-#include <set>
 
 namespace mortise::formula {
 namespace {
@@ -27,6 +26,22 @@ std::uint32_t Formula::find_or_add(const Node& node) {
     const auto [entry, is_new] = places_.try_emplace(node, static_cast<std::uint32_t>(nodes_.size()));
     if (is_new) nodes_.push_back(node);
     return entry->second;
+}
+
+bool Formula::steps(std::int32_t operation) {
+    switch (operation) {
+        case kExprFloor:
+        case kExprCeil:
+        case kExprRound:
+        case kExprSign:
+        case kExprNot:
+        case kExprAtan2:
+        case kExprMod:
+        case kExprCompare:
+        case kExprAnd:
+        case kExprOr: return true;
+        default: return false;
+    }
 }
 
 std::uint32_t Formula::add_constant(double value) { return find_or_add({kExprConstant, 0, 0, value}); }
@@ -70,36 +85,6 @@ std::uint32_t Formula::add_power(std::uint32_t a, std::uint32_t b) {
         if (((bits >> bit) & 1u) != 0) result = add(kExprMultiply, result, a);
     }
     return exponent.constant < 0 ? add(kExprDivide, add_constant(1), result) : result;
-}
-
-std::vector<std::uint32_t> arguments_of(const std::vector<Formula::Node>& nodes, std::uint32_t of,
-                                        std::int32_t operation) {
-    std::vector<std::uint32_t> found, open = {of};
-    std::set<std::uint32_t> seen;
-    while (!open.empty()) {
-        const std::uint32_t i = open.back();
-        open.pop_back();
-        if (!seen.insert(i).second) continue;
-        const Formula::Node& n = nodes[i];
-        if (n.operation == operation)
-            open.insert(open.end(), {n.a, n.b});
-        else
-            found.push_back(i);
-    }
-    std::sort(found.begin(), found.end());
-    return found;
-}
-
-std::vector<std::uint8_t> set_nodes(const Formula& formula) {
-    std::vector<std::uint8_t> found(formula.root + 1, 0);
-    found[formula.root] = 1;
-    for (std::uint32_t i = formula.root + 1; i-- > 0;) {
-        const Formula::Node& n = formula.nodes()[i];
-        if (found[i] == 0 || (!Formula::combines(n) && n.operation != kExprNegate)) continue;
-        found[n.a] = 1;
-        if (Formula::combines(n)) found[n.b] = 1;
-    }
-    return found;
 }
 
 }  // namespace mortise::formula

@@ -2,8 +2,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <set>
 
-#include "host/formula/formula.hpp"
+#include "host/formula/formula_set.hpp"
 
 namespace mortise::formula {
 namespace {
@@ -16,6 +17,36 @@ constexpr std::uint64_t kShortest = 256;   ///< words that every formula may hav
 constexpr std::uint64_t kMostCopies = 64;  ///< of one min or max
 
 }  // namespace
+
+std::vector<std::uint32_t> arguments_of(const std::vector<Formula::Node>& nodes, std::uint32_t of,
+                                        std::int32_t operation) {
+    std::vector<std::uint32_t> found, open = {of};
+    std::set<std::uint32_t> seen;
+    while (!open.empty()) {
+        const std::uint32_t i = open.back();
+        open.pop_back();
+        if (!seen.insert(i).second) continue;
+        const Formula::Node& n = nodes[i];
+        if (n.operation == operation)
+            open.insert(open.end(), {n.a, n.b});
+        else
+            found.push_back(i);
+    }
+    std::sort(found.begin(), found.end());
+    return found;
+}
+
+std::vector<std::uint8_t> set_nodes(const Formula& formula) {
+    std::vector<std::uint8_t> found(formula.root + 1, 0);
+    found[formula.root] = 1;
+    for (std::uint32_t i = formula.root + 1; i-- > 0;) {
+        const Formula::Node& n = formula.nodes()[i];
+        if (found[i] == 0 || (!Formula::combines(n) && n.operation != kExprNegate)) continue;
+        found[n.a] = 1;
+        if (Formula::combines(n)) found[n.b] = 1;
+    }
+    return found;
+}
 
 Signs::Signs(const std::vector<Formula::Node>& nodes)
     : nonnegative(nodes.size(), false), partial(nodes.size(), false) {

@@ -4,7 +4,8 @@
 // ends the next rod goes on where the last one stopped. Each function alone jumps there, and its set would
 // have a face; the min is continuous. So arguments of a min or max that jump stay one surface together, if
 // their min or max is found to be continuous wherever they are found to jump. Others are sets of their own,
-// and so are those whose faces are meant (steps).
+// and so are those whose faces are meant (steps), and those that have sharp edges of their own (square
+// rods), which would be rounded off.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -13,7 +14,7 @@
 #include <utility>
 #include <vector>
 
-#include "host/formula/formula.hpp"
+#include "host/formula/formula_set.hpp"
 
 namespace mortise::formula {
 namespace {
@@ -29,30 +30,13 @@ constexpr std::size_t kMostNumbers = 4'000'000;       ///< values that are kept
 constexpr int kLeastLines = 4;                        ///< of each length, or too little is known
 constexpr double kSame = 1e-6;  ///< relative difference of the values beside a jump that is none
 
-/// Whether an operation may jump where its arguments do not.
-bool steps(std::int32_t operation) {
-    switch (operation) {
-        case kExprFloor:
-        case kExprCeil:
-        case kExprRound:
-        case kExprSign:
-        case kExprNot:
-        case kExprAtan2:
-        case kExprMod:
-        case kExprCompare:
-        case kExprAnd:
-        case kExprOr: return true;
-        default: return false;
-    }
-}
-
 /// Which nodes have an operation that steps below them, or are one.
 std::vector<std::uint8_t> find_steps(const Formula& formula) {
     std::vector<std::uint8_t> found(formula.root + 1, 0);
     for (Index i = 0; i <= formula.root; ++i) {
         const Formula::Node& n = formula.nodes()[i];
         if (expression_is_leaf(n.operation)) continue;
-        found[i] = steps(n.operation) || found[n.a] != 0 ||
+        found[i] = Formula::steps(n.operation) || found[n.a] != 0 ||
                            (expression_is_binary(n.operation) != 0 && found[n.b] != 0)
                        ? 1
                        : 0;
@@ -69,7 +53,7 @@ class JumpSearch {
 
     explicit JumpSearch(const Formula& formula) : nodes_(formula.nodes()), count_(formula.root + 1) {
         for (Index i = 0; i < count_; ++i) {
-            if (steps(nodes_[i].operation)) stepping_.push_back(i);
+            if (Formula::steps(nodes_[i].operation)) stepping_.push_back(i);
         }
         for (; lines_ < kLines && !is_spent(); ++lines_) {
             for (int power = kLeastPower; power <= kMostPower; ++power) search_line(std::pow(10.0, power));

@@ -12,6 +12,7 @@
 #include "host/common/constants.hpp"
 #include "host/common/coordinate_limits.hpp"
 #include "host/formula/expression_parser.hpp"
+#include "host/formula/formula_set.hpp"
 #include "host/tape/affine_map.hpp"
 #include "host/tape/bodies.hpp"
 #include "host/tape/hints.hpp"

@@ -5,6 +5,7 @@
 #include <functional>
 
 #include "host/formula/expression_parser.hpp"
+#include "host/formula/formula_set.hpp"
 #include "host/tape/reference.hpp"
 #include "tests/mesher/random_source.hpp"
 #include "tests/tape/bound_models.hpp"
